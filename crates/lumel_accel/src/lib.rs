@@ -1,0 +1,1 @@
+//! The ray tracer of the lumel baker

@@ -1,0 +1,1 @@
+//! Fields of light and the bases they are stored in

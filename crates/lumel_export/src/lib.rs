@@ -1,0 +1,1 @@
+//! Writes and reads lighting solutions and pictures

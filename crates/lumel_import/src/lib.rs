@@ -1,0 +1,1 @@
+//! Reads OBJ, glTF, PLY, textures and project files into lumel scenes

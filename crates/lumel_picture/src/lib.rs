@@ -1,0 +1,1 @@
+//! Draws lit scenes on the CPU

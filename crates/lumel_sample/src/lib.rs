@@ -1,0 +1,1 @@
+//! Sample sequences and warps for light transport

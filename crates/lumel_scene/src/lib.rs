@@ -1,0 +1,1 @@
+//! Units, meshes, materials, lights and the immutable scene of the lumel baker

@@ -1,0 +1,1 @@
+//! Solves for all bounces of light, with checkpoints
