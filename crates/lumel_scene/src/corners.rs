@@ -1,0 +1,125 @@
+//! Which corners around a vertex belong together.
+
+use crate::builder::{Face, ObjectMesh};
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// The corners of a mesh, three per face, gathered into points; two corners may only be joined at one point.
+pub(crate) struct Corners {
+    /// The point of each vertex.
+    point_of: Vec<u32>,
+    /// Corners (`3 * face + corner`) sorted by point.
+    sorted: Vec<u32>,
+}
+
+impl Corners {
+    /// Every vertex is a point of its own.
+    pub(crate) fn by_vertex(mesh: &ObjectMesh) -> Self {
+        Self::new(mesh, (0..mesh.positions.len() as u32).collect())
+    }
+
+    /// Vertices at the same position are one point.
+    pub(crate) fn by_position(mesh: &ObjectMesh) -> Self {
+        let mut first = HashMap::new();
+        // Adding zero turns -0 into 0, which must weld.
+        let key = |p: &Vec3| (*p + Vec3::ZERO).to_array().map(f32::to_bits);
+        let point_of =
+            mesh.positions.iter().enumerate().map(|(i, p)| *first.entry(key(p)).or_insert(i as u32));
+        let point_of = point_of.collect();
+        Self::new(mesh, point_of)
+    }
+
+    fn new(mesh: &ObjectMesh, point_of: Vec<u32>) -> Self {
+        let mut sorted: Vec<u32> = (0..3 * mesh.faces.len() as u32).collect();
+        sorted.sort_by_key(|&corner| point_of[vertex_of(&mesh.faces, corner) as usize]);
+        Self { point_of, sorted }
+    }
+
+    fn point(&self, faces: &[Face], corner: u32) -> u32 {
+        self.point_of[vertex_of(faces, corner) as usize]
+    }
+
+    /// A group for each corner: corners at one point whose faces are chained by common edges across which
+    /// `joined(face, face)` holds. Edges of more than two faces join nothing.
+    ///
+    /// A group's number is its first corner in face order.
+    pub(crate) fn groups(&self, faces: &[Face], joined: impl Fn(usize, usize) -> bool) -> Vec<u32> {
+        let mut groups = UnionFind::new(self.sorted.len());
+        let mut spokes: Vec<(u32, u32)> = Vec::new();
+        for run in self.sorted.chunk_by(|&a, &b| self.point(faces, a) == self.point(faces, b)) {
+            spokes.clear();
+            for &corner in run {
+                let (face, k) = (corner / 3 * 3, corner % 3);
+                for other in [face + (k + 1) % 3, face + (k + 2) % 3] {
+                    spokes.push((self.point(faces, other), corner));
+                }
+            }
+            spokes.sort_unstable();
+            for edge in spokes.chunk_by(|a, b| a.0 == b.0) {
+                if let [(_, a), (_, b)] = *edge
+                    && joined(a as usize / 3, b as usize / 3)
+                {
+                    groups.join(a, b);
+                }
+            }
+        }
+        (0..self.sorted.len() as u32).map(|corner| groups.find(corner)).collect()
+    }
+}
+
+fn vertex_of(faces: &[Face], corner: u32) -> u32 {
+    faces[corner as usize / 3].vertices[corner as usize % 3]
+}
+
+/// Gives every group of corners at a vertex a vertex of its own.
+///
+/// The first group keeps the vertex, the others get copies at the end, so that the order of the file is kept.
+pub(crate) fn split_vertices(mesh: &mut ObjectMesh, groups: &[u32]) {
+    let mut group_at: Vec<Option<u32>> = vec![None; mesh.positions.len()];
+    let mut copies: HashMap<(u32, u32), u32> = HashMap::new();
+    for corner in 0..groups.len() {
+        let vertex = mesh.faces[corner / 3].vertices[corner % 3];
+        let group = groups[corner];
+        if *group_at[vertex as usize].get_or_insert(group) == group {
+            continue;
+        }
+        let copy = *copies.entry((vertex, group)).or_insert_with(|| mesh_copy(mesh, vertex));
+        mesh.faces[corner / 3].vertices[corner % 3] = copy;
+    }
+}
+
+fn mesh_copy(mesh: &mut ObjectMesh, vertex: u32) -> u32 {
+    fn again<T: Copy>(list: &mut Vec<T>, index: u32) {
+        if let Some(&value) = list.get(index as usize) {
+            list.push(value);
+        }
+    }
+    again(&mut mesh.positions, vertex);
+    again(&mut mesh.normals, vertex);
+    again(&mut mesh.uvs, vertex);
+    again(&mut mesh.tints, vertex);
+    mesh.positions.len() as u32 - 1
+}
+
+struct UnionFind(Vec<u32>);
+
+impl UnionFind {
+    fn new(n: usize) -> Self {
+        Self((0..n as u32).collect())
+    }
+
+    fn find(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            let parent = self.0[i as usize];
+            self.0[i as usize] = self.0[parent as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    /// Joins two groups under the smaller number.
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}

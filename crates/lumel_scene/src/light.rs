@@ -1,0 +1,140 @@
+//! Lights that are not surfaces.
+
+use crate::{Radiance, TextureId};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// A one-sided rectangle that emits the same radiance in all directions of its front.
+///
+/// Light leaves on the `u × v` side. It is not geometry: rays pass through it and it reflects nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RectLight {
+    /// Centre.
+    pub center: Vec3,
+    /// Half of the one edge.
+    pub u: Vec3,
+    /// Half of the other edge, at a right angle to `u`.
+    pub v: Vec3,
+    /// Emitted radiance, W·m⁻²·sr⁻¹; multiplies the texture when there is one.
+    pub radiance: Radiance,
+    /// Radiance over the rectangle, relative to `radiance`: the image's right is `+u`, its top `+v`.
+    pub texture: Option<TextureId>,
+}
+
+impl RectLight {
+    /// Area of the rectangle, m².
+    pub fn area(&self) -> f32 {
+        4.0 * self.u.cross(self.v).length()
+    }
+
+    /// Unit vector towards the lit side; `None` for a rectangle without area.
+    pub fn normal(&self) -> Option<Vec3> {
+        self.u.cross(self.v).try_normalize()
+    }
+
+    /// The four corners, counter-clockwise seen from the lit side.
+    pub fn corners(&self) -> [Vec3; 4] {
+        let Self { center, u, v, .. } = *self;
+        [center - u - v, center + u - v, center + u + v, center - u + v]
+    }
+
+    /// The point at `(s, t)` of the unit square.
+    #[inline]
+    pub fn point(&self, [s, t]: [f32; 2]) -> Vec3 {
+        self.center + self.u * (2.0 * s - 1.0) + self.v * (2.0 * t - 1.0)
+    }
+}
+
+/// A point that shines the same in all directions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointLight {
+    /// Position.
+    pub position: Vec3,
+    /// Radiant intensity, W·sr⁻¹.
+    pub intensity: Vec3,
+    /// Distance beyond which it does not reach, metres; infinity for no limit.
+    pub range: f32,
+}
+
+/// A point that shines into a cone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpotLight {
+    /// Position, intensity along the axis and reach.
+    pub point: PointLight,
+    /// The axis, unit vector away from the light.
+    pub direction: Vec3,
+    /// Cosine of the angle from the axis where the light begins to fall off.
+    pub cos_inner: f32,
+    /// Cosine of the angle from the axis where it has faded to nothing; less than `cos_inner`.
+    pub cos_outer: f32,
+}
+
+/// Parallel light from infinitely far away.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DirectionalLight {
+    /// The direction the light travels in, unit vector.
+    pub direction: Vec3,
+    /// Irradiance on a surface that faces it, W·m⁻².
+    pub irradiance: Vec3,
+}
+
+/// A light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Light {
+    /// A rectangle.
+    Rect(RectLight),
+    /// A point.
+    Point(PointLight),
+    /// A cone.
+    Spot(SpotLight),
+    /// A far-away sun.
+    Directional(DirectionalLight),
+}
+
+impl PointLight {
+    /// Intensity over squared distance at distance `d`, with the smooth end at `range` that glTF recommends.
+    pub fn normal_irradiance(&self, distance: f32) -> Vec3 {
+        let window = (1.0 - (distance / self.range).powi(4)).clamp(0.0, 1.0);
+        self.intensity * (window / (distance * distance))
+    }
+}
+
+impl SpotLight {
+    /// Share of the axial intensity towards `direction` (unit vector away from the light).
+    pub fn falloff(&self, direction: Vec3) -> f32 {
+        let span = (self.cos_inner - self.cos_outer).max(1e-4);
+        let share = ((self.direction.dot(direction) - self.cos_outer) / span).clamp(0.0, 1.0);
+        share * share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rectangle_area_is_that_of_its_corners() {
+        let light = RectLight {
+            center: Vec3::ONE,
+            u: Vec3::X * 0.5,
+            v: Vec3::Z * 2.0,
+            radiance: Radiance::splat(1.0),
+            texture: None,
+        };
+        let [a, b, c, _] = light.corners();
+        assert_eq!(light.area(), (b - a).length() * (c - b).length());
+        assert_eq!(light.normal(), Some(-Vec3::Y));
+        assert_eq!(light.point([0.0, 0.0]), a);
+        assert_eq!(light.point([1.0, 1.0]), c);
+    }
+
+    #[test]
+    fn spot_fades_between_its_cones() {
+        let point = PointLight { position: Vec3::ZERO, intensity: Vec3::ONE, range: f32::INFINITY };
+        let spot = SpotLight { point, direction: Vec3::Z, cos_inner: 0.9, cos_outer: 0.5 };
+        assert_eq!(spot.falloff(Vec3::Z), 1.0);
+        assert_eq!(spot.falloff(Vec3::X), 0.0);
+        assert_eq!(point.normal_irradiance(2.0), Vec3::splat(0.25));
+    }
+}

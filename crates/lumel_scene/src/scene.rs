@@ -1,0 +1,346 @@
+//! The immutable scene that everything else reads.
+
+use crate::builder::{ObjectMesh, SceneBuilder};
+use crate::{
+    Albedo, Barycentrics, Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, SceneHash,
+    SurfacePoint, Texture, TextureRef, TriId,
+};
+use glam::{Vec2, Vec3};
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest coordinates.
+    pub min: Vec3,
+    /// Largest coordinates.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The smallest box around some points; inverted when there are none.
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+        let empty = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+        points.into_iter().fold(empty, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// The middle.
+    pub fn center(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+
+    /// Length from corner to corner, metres.
+    pub fn diagonal(&self) -> f32 {
+        (self.max - self.min).length()
+    }
+}
+
+/// The side of a triangle that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceSide {
+    /// Its corners run counter-clockwise.
+    Front,
+    /// Its corners run clockwise.
+    Back,
+}
+
+/// Surfaces and lights in world space; never changes after it is built.
+///
+/// The first [`Scene::traced_count`] triangles are what rays meet. Two-sided ones among them have a second triangle
+/// for their back, after those, with reversed corners and vertices of its own: light on the two sides of a thin wall
+/// never mixes, and every triangle is lit from its front only.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    name: String,
+    faces: FaceList,
+    object_names: Vec<String>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    lights: Vec<Light>,
+    cameras: Vec<Camera>,
+    sky: Radiance,
+    bounds: Bounds,
+}
+
+/// Triangles and vertices of all objects in one list.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FaceList {
+    pub(crate) positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    tints: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    materials: Vec<MaterialId>,
+    objects: Vec<ObjectId>,
+    /// Triangles up to here are met by rays.
+    traced: usize,
+    /// The triangle on the other side, or itself if there is none.
+    other_side: Vec<TriId>,
+    object_names: Vec<String>,
+}
+
+impl FaceList {
+    /// Adds an object without the vertices that no face uses.
+    pub(crate) fn append(&mut self, id: ObjectId, mesh: ObjectMesh) {
+        self.object_names.push(mesh.name);
+        let mut used = vec![false; mesh.positions.len()];
+        for vertex in mesh.faces.iter().flat_map(|f| f.vertices) {
+            used[vertex as usize] = true;
+        }
+        let mut new_index = vec![u32::MAX; used.len()];
+        for old in (0..used.len()).filter(|&v| used[v]) {
+            new_index[old] = self.positions.len() as u32;
+            self.positions.push(mesh.positions[old]);
+            self.normals.push(mesh.normals[old]);
+            self.uvs.push(mesh.uvs.get(old).copied().unwrap_or_default());
+            self.tints.push(mesh.tints.get(old).copied().unwrap_or(Vec3::ONE));
+        }
+        for face in mesh.faces {
+            self.triangles.push(face.vertices.map(|v| new_index[v as usize]));
+            self.materials.push(face.material);
+            self.objects.push(id);
+        }
+    }
+
+    /// Gives every triangle of a two-sided material a partner for its back.
+    pub(crate) fn add_back_sides(&mut self, two_sided: &[bool]) {
+        self.traced = self.triangles.len();
+        self.other_side = (0..self.traced as u32).map(TriId).collect();
+        let mut back_vertex = vec![u32::MAX; self.positions.len()];
+        for tri in 0..self.traced {
+            if !two_sided[self.materials[tri].index()] {
+                continue;
+            }
+            let [a, b, c] = self.triangles[tri].map(|front| {
+                if back_vertex[front as usize] == u32::MAX {
+                    back_vertex[front as usize] = self.positions.len() as u32;
+                    self.copy_vertex_for_back(front as usize);
+                }
+                back_vertex[front as usize]
+            });
+            self.other_side[tri] = TriId(self.triangles.len() as u32);
+            self.other_side.push(TriId(tri as u32));
+            self.triangles.push([b, a, c]);
+            self.materials.push(self.materials[tri]);
+            self.objects.push(self.objects[tri]);
+        }
+    }
+
+    fn copy_vertex_for_back(&mut self, front: usize) {
+        self.positions.push(self.positions[front]);
+        self.normals.push(-self.normals[front]);
+        self.uvs.push(self.uvs[front]);
+        self.tints.push(self.tints[front]);
+    }
+}
+
+impl Scene {
+    pub(crate) fn new(builder: SceneBuilder, mut faces: FaceList) -> Self {
+        Self {
+            name: builder.name,
+            bounds: Bounds::around(faces.positions.iter().copied()),
+            object_names: std::mem::take(&mut faces.object_names),
+            faces,
+            materials: builder.materials,
+            textures: builder.textures,
+            lights: builder.lights,
+            cameras: builder.cameras,
+            sky: builder.sky,
+        }
+    }
+
+    /// The scene's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.faces.positions.len()
+    }
+
+    /// Number of triangles, back sides included.
+    pub fn triangle_count(&self) -> usize {
+        self.faces.triangles.len()
+    }
+
+    /// Number of triangles that rays meet: the first ones.
+    pub fn traced_count(&self) -> usize {
+        self.faces.traced
+    }
+
+    /// Vertex positions, metres.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.faces.positions
+    }
+
+    /// Vertex normals, unit length, on the lit side.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.faces.normals
+    }
+
+    /// Texture coordinates of the vertices, `v` down; zero where the file has none.
+    pub fn uvs(&self) -> &[Vec2] {
+        &self.faces.uvs
+    }
+
+    /// Vertex colours that multiply the albedo; one where the file has none.
+    pub fn tints(&self) -> &[Vec3] {
+        &self.faces.tints
+    }
+
+    /// Vertex indices of all triangles.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.faces.triangles
+    }
+
+    /// Names of the objects; indexed by [`ObjectId`].
+    pub fn object_names(&self) -> &[String] {
+        &self.object_names
+    }
+
+    /// The materials; indexed by [`MaterialId`].
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The textures; indexed by [`TextureId`](crate::TextureId).
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// The viewpoints; the first is the default.
+    pub fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+
+    /// Radiance from outside the scene.
+    pub fn sky(&self) -> Radiance {
+        self.sky
+    }
+
+    /// Bounds of all vertices.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Hashes that tell this scene from others.
+    pub fn hash(&self) -> SceneHash {
+        SceneHash::of(self)
+    }
+
+    /// Vertex indices of a triangle.
+    #[inline]
+    pub fn triangle(&self, tri: TriId) -> [u32; 3] {
+        self.faces.triangles[tri.index()]
+    }
+
+    /// Corner positions of a triangle.
+    #[inline]
+    pub fn triangle_positions(&self, tri: TriId) -> [Vec3; 3] {
+        self.triangle(tri).map(|v| self.faces.positions[v as usize])
+    }
+
+    /// The object a triangle belongs to.
+    pub fn object_id(&self, tri: TriId) -> ObjectId {
+        self.faces.objects[tri.index()]
+    }
+
+    /// The material of a triangle.
+    #[inline]
+    pub fn material_id(&self, tri: TriId) -> MaterialId {
+        self.faces.materials[tri.index()]
+    }
+
+    /// The material of a triangle.
+    #[inline]
+    pub fn material(&self, tri: TriId) -> &Material {
+        &self.materials[self.material_id(tri).index()]
+    }
+
+    /// Unit normal from the winding of a triangle, computed in f64.
+    pub fn geometric_normal(&self, tri: TriId) -> Vec3 {
+        let [a, b, c] = self.triangle_positions(tri).map(|p| p.as_dvec3());
+        (b - a).cross(c - a).normalize_or(glam::DVec3::Y).as_vec3()
+    }
+
+    /// Area of a triangle, m², computed in f64.
+    pub fn area(&self, tri: TriId) -> f32 {
+        let [a, b, c] = self.triangle_positions(tri).map(|p| p.as_dvec3());
+        (0.5 * (b - a).cross(c - a).length()) as f32
+    }
+
+    /// Position of a surface point.
+    #[inline]
+    pub fn position(&self, at: SurfacePoint) -> Vec3 {
+        self.interpolate(&self.faces.positions, at)
+    }
+
+    /// Interpolated vertex normal, unit length.
+    pub fn shading_normal(&self, at: SurfacePoint) -> Vec3 {
+        self.interpolate(&self.faces.normals, at)
+            .try_normalize()
+            .unwrap_or_else(|| self.geometric_normal(at.tri))
+    }
+
+    /// Interpolated texture coordinate.
+    #[inline]
+    pub fn uv(&self, at: SurfacePoint) -> Vec2 {
+        let ([a, b, c], [wa, wb, wc]) = (self.triangle(at.tri), at.bary.weights());
+        let uv = &self.faces.uvs;
+        uv[a as usize] * wa + uv[b as usize] * wb + uv[c as usize] * wc
+    }
+
+    /// Albedo at a surface point, clamped to [`MAX_ALBEDO`].
+    #[inline]
+    pub fn albedo(&self, at: SurfacePoint) -> Albedo {
+        let material = self.material(at.tri);
+        let tint = self.interpolate(&self.faces.tints, at);
+        let texture = self.texture_value(material.albedo_texture, at);
+        Albedo((material.albedo * tint * texture).clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)))
+    }
+
+    /// Emitted radiance at a surface point, on the front of its triangle.
+    #[inline]
+    pub fn emission(&self, at: SurfacePoint) -> Radiance {
+        let material = self.material(at.tri);
+        if !material.emits() {
+            return Radiance::ZERO;
+        }
+        Radiance(material.emission.0 * self.texture_value(material.emission_texture, at))
+    }
+
+    /// The triangle that rays meet for this one: itself, or the front whose back it is.
+    #[inline]
+    pub fn traced(&self, tri: TriId) -> TriId {
+        if tri.index() < self.faces.traced { tri } else { self.faces.other_side[tri.index()] }
+    }
+
+    /// The lit surface point that a ray sees when it meets the traced triangle of `at` on `side`.
+    ///
+    /// `None` for the back of a one-sided triangle: it neither emits nor reflects.
+    #[inline]
+    pub fn seen_side(&self, at: SurfacePoint, side: FaceSide) -> Option<SurfacePoint> {
+        if side == FaceSide::Front {
+            return Some(at);
+        }
+        let other = self.faces.other_side[at.tri.index()];
+        let bary = Barycentrics { u: at.bary.v, v: at.bary.u };
+        (other != at.tri).then_some(SurfacePoint { tri: other, bary })
+    }
+
+    #[inline]
+    fn texture_value(&self, texture: Option<TextureRef>, at: SurfacePoint) -> Vec3 {
+        texture.map_or(Vec3::ONE, |t| self.textures[t.texture.index()].sample(t.transform.apply(self.uv(at))))
+    }
+
+    #[inline]
+    fn interpolate(&self, values: &[Vec3], at: SurfacePoint) -> Vec3 {
+        let ([a, b, c], [wa, wb, wc]) = (self.triangle(at.tri), at.bary.weights());
+        values[a as usize] * wa + values[b as usize] * wb + values[c as usize] * wc
+    }
+}

@@ -1,0 +1,222 @@
+//! Images on surfaces and lights.
+
+use glam::{Vec2, Vec3};
+use std::sync::LazyLock;
+
+/// How the stored numbers of a texture become linear light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// sRGB transfer curve.
+    Srgb,
+    /// Linear.
+    Linear,
+}
+
+/// What a texture shows outside the unit square.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image mirrored.
+    Mirror,
+    /// Its last texel.
+    Clamp,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Texels {
+    Bytes { rgba: Vec<[u8; 4]>, encoding: Encoding },
+    Floats(Vec<[f32; 3]>),
+}
+
+/// An image with texel (0, 0) at the top left; `v` of a texture coordinate points down, as in glTF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// File or generator it came from.
+    pub name: String,
+    width: u32,
+    height: u32,
+    texels: Texels,
+    /// Behaviour left and right of the image.
+    pub wrap_u: Wrap,
+    /// Behaviour above and below it.
+    pub wrap_v: Wrap,
+}
+
+static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| {
+        let c = byte as f64 / 255.0;
+        (if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }) as f32
+    })
+});
+
+impl Texture {
+    /// A texture of bytes, row by row from the top. `None` unless `rgba.len() == width * height > 0`.
+    pub fn from_bytes(
+        name: &str,
+        width: u32,
+        height: u32,
+        rgba: Vec<[u8; 4]>,
+        encoding: Encoding,
+    ) -> Option<Self> {
+        let fits = rgba.len() == width as usize * height as usize && !rgba.is_empty();
+        fits.then(|| Self::new(name, width, height, Texels::Bytes { rgba, encoding }))
+    }
+
+    /// A texture of linear floats, row by row from the top. `None` unless `rgb.len() == width * height > 0`.
+    ///
+    /// Texels that are negative or not finite become zero.
+    pub fn from_floats(name: &str, width: u32, height: u32, mut rgb: Vec<[f32; 3]>) -> Option<Self> {
+        let fits = rgb.len() == width as usize * height as usize && !rgb.is_empty();
+        for channel in rgb.as_flattened_mut() {
+            if !(channel.is_finite() && *channel >= 0.0) {
+                *channel = 0.0;
+            }
+        }
+        fits.then(|| Self::new(name, width, height, Texels::Floats(rgb)))
+    }
+
+    fn new(name: &str, width: u32, height: u32, texels: Texels) -> Self {
+        Self {
+            name: name.to_owned(),
+            width,
+            height,
+            texels,
+            wrap_u: Wrap::default(),
+            wrap_v: Wrap::default(),
+        }
+    }
+
+    /// Width and height in texels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// The stored bytes and their encoding, for writing the image out again; `None` for float textures.
+    pub fn bytes(&self) -> Option<(&[[u8; 4]], Encoding)> {
+        match &self.texels {
+            Texels::Bytes { rgba, encoding } => Some((rgba, *encoding)),
+            Texels::Floats(_) => None,
+        }
+    }
+
+    /// One texel, linear. `x` and `y` must be inside the image.
+    #[inline]
+    pub fn texel(&self, x: u32, y: u32) -> Vec3 {
+        let index = y as usize * self.width as usize + x as usize;
+        match &self.texels {
+            Texels::Bytes { rgba, encoding: Encoding::Srgb } => {
+                let [r, g, b, _] = rgba[index];
+                let table = &*SRGB_TO_LINEAR;
+                Vec3::new(table[r as usize], table[g as usize], table[b as usize])
+            }
+            Texels::Bytes { rgba, encoding: Encoding::Linear } => {
+                let [r, g, b, _] = rgba[index];
+                Vec3::new(r as f32, g as f32, b as f32) / 255.0
+            }
+            Texels::Floats(rgb) => Vec3::from_array(rgb[index]),
+        }
+    }
+
+    /// Bilinear look-up at a texture coordinate, linear.
+    pub fn sample(&self, uv: Vec2) -> Vec3 {
+        if !uv.is_finite() {
+            return self.texel(0, 0);
+        }
+        let (x0, x1, fx) = neighbours(uv.x, self.width, self.wrap_u);
+        let (y0, y1, fy) = neighbours(uv.y, self.height, self.wrap_v);
+        let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
+        let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
+        top.lerp(bottom, fy)
+    }
+
+    /// The largest texel in each channel.
+    pub fn max(&self) -> Vec3 {
+        self.all_texels().fold(Vec3::ZERO, Vec3::max)
+    }
+
+    /// The mean texel.
+    pub fn mean(&self) -> Vec3 {
+        let sum = self.all_texels().fold(glam::DVec3::ZERO, |sum, texel| sum + texel.as_dvec3());
+        (sum / (self.width as f64 * self.height as f64)).as_vec3()
+    }
+
+    fn all_texels(&self) -> impl Iterator<Item = Vec3> + '_ {
+        (0..self.height).flat_map(move |y| (0..self.width).map(move |x| self.texel(x, y)))
+    }
+}
+
+/// The two texels around a coordinate and the weight of the second.
+fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
+    // Wrapping first keeps the texel position small, so that far-away coordinates lose no precision.
+    let wrapped = match wrap {
+        Wrap::Repeat => coordinate.rem_euclid(1.0),
+        Wrap::Mirror => coordinate.rem_euclid(2.0),
+        Wrap::Clamp => coordinate.clamp(0.0, 1.0),
+    };
+    let position = wrapped * size as f32 - 0.5;
+    let first = position.floor();
+    let fold = |index: i64| -> u32 {
+        let n = i64::from(size);
+        (match wrap {
+            Wrap::Repeat => index.rem_euclid(n),
+            Wrap::Mirror => {
+                let m = index.rem_euclid(2 * n);
+                m.min(2 * n - 1 - m)
+            }
+            Wrap::Clamp => index.clamp(0, n - 1),
+        }) as u32
+    };
+    (fold(first as i64), fold(first as i64 + 1), position - first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(wrap: Wrap) -> Texture {
+        let rgb = vec![[0.0; 3], [1.0; 3], [2.0; 3], [3.0; 3]];
+        let mut texture = Texture::from_floats("ramp", 4, 1, rgb).unwrap();
+        texture.wrap_u = wrap;
+        texture
+    }
+
+    #[test]
+    fn texel_centres_return_their_texel() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for x in 0..4 {
+                let uv = Vec2::new((x as f32 + 0.5) / 4.0, 0.5);
+                assert!((ramp(wrap).sample(uv).x - x as f32).abs() < 1e-5, "{wrap:?} {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn wrapping_follows_its_rule_beyond_the_edge() {
+        let beyond = Vec2::new(1.0 + 0.5 / 4.0, 0.5);
+        assert!((ramp(Wrap::Repeat).sample(beyond).x - 0.0).abs() < 1e-5);
+        assert!((ramp(Wrap::Mirror).sample(beyond).x - 3.0).abs() < 1e-5);
+        assert!((ramp(Wrap::Clamp).sample(beyond).x - 3.0).abs() < 1e-5);
+        let seam = Vec2::new(0.0, 0.5);
+        assert!((ramp(Wrap::Repeat).sample(seam).x - 1.5).abs() < 1e-5);
+        assert!((ramp(Wrap::Clamp).sample(seam).x - 0.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn srgb_bytes_become_linear() {
+        let texture = Texture::from_bytes("grey", 1, 1, vec![[188, 0, 255, 255]], Encoding::Srgb).unwrap();
+        let value = texture.sample(Vec2::ZERO);
+        assert!((value.x - 0.502_886).abs() < 1e-5 && value.y == 0.0 && value.z == 1.0);
+    }
+
+    #[test]
+    fn sizes_that_do_not_fit_are_refused_and_bad_floats_become_zero() {
+        assert!(Texture::from_bytes("x", 2, 2, vec![[0; 4]; 3], Encoding::Srgb).is_none());
+        assert!(Texture::from_floats("x", 0, 0, vec![]).is_none());
+        let texture = Texture::from_floats("x", 1, 1, vec![[f32::NAN, -1.0, 2.0]]).unwrap();
+        assert_eq!(texture.texel(0, 0), Vec3::new(0.0, 0.0, 2.0));
+        assert!(texture.sample(Vec2::splat(f32::NAN)).is_finite());
+        assert!(texture.sample(Vec2::splat(1e30)).is_finite());
+    }
+}

@@ -1,0 +1,60 @@
+//! Partial failures: collected, never lost, never fatal.
+
+use std::fmt;
+
+/// Something in the input that lumel went on without.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// What it is about: a file, an object, a material.
+    pub subject: String,
+    /// What happened, and what lumel does instead.
+    pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.subject.is_empty() {
+            f.write_str(&self.message)
+        } else {
+            write!(f, "{}: {}", self.subject, self.message)
+        }
+    }
+}
+
+/// Warnings in the order they arose, each text once.
+#[derive(Clone, Debug, Default)]
+pub struct Warnings {
+    list: Vec<Warning>,
+}
+
+impl Warnings {
+    /// Adds a warning unless the same one is there already.
+    pub fn push(&mut self, subject: impl Into<String>, message: impl Into<String>) {
+        let warning = Warning { subject: subject.into(), message: message.into() };
+        if !self.list.contains(&warning) {
+            self.list.push(warning);
+        }
+    }
+
+    /// Adds all of `other`.
+    pub fn append(&mut self, other: Warnings) {
+        for Warning { subject, message } in other.list {
+            self.push(subject, message);
+        }
+    }
+
+    /// The warnings.
+    pub fn iter(&self) -> std::slice::Iter<'_, Warning> {
+        self.list.iter()
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+}
