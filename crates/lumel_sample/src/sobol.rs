@@ -171,8 +171,8 @@ mod tests {
         let m = |columns: [u32; 32]| std::array::from_fn::<u32, 6, _>(|i| columns[i] >> (31 - i));
         assert_eq!(m(direction_numbers(0b11, &[1])), [1, 3, 5, 15, 17, 51]);
         assert_eq!(m(direction_numbers(0b111, &[1, 3])), [1, 3, 3, 9, 29, 23]);
-        // x³ + x² + 1 with m = 1, 3, 7 is the example of the article.
-        assert_eq!(m(direction_numbers(0b1101, &[1, 3, 7])), [1, 3, 7, 5, 7, 43]);
+        // The example of the article.
+        assert_eq!(m(direction_numbers(0b1011, &[1, 3, 7])), [1, 3, 7, 5, 7, 43]);
     }
 
     #[test]
