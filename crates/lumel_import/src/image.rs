@@ -1,0 +1,192 @@
+//! Decoding of image files into textures.
+
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use lumel_scene::{Encoding, Texture, TextureId, Wrap};
+use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
+use std::io::Cursor;
+use std::mem::discriminant;
+use std::path::{Path, PathBuf};
+
+/// The widest and highest image that is accepted, texels.
+const MAX_SIDE: u32 = 32_768;
+/// The most memory an image may take while it is decoded and as a texture, bytes: 16,384² texels of RGBA.
+const MAX_BYTES: u64 = 1 << 30;
+/// Image formats that can be read, for messages.
+const FORMATS: &str = "png, jpeg, tga, bmp, hdr, tiff or webp";
+
+/// Why an image cannot be used as a texture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TextureError {
+    /// The file cannot be read.
+    #[error("cannot read image {name}: {problem}")]
+    Read {
+        /// The image.
+        name: String,
+        /// What the operating system says.
+        problem: String,
+    },
+    /// It is not in a format that we read.
+    #[error("image {name} is in no known format; convert it to {FORMATS}")]
+    UnknownFormat {
+        /// The image.
+        name: String,
+    },
+    /// It is damaged, or uses a variant of its format that we do not read.
+    #[error("cannot decode image {name}: {problem}")]
+    Decode {
+        /// The image.
+        name: String,
+        /// What the decoder says.
+        problem: String,
+    },
+    /// It would take too much memory.
+    #[error("image {name} has {width} x {height} texels, more than lumel reads; scale it down")]
+    TooLarge {
+        /// The image.
+        name: String,
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+    },
+}
+
+/// Reads an image file.
+///
+/// `encoding` says what integer images hold: [`Encoding::Srgb`] for colours, [`Encoding::Linear`] for normals and
+/// other data. Floating-point images (HDR, float TIFF) are always linear. Channels of 16 bits are rounded to 8.
+///
+/// # Errors
+/// See [`TextureError`].
+pub fn load_texture(path: &Path, encoding: Encoding) -> Result<Texture, TextureError> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|error| TextureError::Read { name: name.clone(), problem: error.to_string() })?;
+    let extension = path.extension().and_then(|e| e.to_str());
+    decode(&bytes, &name, extension, encoding)
+}
+
+/// Decodes an image in memory; `name` is for messages and becomes the texture's name, `extension` helps where the
+/// content does not tell the format.
+///
+/// # Errors
+/// See [`TextureError`].
+pub(crate) fn decode(
+    bytes: &[u8],
+    name: &str,
+    extension: Option<&str>,
+    encoding: Encoding,
+) -> Result<Texture, TextureError> {
+    let by_extension = extension.and_then(ImageFormat::from_extension).filter(ImageFormat::reading_enabled);
+    let by_content = image::guess_format(bytes).ok().filter(ImageFormat::reading_enabled);
+    // TGA has no magic number, so there the extension comes first; elsewhere extensions are often wrong.
+    let candidates = match by_extension {
+        Some(ImageFormat::Tga) => [by_extension, by_content],
+        _ => [by_content, by_extension.filter(|_| by_content.is_none())],
+    };
+    let mut first_error = None;
+    for format in candidates.into_iter().flatten() {
+        match decode_as(bytes, name, format) {
+            Ok(image) => return into_texture(image, name, encoding),
+            Err(error) => first_error = first_error.or(Some(error)),
+        }
+    }
+    Err(first_error.unwrap_or_else(|| TextureError::UnknownFormat { name: name.to_owned() }))
+}
+
+fn decode_as(bytes: &[u8], name: &str, format: ImageFormat) -> Result<DynamicImage, TextureError> {
+    let failed =
+        |error: image::ImageError| TextureError::Decode { name: name.to_owned(), problem: error.to_string() };
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_BYTES);
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(failed)?;
+    let (width, height) = decoder.dimensions();
+    let as_texture = u64::from(width) * u64::from(height) * bytes_per_texel(decoder.color_type());
+    if decoder.total_bytes().max(as_texture) > MAX_BYTES {
+        return Err(TextureError::TooLarge { name: name.to_owned(), width, height });
+    }
+    DynamicImage::from_decoder(decoder).map_err(failed)
+}
+
+/// What a texel takes in a [`Texture`].
+fn bytes_per_texel(color: image::ColorType) -> u64 {
+    if matches!(color, image::ColorType::Rgb32F | image::ColorType::Rgba32F) { 12 } else { 4 }
+}
+
+fn into_texture(image: DynamicImage, name: &str, encoding: Encoding) -> Result<Texture, TextureError> {
+    let (width, height) = (image.width(), image.height());
+    let texture = match image {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            let texels = image.into_rgb32f().pixels().map(|p| p.0).collect();
+            Texture::from_floats(name, width, height, texels)
+        }
+        integer => {
+            let texels = integer.into_rgba8().pixels().map(|p| p.0).collect();
+            Texture::from_bytes(name, width, height, texels, encoding)
+        }
+    };
+    texture.ok_or_else(|| TextureError::Decode { name: name.to_owned(), problem: "it has no texels".into() })
+}
+
+/// What makes two uses of an image the same texture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct TextureKey {
+    /// The file, in canonical form, or any name that is unique to the image.
+    pub(crate) source: PathBuf,
+    /// Whether the bytes are sRGB.
+    pub(crate) encoding: Encoding,
+    /// Behaviour beyond the left and right edge.
+    pub(crate) wrap_u: Wrap,
+    /// Behaviour beyond the upper and lower edge.
+    pub(crate) wrap_v: Wrap,
+}
+
+impl Hash for TextureKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let Self { source, encoding, wrap_u, wrap_v } = self;
+        (source, discriminant(encoding), discriminant(wrap_u), discriminant(wrap_v)).hash(state);
+    }
+}
+
+/// The textures of a scene, each decoded once.
+#[derive(Debug, Default)]
+pub(crate) struct TextureCache {
+    textures: Vec<Texture>,
+    known: HashMap<TextureKey, Result<TextureId, TextureError>>,
+}
+
+impl TextureCache {
+    /// The texture for `key`; calls `load` the first time. Failures are remembered too.
+    ///
+    /// # Errors
+    /// What `load` returned.
+    pub(crate) fn get_or_load(
+        &mut self,
+        key: TextureKey,
+        load: impl FnOnce() -> Result<Texture, TextureError>,
+    ) -> Result<TextureId, TextureError> {
+        if let Some(known) = self.known.get(&key) {
+            return known.clone();
+        }
+        let textures = &mut self.textures;
+        let result = load().map(|mut texture| {
+            (texture.wrap_u, texture.wrap_v) = (key.wrap_u, key.wrap_v);
+            let id = TextureId(textures.len() as u32);
+            textures.push(texture);
+            id
+        });
+        self.known.insert(key, result.clone());
+        result
+    }
+
+    /// All textures, in the order of their ids.
+    pub(crate) fn into_textures(self) -> Vec<Texture> {
+        self.textures
+    }
+}
