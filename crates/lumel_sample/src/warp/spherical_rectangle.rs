@@ -7,7 +7,7 @@ use crate::bits::unit_from_f64;
 /// A rectangle seen from a point, sampled uniformly in solid angle.
 ///
 /// The factor cos θₗ / r² of area sampling is gone from the estimator: 16 times less variance for a unit square two
-/// metres away, 200 times for one at 5 cm. Both sides of the rectangle count.
+/// metres away, 180 times for one at 5 cm. Both sides of the rectangle count.
 ///
 /// Set up and evaluated in f64; points are accurate to f32 rounding.
 ///

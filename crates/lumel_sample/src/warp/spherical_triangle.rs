@@ -14,9 +14,10 @@ use crate::bits::unit_from_f64;
 /// small triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct SphericalTriangle {
-    /// Unit directions to corners a and b.
+    /// Unit directions to the corners.
     a: DVec3,
     b: DVec3,
+    c: DVec3,
     /// Unit direction, orthogonal to a, in which the arc from a to c sets out.
     towards_c: DVec3,
     /// Sine and cosine of the internal angle at a.
@@ -49,6 +50,7 @@ impl SphericalTriangle {
         Some(Self {
             a,
             b,
+            c,
             towards_c,
             sin_alpha: towards_b.cross(towards_c).length(),
             cos_alpha: towards_b.dot(towards_c),
@@ -99,10 +101,10 @@ impl SphericalTriangle {
     #[must_use]
     pub fn inverse(&self, direction: Vec3) -> [f32; 2] {
         let Some(direction) = direction.as_dvec3().try_normalize() else { return [0.0; 2] };
-        // c′ is where the great circle through b and the direction meets the one through a and c, on the near side.
+        // c′ is where the great circle through b and the direction meets the one through a and c, on their side.
         let meeting = self.b.cross(direction).cross(self.a.cross(self.towards_c)).try_normalize();
         let Some(meeting) = meeting else { return [0.0; 2] };
-        let c = if meeting.dot(direction) < 0.0 { -meeting } else { meeting };
+        let c = if meeting.dot(self.a + self.c) < 0.0 { -meeting } else { meeting };
 
         let t = self.tan_half_ab * tan_half_arc(self.a, c);
         let area = 2.0 * (t * self.sin_alpha).atan2(1.0 + t * self.cos_alpha);
