@@ -1,1 +1,24 @@
-//! Writes and reads lighting solutions and pictures
+//! Writes and reads lighting solutions, lit meshes and pictures.
+//!
+//! - [`Solution`] is the result of a bake: a NumPy archive that Python opens in one line,
+//!   `numpy.load("a.npz")["irradiance"]`.
+//! - [`write_glb`] and [`write_ply`] write the lit mesh for other programs, [`RadFile`] the course's format.
+//! - [`write_png`] writes pictures.
+//! - [`write_npz`] and [`NpzReader`] are what solutions and checkpoints are made of.
+//!
+//! Every file appears whole or not at all: see [`write_atomically`]. Equal content gives equal bytes. Reading
+//! never trusts a file: sizes are checked before anything is allocated, checksums before anything is used.
+
+mod atomic;
+mod error;
+mod npy;
+mod npz;
+mod png;
+mod solution;
+
+pub use atomic::write_atomically;
+pub use error::{ExportError, ReadError, SolutionError};
+pub use npy::{Array, ArrayData};
+pub use npz::{NpzReader, NpzWriter, write_npz};
+pub use png::write_png;
+pub use solution::{Solution, SolutionMeta, SolutionSelection};

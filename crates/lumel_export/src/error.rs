@@ -1,0 +1,209 @@
+//! What can go wrong with files, and what to do about it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be written. Whatever was there before is still there, and nothing partial is.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The path ends in no name: `..`, `/` or nothing.
+    #[error("a file name is missing at the end of the path: \"{}\"", path.display())]
+    NoFileName {
+        /// The file to write.
+        path: PathBuf,
+    },
+    /// There is no folder to write into.
+    #[error("the folder does not exist; create it or choose another: \"{}\"", path.display())]
+    NoFolder {
+        /// The file to write.
+        path: PathBuf,
+    },
+    /// The path names a folder, a device or a pipe.
+    #[error("this is {what}, not a file that can be replaced; choose another name: \"{}\"", path.display())]
+    NotAFile {
+        /// The file to write.
+        path: PathBuf,
+        /// "a folder", for example.
+        what: &'static str,
+    },
+    /// The file is there and marked read-only.
+    #[error("the file is write-protected; remove it or choose another name: \"{}\"", path.display())]
+    WriteProtected {
+        /// The file to write.
+        path: PathBuf,
+    },
+    /// The folder may not be written to.
+    #[error("no permission to write here; choose another folder or change its permissions: \"{}\"", path.display())]
+    NoPermission {
+        /// The file to write.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The disk or the quota is full.
+    #[error("the disk is full; free some space or choose another disk: \"{}\"", path.display())]
+    DiskFull {
+        /// The file to write.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Anything else the system reports.
+    #[error("cannot write ({source}): \"{}\"", path.display())]
+    Io {
+        /// The file to write.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The content does not fit the format.
+    #[error("{problem}: \"{}\"", path.display())]
+    Content {
+        /// The file to write.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+}
+
+impl ExportError {
+    /// Sorts an error of the system by what its user can do about it.
+    pub(crate) fn io(path: &Path, source: io::Error) -> Self {
+        let path = path.to_owned();
+        match source.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Self::NoFolder { path },
+            io::ErrorKind::IsADirectory => Self::NotAFile { path, what: "a folder" },
+            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                Self::NoPermission { path, source }
+            }
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::WriteZero => {
+                Self::DiskFull { path, source }
+            }
+            _ => Self::Io { path, source },
+        }
+    }
+
+    pub(crate) fn content(path: &Path, problem: impl Into<String>) -> Self {
+        Self::Content { path: path.to_owned(), problem: problem.into() }
+    }
+}
+
+/// Why a file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The system cannot open or read the file.
+    #[error("cannot read ({source}): \"{}\"", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The file as a whole is not what it should be.
+    #[error("{problem}: \"{}\"", path.display())]
+    BadFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, and what to do.
+        problem: String,
+    },
+    /// The archive has no member of this name.
+    #[error("there is no \"{member}\" in the file: \"{}\"", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The array or member looked for.
+        member: String,
+    },
+    /// A member of the archive is not what it should be.
+    #[error("\"{member}\" {problem}: \"{}\"", path.display())]
+    BadMember {
+        /// The file.
+        path: PathBuf,
+        /// The array or other member.
+        member: String,
+        /// What is wrong with it, and what to do.
+        problem: String,
+    },
+}
+
+/// Why a solution cannot be saved, loaded or used.
+#[derive(Debug, thiserror::Error)]
+pub enum SolutionError {
+    /// The file could not be written.
+    #[error(transparent)]
+    Write(#[from] ExportError),
+    /// The file could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The file is no solution of a format this version knows.
+    #[error("{problem}: \"{}\"", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What it is instead, and what to do.
+        problem: String,
+    },
+    /// Two arrays do not cover the same vertices.
+    #[error("the solution has {count} values of \"{array}\" for {vertices} vertices")]
+    Length {
+        /// The array.
+        array: String,
+        /// Its length.
+        count: usize,
+        /// The number of positions.
+        vertices: usize,
+    },
+    /// A value is infinite or not a number.
+    #[error("the solution is not a finite number in \"{array}\" at vertex {vertex}")]
+    NotFinite {
+        /// The array.
+        array: String,
+        /// The first such vertex.
+        vertex: usize,
+    },
+    /// The solution has fewer bounces than asked for.
+    #[error("the solution has no bounce {wanted}, only {count} bounces counted from 0 (direct light)")]
+    NoSuchBounce {
+        /// The bounce asked for.
+        wanted: usize,
+        /// How many it has.
+        count: usize,
+    },
+    /// The solution was computed for other geometry.
+    #[error(
+        "{} was computed for scene \"{}\" ({}), not for \"{}\" ({}): \
+         bake this scene again or open the scene it belongs to",
+        solution_name(file.as_deref()), theirs.name, theirs.size(), ours.name, ours.size()
+    )]
+    OtherScene {
+        /// The solution's file, when it came from one.
+        file: Option<PathBuf>,
+        /// The scene the solution was computed for.
+        theirs: Box<SceneLabel>,
+        /// The scene it was to be used with.
+        ours: Box<SceneLabel>,
+    },
+}
+
+/// What tells scenes apart in a message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneLabel {
+    /// Its name.
+    pub name: String,
+    /// Number of its vertices.
+    pub vertices: usize,
+    /// Hash of its geometry, hexadecimal.
+    pub geometry_hash: String,
+}
+
+impl SceneLabel {
+    fn size(&self) -> String {
+        let prefix: String = self.geometry_hash.chars().take(8).collect();
+        format!("{} vertices, {prefix}..", self.vertices)
+    }
+}
+
+fn solution_name(file: Option<&Path>) -> String {
+    file.map_or_else(|| "the solution".to_owned(), |file| format!("solution \"{}\"", file.display()))
+}
