@@ -77,9 +77,8 @@ fn vertex_of(faces: &[Face], corner: u32) -> u32 {
 pub(crate) fn split_vertices(mesh: &mut ObjectMesh, groups: &[u32]) {
     let mut group_at: Vec<Option<u32>> = vec![None; mesh.positions.len()];
     let mut copies: HashMap<(u32, u32), u32> = HashMap::new();
-    for corner in 0..groups.len() {
+    for (corner, &group) in groups.iter().enumerate() {
         let vertex = mesh.faces[corner / 3].vertices[corner % 3];
-        let group = groups[corner];
         if *group_at[vertex as usize].get_or_insert(group) == group {
             continue;
         }

@@ -94,6 +94,14 @@ impl Radiosity {
     pub fn radiance(self) -> Radiance {
         Radiance(self.0 / PI)
     }
+
+    /// The irradiance that one cosine-distributed ray measures when it meets a surface of this radiosity.
+    ///
+    /// The π of the diffuse surface cancels that of the density, so the numbers are equal.
+    #[inline]
+    pub fn cosine_sample(self) -> Irradiance {
+        Irradiance(self.0)
+    }
 }
 
 impl Radiance {
@@ -109,7 +117,7 @@ impl Radiance {
     /// The irradiance that one cosine-distributed ray measures when it sees this radiance: `πL`.
     #[inline]
     pub fn cosine_sample(self) -> Irradiance {
-        Irradiance(self.0 * PI)
+        self.radiosity().cosine_sample()
     }
 
     /// Power of a one-sided diffuse emitter of this radiance: `Φ = πLA`, W.

@@ -1,0 +1,50 @@
+//! Light measured at points that belong to no basis.
+
+use crate::{ElementId, Measure, NodeId, NodeWeights, Receivers, Site};
+use glam::Vec3;
+use lumel_sample::Frame;
+
+/// Points at which irradiance is asked for; each is a node of its own.
+///
+/// Nothing can be read back between them, so they are no basis: the operator reads light from a basis and measures
+/// it here.
+#[derive(Clone, Debug)]
+pub struct PointReceivers {
+    sites: Vec<Site>,
+}
+
+impl PointReceivers {
+    /// Receivers at points with normals of any length but zero.
+    ///
+    /// The points are used as they are given. Put them on a surface or above it, not below.
+    ///
+    /// # Errors
+    /// The index of the first point that is not finite or whose normal has no direction.
+    pub fn new(points: impl IntoIterator<Item = (Vec3, Vec3)>) -> Result<Self, usize> {
+        let site = |(i, (position, normal)): (usize, (Vec3, Vec3))| {
+            let normal = normal.try_normalize().filter(|_| position.is_finite()).ok_or(i)?;
+            let origin = lumel_scene::offset_along(position, normal);
+            Ok(Site { origin, frame: Frame::from_normal(normal), skip: None })
+        };
+        Ok(Self { sites: points.into_iter().enumerate().map(site).collect::<Result<_, usize>>()? })
+    }
+}
+
+impl Receivers for PointReceivers {
+    fn node_count(&self) -> usize {
+        self.sites.len()
+    }
+
+    fn element_count(&self) -> usize {
+        self.sites.len()
+    }
+
+    fn measure(&self) -> Measure {
+        Measure::AtPoint
+    }
+
+    fn receiver(&self, e: ElementId, _u: [f32; 2], counts_towards: &mut NodeWeights) -> Site {
+        counts_towards.push(NodeId(e.0), 1.0);
+        self.sites[e.index()]
+    }
+}
