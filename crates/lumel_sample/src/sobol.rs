@@ -175,6 +175,14 @@ mod tests {
         assert_eq!(m(direction_numbers(0b1011, &[1, 3, 7])), [1, 3, 7, 5, 7, 43]);
     }
 
+    /// With a shared seed the points stay a net, but the scramblings of two dimensions repeat each other.
+    #[test]
+    fn the_shuffle_and_each_dimension_have_seeds_of_their_own() {
+        let ScrambledSobol { index_seed, seeds: [s0, s1, s2, s3] } = ScrambledSobol::new(99);
+        let seeds = std::collections::BTreeSet::from([index_seed, s0, s1, s2, s3]);
+        assert_eq!(seeds.len(), 5);
+    }
+
     #[test]
     fn shuffling_keeps_aligned_blocks_together() {
         let sobol = ScrambledSobol::new(99);

@@ -25,8 +25,8 @@ use crate::bits::ONE_MINUS_EPS;
 #[inline]
 #[must_use]
 pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
-    // Below one by the rounding error of the two weights together: the third weight stays at or above zero.
-    let both = u[0].sqrt().min(ONE_MINUS_EPS);
+    // At most 1 − 2⁻²⁴, as u[0] is. The weights are rounded by less than what is missing to one.
+    let both = u[0].sqrt();
     let v = both * u[1];
     [both - v, v]
 }

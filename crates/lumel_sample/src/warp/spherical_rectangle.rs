@@ -23,6 +23,8 @@ pub struct SphericalRectangle {
     y: [f64; 2],
     /// Length of that perpendicular, m.
     distance: f64,
+    /// `sine` of `y` over the distance.
+    edge_sines: [f64; 2],
     /// `strip_angle` at `x[0]`, rad.
     start: f64,
     solid_angle: f64,
@@ -43,12 +45,15 @@ impl SphericalRectangle {
         let across = if normal.dot(to_center) < 0.0 { -normal } else { normal };
 
         let around = |center: f64, half: f64| [center - half, center + half];
+        let y = around(along_v.dot(to_center), v.length());
+        let distance = across.dot(to_center);
         let mut rectangle = Self {
             from,
             axes: [along_u, along_v, across],
             x: around(along_u.dot(to_center), u.length()),
-            y: around(along_v.dot(to_center), v.length()),
-            distance: across.dot(to_center),
+            y,
+            distance,
+            edge_sines: y.map(|y| sine(y, distance)),
             start: 0.0,
             solid_angle: 0.0,
         };
@@ -83,13 +88,13 @@ impl SphericalRectangle {
     #[must_use]
     pub fn sample(&self, u: [f32; 2]) -> Vec3 {
         let angle = self.start + f64::from(u[0]) * self.solid_angle;
-        let [s0, s1] = self.y.map(|y| sine(y, self.distance));
+        let [s0, s1] = self.edge_sines;
         // The root in half angles: a sum of squares, so nothing cancels.
         let (sin, cos) = (0.5 * angle).sin_cos();
-        let c = 2.0 * sin * cos / ((s1 - s0) * cos).hypot((s1 + s0) * sin);
+        let c = 2.0 * sin * cos / hypotenuse((s1 - s0) * cos, (s1 + s0) * sin);
         let x = opposite(c, self.distance).clamp(self.x[0], self.x[1]);
 
-        let adjacent = x.hypot(self.distance);
+        let adjacent = hypotenuse(x, self.distance);
         let [h0, h1] = self.y.map(|y| sine(y, adjacent));
         let y = opposite(h0 + f64::from(u[1]) * (h1 - h0), adjacent).clamp(self.y[0], self.y[1]);
 
@@ -109,7 +114,7 @@ impl SphericalRectangle {
         let x = along_u.dot(direction) * to_plane;
         let y = along_v.dot(direction) * to_plane;
 
-        let adjacent = x.hypot(self.distance);
+        let adjacent = hypotenuse(x, self.distance);
         let [h0, h1] = self.y.map(|y| sine(y, adjacent));
         let along_x = (self.strip_angle(x) - self.start) / self.solid_angle;
         [unit_from_f64(along_x), unit_from_f64((sine(y, adjacent) - h0) / (h1 - h0))]
@@ -123,10 +128,16 @@ impl SphericalRectangle {
     }
 }
 
+/// Length of the longest side of a right triangle. `f64::hypot` guards against overflow, which metres do not need.
+#[inline]
+fn hypotenuse(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
 /// Sine of the angle opposite to a leg of a right triangle.
 #[inline]
 fn sine(opposite: f64, adjacent: f64) -> f64 {
-    opposite / opposite.hypot(adjacent)
+    opposite / hypotenuse(opposite, adjacent)
 }
 
 /// The inverse of [`sine`]; infinite for a sine of ±1.
