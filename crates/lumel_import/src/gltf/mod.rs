@@ -1,9 +1,70 @@
 //! glTF 2.0 and GLB.
+//!
+//! Bytes become parts ([`container`]), a typed document ([`document`]) and checked data ([`buffers`], [`accessor`]);
+//! from there on, everything works on nodes in the world: [`nodes`], [`mesh`], [`materials`], [`lights`].
+//!
+//! What a document promises is checked when it is used, not before: a broken part that nobody shows does no harm.
+//! Broken geometry is an error, a broken look is a warning.
+//!
+//! Khronos Group, *glTF 2.0 Specification*, version 2.0.1.
 
+mod accessor;
+mod buffers;
+mod container;
+mod document;
+mod extensions;
+mod fault;
+mod lights;
+mod materials;
+mod mesh;
+mod nodes;
+#[cfg(test)]
+mod testing;
+mod textures;
+mod topology;
+mod uri;
+
+use crate::paths::Resolver;
 use crate::{ImportError, ImportOptions, Imported};
+use accessor::Accessors;
+use buffers::Buffers;
+use container::Container;
+use document::Document;
+use fault::Fault;
+use lumel_scene::{SceneBuilder, Warnings};
+use materials::Materials;
+use mesh::MeshReader;
 use std::path::Path;
+use textures::Textures;
 
 /// Reads a glTF 2.0 file, text or binary.
-pub(crate) fn load(path: &Path, _options: &ImportOptions) -> Result<Imported, ImportError> {
-    Err(ImportError::unsupported(path, "glTF is not read yet"))
+///
+/// Units are taken as they are: metres, and watts where glTF has photometric units. So candela, lux and cd/m² in the
+/// file give lux in the result.
+pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    let bytes = std::fs::read(path).map_err(ImportError::io(path))?;
+    let resolver = Resolver::new(path, options.paths).map_err(ImportError::io(path))?;
+    let mut imported = read(&bytes, &resolver).map_err(|fault| fault.in_file(path))?;
+    if imported.scene.objects.is_empty() {
+        return Err(ImportError::Empty { path: path.to_owned() });
+    }
+    imported.scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(imported)
+}
+
+fn read(bytes: &[u8], resolver: &Resolver) -> Result<Imported, Fault> {
+    let mut warnings = Warnings::default();
+    let container = Container::open(bytes)?;
+    let document = Document::parse(container.json, &mut warnings)?;
+    let buffers = Buffers::new(&document, container.bin, resolver);
+    let materials = Materials::new(&document, Textures::new(&document, &buffers, resolver));
+    let mut meshes = MeshReader::new(&document, Accessors::new(&document, &buffers), materials);
+    let mut scene = SceneBuilder::default();
+    for placed in nodes::place_all(&document, &mut warnings)? {
+        scene.objects.extend(meshes.object_at(placed, &mut warnings)?);
+        scene.lights.extend(lights::light_at(&document, placed, &mut warnings)?);
+        scene.cameras.extend(lights::camera_at(&document, placed, &mut warnings)?);
+    }
+    (scene.materials, scene.textures) = meshes.into_materials().finish();
+    Ok(Imported { scene, warnings })
 }

@@ -1,0 +1,297 @@
+//! From JSON to the schema's types.
+
+use super::extensions;
+use super::fault::Fault;
+use super::materials::translate_specular_glossiness;
+use gltf_json::extensions::scene::khr_lights_punctual::Light;
+use gltf_json::texture::Sampler;
+use gltf_json::{Accessor, Buffer, Camera, Image, Index, Material, Mesh, Node, Texture, buffer};
+use lumel_scene::Warnings;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Number, Value};
+
+/// Longer names are cut off: instances and messages repeat them.
+const MAX_NAME: usize = 200;
+
+/// A glTF document: well-typed, but with indices and sizes that nobody has checked yet.
+///
+/// Geometry has to have the right types. Of what only gives it its looks, wrongly typed items are `None`, with a
+/// warning.
+#[derive(Debug, Default)]
+pub(super) struct Document {
+    pub(super) buffers: Vec<Buffer>,
+    pub(super) views: Vec<buffer::View>,
+    pub(super) accessors: Vec<Accessor>,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) materials: Vec<Option<Material>>,
+    pub(super) textures: Vec<Option<Texture>>,
+    pub(super) images: Vec<Option<Image>>,
+    pub(super) samplers: Vec<Option<Sampler>>,
+    pub(super) cameras: Vec<Option<Camera>>,
+    pub(super) lights: Vec<Option<Light>>,
+    /// The nodes of the scene to show; `None` where the file has no scenes.
+    pub(super) roots: Option<Vec<usize>>,
+}
+
+impl Document {
+    /// Reads a document of a version and with extensions that we can read.
+    pub(super) fn parse(json: &[u8], warnings: &mut Warnings) -> Result<Self, Fault> {
+        let mut root: Value = serde_json::from_slice(json)
+            .map_err(|error| Fault::Malformed(format!("not a glTF document: {error}")))?;
+        let mut odd_names = 0;
+        tidy(&mut root, "", &mut odd_names);
+        if odd_names > 0 {
+            warnings.push("", format!("{odd_names} names are not text and are ignored"));
+        }
+        let Value::Object(mut root) = root else {
+            return Err(Fault::Malformed("not a glTF document: it is no JSON object".into()));
+        };
+        check_version(&root)?;
+        extensions::check(&root, warnings)?;
+        let roots = scene_roots(&mut root)?;
+        let mut materials = take_list(&mut root, "materials")?;
+        materials.iter_mut().for_each(translate_specular_glossiness);
+        let lights = match root.get_mut("extensions").and_then(|e| e.get_mut("KHR_lights_punctual")) {
+            Some(Value::Object(extension)) => take_list(extension, "lights")?,
+            _ => Vec::new(),
+        };
+        Ok(Self {
+            buffers: strict(&mut root, "buffers", "buffer")?,
+            views: strict(&mut root, "bufferViews", "bufferView")?,
+            accessors: strict(&mut root, "accessors", "accessor")?,
+            meshes: strict(&mut root, "meshes", "mesh")?,
+            nodes: strict(&mut root, "nodes", "node")?,
+            materials: lenient(materials, "material", warnings),
+            textures: lenient(take_list(&mut root, "textures")?, "texture", warnings),
+            images: lenient(take_list(&mut root, "images")?, "image", warnings),
+            samplers: lenient(take_list(&mut root, "samplers")?, "sampler", warnings),
+            cameras: lenient(take_list(&mut root, "cameras")?, "camera", warnings),
+            lights: lenient(lights, "light", warnings),
+            roots,
+        })
+    }
+
+    /// A node as messages name it.
+    pub(super) fn node_label(&self, node: usize) -> String {
+        label("node", node, self.nodes.get(node).and_then(|n| n.name.as_deref()))
+    }
+
+    /// A mesh as messages name it.
+    pub(super) fn mesh_label(&self, mesh: usize) -> String {
+        label("mesh", mesh, self.meshes.get(mesh).and_then(|m| m.name.as_deref()))
+    }
+}
+
+/// `what "name"`, or `what index` for want of a name.
+pub(super) fn label(what: &str, index: usize, name: Option<&str>) -> String {
+    match name.filter(|name| !name.is_empty()) {
+        Some(name) => format!("{what} \"{name}\""),
+        None => format!("{what} {index}"),
+    }
+}
+
+/// Evens out what the schema's types are too strict or too lax about.
+///
+/// - `extras` are dropped and names that are not text too; very long ones are cut.
+/// - Whole numbers may be written `3.0`.
+/// - The types keep only 32 bits of an index, so 4294967296 would pass for 0. Numbers that large become floats, which
+///   are refused where an index is expected. Sizes have 64 bits.
+fn tidy(value: &mut Value, key: &str, odd_names: &mut usize) {
+    match value {
+        Value::Object(map) => {
+            map.remove("extras");
+            if map.get("name").is_some_and(|name| !name.is_string()) {
+                map.remove("name");
+                *odd_names += 1;
+            }
+            map.iter_mut().for_each(|(key, value)| tidy(value, key, odd_names));
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| tidy(item, key, odd_names)),
+        Value::String(text) if key == "name" => {
+            if let Some((end, _)) = text.char_indices().nth(MAX_NAME) {
+                text.truncate(end);
+            }
+        }
+        Value::Number(number) => {
+            let is_size = matches!(key, "byteLength" | "byteOffset" | "count");
+            match (number.as_u64(), number.as_f64()) {
+                (Some(large), Some(float)) if large > u64::from(u32::MAX) && !is_size => {
+                    *number = Number::from_f64(float).unwrap_or_else(|| number.clone());
+                }
+                (None, Some(float))
+                    if float.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&float) =>
+                {
+                    *number = Number::from(float as u32);
+                }
+                _ => {}
+            }
+        }
+        _ => {}
+    }
+}
+
+fn check_version(root: &Map<String, Value>) -> Result<(), Fault> {
+    let asset = root.get("asset").and_then(Value::as_object);
+    let Some(version) = asset.and_then(|a| a.get("version")).and_then(Value::as_str) else {
+        return Err(Fault::at("asset", "it has no \"version\""));
+    };
+    let supported = |version: &str| {
+        let (major, minor) = version.split_once('.')?;
+        Some(major.parse::<u32>().ok()? == 2 && minor.parse::<u32>().is_ok())
+    };
+    if supported(version) != Some(true) {
+        return Err(Fault::Unsupported(format!("glTF version \"{version}\"; lumel reads version 2.0")));
+    }
+    // Documents of 2.1 may be read as 2.0 unless they say otherwise.
+    match asset.and_then(|a| a.get("minVersion")).and_then(Value::as_str) {
+        Some(least) if least != "2.0" => {
+            Err(Fault::Unsupported(format!("glTF of at least version \"{least}\"; lumel reads version 2.0")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The nodes of the default scene, or of the first.
+fn scene_roots(root: &mut Map<String, Value>) -> Result<Option<Vec<usize>>, Fault> {
+    let mut scenes = take_list(root, "scenes")?;
+    let chosen = match root.get("scene") {
+        None | Some(Value::Null) if scenes.is_empty() => return Ok(None),
+        None | Some(Value::Null) => 0,
+        Some(index) => typed::<u32>(index.clone(), "scene")? as usize,
+    };
+    let count = scenes.len();
+    // Some writers state a default scene and write none; then there is nothing to choose from.
+    if count == 0 {
+        return Ok(None);
+    }
+    let scene = scenes.get_mut(chosen).ok_or_else(|| Fault::absent("\"scene\"", "scene", chosen, count))?;
+    let nodes = scene.get_mut("nodes").map_or(Value::Array(Vec::new()), Value::take);
+    let nodes: Vec<Index<Node>> = typed(nodes, &format!("scene {chosen}, \"nodes\""))?;
+    Ok(Some(nodes.iter().map(Index::value).collect()))
+}
+
+fn take_list(map: &mut Map<String, Value>, key: &str) -> Result<Vec<Value>, Fault> {
+    match map.remove(key) {
+        None | Some(Value::Null) => Ok(Vec::new()),
+        Some(Value::Array(items)) => Ok(items),
+        Some(_) => Err(Fault::at(format_args!("\"{key}\""), "it must be a list")),
+    }
+}
+
+fn typed<T: DeserializeOwned>(value: Value, place: &str) -> Result<T, Fault> {
+    serde_json::from_value(value).map_err(|error| Fault::at(place, error))
+}
+
+fn strict<T: DeserializeOwned>(
+    root: &mut Map<String, Value>,
+    key: &str,
+    what: &str,
+) -> Result<Vec<T>, Fault> {
+    let items = take_list(root, key)?.into_iter().enumerate();
+    items.map(|(index, item)| typed(item, &format!("{what} {index}"))).collect()
+}
+
+fn lenient<T: DeserializeOwned>(items: Vec<Value>, what: &str, warnings: &mut Warnings) -> Vec<Option<T>> {
+    let mut read = |(index, item): (usize, Value)| {
+        let name = item.get("name").and_then(Value::as_str).map(str::to_owned);
+        match serde_json::from_value(item) {
+            Ok(item) => Some(item),
+            Err(error) => {
+                warnings.push(label(what, index, name.as_deref()), format!("ignored: {error}"));
+                None
+            }
+        }
+    };
+    items.into_iter().enumerate().map(&mut read).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn parse(document: &Value) -> Result<(Document, Warnings), String> {
+        let mut warnings = Warnings::default();
+        let text = serde_json::to_vec(document).unwrap();
+        let document = Document::parse(&text, &mut warnings).map_err(|fault| fault.to_string())?;
+        Ok((document, warnings))
+    }
+
+    fn with(key: &str, value: Value) -> Value {
+        let mut document = json!({ "asset": { "version": "2.0" } });
+        document[key] = value;
+        document
+    }
+
+    #[test]
+    fn versions_that_we_cannot_read_are_refused() {
+        let version = |asset: Value| parse(&json!({ "asset": asset })).map(|_| ());
+        assert_eq!(version(json!({ "version": "2.0" })), Ok(()));
+        assert_eq!(version(json!({ "version": "2.1", "minVersion": "2.0" })), Ok(()));
+        for bad in [json!({ "version": "1.0" }), json!({ "version": "3.0" }), json!({ "version": "two" })] {
+            assert!(version(bad.clone()).unwrap_err().contains("lumel reads version 2.0"), "{bad}");
+        }
+        assert_eq!(
+            version(json!({ "version": "2.1", "minVersion": "2.1" })).unwrap_err(),
+            "glTF of at least version \"2.1\"; lumel reads version 2.0"
+        );
+        assert_eq!(version(json!([])).unwrap_err(), "asset: it has no \"version\"");
+        assert!(parse(&json!([])).unwrap_err().contains("no JSON object"));
+        assert!(Document::parse(b"{\"asset\":", &mut Warnings::default()).is_err());
+    }
+
+    #[test]
+    fn wrong_types_are_fatal_in_geometry_only_and_name_their_place() {
+        let error = parse(&with("accessors", json!([{ "componentType": "x", "count": 1, "type": "VEC3" }])))
+            .unwrap_err();
+        assert!(error.starts_with("accessor 0: invalid type"), "{error}");
+        assert_eq!(parse(&with("nodes", json!({}))).unwrap_err(), "\"nodes\": it must be a list");
+        let bad = json!([{ "name": "Wall", "pbrMetallicRoughness": { "metallicFactor": "shiny" } }]);
+        let (document, warnings) = parse(&with("materials", bad)).unwrap();
+        assert!(document.materials[0].is_none());
+        let warning = warnings.iter().next().unwrap();
+        assert_eq!(warning.subject, "material \"Wall\"");
+        assert!(warning.message.starts_with("ignored: invalid type"), "{}", warning.message);
+    }
+
+    #[test]
+    fn names_that_are_no_text_are_dropped_and_long_ones_cut() {
+        let nodes = json!([{ "name": 42 }, { "name": "ä".repeat(5000) }, { "name": "Lamp", "extras": 7 }]);
+        let (document, warnings) = parse(&with("nodes", nodes)).unwrap();
+        assert_eq!(document.node_label(0), "node 0");
+        assert_eq!(document.node_label(1).chars().count(), "node \"\"".len() + MAX_NAME);
+        assert_eq!(document.node_label(2), "node \"Lamp\"");
+        assert_eq!(warnings.len(), 1);
+    }
+
+    #[test]
+    fn indices_beyond_32_bits_do_not_wrap_around() {
+        let error = parse(&with("nodes", json!([{ "mesh": 4_294_967_296_u64 }]))).unwrap_err();
+        assert!(error.starts_with("node 0: invalid type: floating point"), "{error}");
+        let (document, _) = parse(&with("nodes", json!([{ "mesh": 3.0, "scale": [5e9, 1, 1] }]))).unwrap();
+        assert_eq!(document.nodes[0].mesh.unwrap().value(), 3);
+        assert_eq!(document.nodes[0].scale.unwrap()[0], 5e9);
+        let views = json!([{ "buffer": 0, "byteLength": 5_000_000_000_u64 }]);
+        let (document, _) = parse(&with("bufferViews", views)).unwrap();
+        assert_eq!(document.views[0].byte_length.0, 5_000_000_000);
+        assert!(parse(&with("bufferViews", json!([{ "buffer": 0, "byteLength": 1e300 }]))).is_err());
+        assert!(parse(&with("bufferViews", json!([{ "buffer": 0, "byteLength": -1 }]))).is_err());
+    }
+
+    #[test]
+    fn the_default_scene_wins_then_the_first() {
+        let roots = |scene: Option<u32>| {
+            let mut document = with("scenes", json!([{ "nodes": [1] }, { "nodes": [2, 3] }, {}]));
+            if let Some(scene) = scene {
+                document["scene"] = scene.into();
+            }
+            parse(&document).map(|(document, _)| document.roots.unwrap())
+        };
+        assert_eq!(roots(None).unwrap(), [1]);
+        assert_eq!(roots(Some(1)).unwrap(), [2, 3]);
+        assert_eq!(roots(Some(2)).unwrap(), [0; 0]);
+        assert_eq!(roots(Some(3)).unwrap_err(), "\"scene\": refers to scene 3 of 3");
+        assert_eq!(parse(&with("scene", json!(0))).unwrap().0.roots, None);
+    }
+}

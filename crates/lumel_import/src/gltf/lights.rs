@@ -1,0 +1,124 @@
+//! Lights and cameras that nodes carry.
+
+use super::document::{Document, label};
+use super::fault::Fault;
+use super::nodes::Placed;
+use glam::{DVec3, Vec3};
+use gltf_json::extensions::scene::khr_lights_punctual as khr;
+use gltf_json::validation::Checked;
+use lumel_scene::{Camera, DirectionalLight, Light, PointLight, SpotLight, Warnings};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// The narrowest difference between a spot's cones, radians: less is an edge no baked light can show.
+const LEAST_PENUMBRA: f32 = 1e-3;
+
+/// The light at a node, if it has one that shines.
+///
+/// KHR_lights_punctual: it shines along the node's -Z, scale does not change its brightness. Intensities are taken one
+/// to one: candela give lux where watts per steradian give W·m⁻².
+pub(super) fn light_at(
+    document: &Document,
+    placed: Placed,
+    warnings: &mut Warnings,
+) -> Result<Option<Light>, Fault> {
+    let extension = document.nodes[placed.node].extensions.as_ref();
+    let Some(index) = extension.and_then(|e| e.khr_lights_punctual.as_ref()).map(|e| e.light.value()) else {
+        return Ok(None);
+    };
+    let node = document.node_label(placed.node);
+    let Some(light) = document.lights.get(index) else {
+        return Err(Fault::absent(node, "light", index, document.lights.len()));
+    };
+    let Some(light) = light else { return Ok(None) };
+    let subject = format!("{} of {node}", label("light", index, light.name.as_deref()));
+    let converted = convert(light, placed, &subject, warnings);
+    Ok(converted.map_err(|problem| warnings.push(subject, format!("left out: {problem}"))).ok())
+}
+
+fn convert(
+    light: &khr::Light,
+    placed: Placed,
+    subject: &str,
+    warnings: &mut Warnings,
+) -> Result<Light, &'static str> {
+    let Checked::Valid(kind) = light.type_ else { return Err("its type is not known") };
+    let strength = Vec3::from(light.color) * light.intensity;
+    if !strength.is_finite() || strength.min_element() < 0.0 {
+        return Err("its intensity is negative or not a finite number");
+    }
+    let (position, direction) = (position(placed), axis(placed, DVec3::NEG_Z));
+    if kind == khr::Type::Directional {
+        let direction = direction.ok_or("its node has no direction")?;
+        return Ok(Light::Directional(DirectionalLight { direction, irradiance: strength }));
+    }
+    let position = position.ok_or("its position is not a finite number")?;
+    let range = match light.range {
+        Some(range) if range > 0.0 => range,
+        Some(_) => {
+            warnings.push(subject, "its range is not positive and is ignored");
+            f32::INFINITY
+        }
+        None => f32::INFINITY,
+    };
+    let point = PointLight { position, intensity: strength, range };
+    if kind == khr::Type::Point {
+        return Ok(Light::Point(point));
+    }
+    let direction = direction.ok_or("its node has no direction")?;
+    let spot =
+        light.spot.clone().unwrap_or(khr::Spot { inner_cone_angle: 0.0, outer_cone_angle: FRAC_PI_2 / 2.0 });
+    let outer = spot.outer_cone_angle.clamp(LEAST_PENUMBRA, FRAC_PI_2);
+    let inner = spot.inner_cone_angle.clamp(0.0, outer - LEAST_PENUMBRA);
+    // The clamps above let everything pass that the extension allows, but for the sharpest of edges.
+    let off = (outer - spot.outer_cone_angle).abs().max((inner - spot.inner_cone_angle).abs());
+    if off > LEAST_PENUMBRA {
+        warnings.push(
+            subject,
+            "its cone angles are not 0 <= inner < outer <= 90°; the nearest that are stand in",
+        );
+    }
+    Ok(Light::Spot(SpotLight { point, direction, cos_inner: inner.cos(), cos_outer: outer.cos() }))
+}
+
+/// The camera at a node, if it has one with a perspective. It looks along -Z, up is +Y.
+pub(super) fn camera_at(
+    document: &Document,
+    placed: Placed,
+    warnings: &mut Warnings,
+) -> Result<Option<Camera>, Fault> {
+    let node = &document.nodes[placed.node];
+    let Some(index) = node.camera.map(|camera| camera.value()) else { return Ok(None) };
+    let Some(camera) = document.cameras.get(index) else {
+        let place = document.node_label(placed.node);
+        return Err(Fault::absent(place, "camera", index, document.cameras.len()));
+    };
+    let Some(camera) = camera else { return Ok(None) };
+    let names = [&node.name, &camera.name].into_iter().flatten();
+    let name = names.into_iter().find(|name| !name.is_empty()).cloned();
+    let name = name.unwrap_or_else(|| format!("camera {index}"));
+    let mut leave_out = |problem| {
+        warnings.push(format!("camera \"{name}\""), format!("left out: {problem}"));
+        Ok(None)
+    };
+    let Some(perspective) = &camera.perspective else {
+        return leave_out("only perspective cameras are supported");
+    };
+    let fov_y = perspective.yfov;
+    if !(fov_y > 0.0 && fov_y < PI) {
+        return leave_out("its yfov is not between 0 and 180°");
+    }
+    let (Some(position), Some(forward)) = (position(placed), axis(placed, DVec3::NEG_Z)) else {
+        return leave_out("its node has no position or no direction");
+    };
+    let up = axis(placed, DVec3::Y).unwrap_or(Vec3::Y);
+    Ok(Some(Camera { name, position, forward, up, fov_y }))
+}
+
+fn position(placed: Placed) -> Option<Vec3> {
+    Some(placed.world.translation.as_vec3()).filter(|position| position.is_finite())
+}
+
+/// A direction of the node in the world, unit length; `None` if its scale leaves none.
+fn axis(placed: Placed, axis: DVec3) -> Option<Vec3> {
+    placed.world.transform_vector3(axis).try_normalize().map(|axis| axis.as_vec3())
+}

@@ -1,0 +1,228 @@
+//! What the surfaces look like to diffuse light.
+
+use super::document::{Document, label};
+use super::fault::Fault;
+use super::textures::Textures;
+use glam::{Vec2, Vec3};
+use gltf_json::extensions::texture::TextureTransform;
+use gltf_json::material::{AlphaMode, NormalTexture};
+use gltf_json::texture::Info;
+use gltf_json::validation::Checked;
+use lumel_scene::{
+    Encoding, Material, MaterialId, Radiance, Sides, Texture, TextureRef, UvTransform, Warnings,
+};
+use serde_json::{Map, Value, json};
+
+/// The materials of a document, each converted when it is first used.
+pub(super) struct Materials<'a> {
+    document: &'a Document,
+    textures: Textures<'a>,
+    converted: Vec<Material>,
+    known: Vec<Option<Used>>,
+    /// What primitives without material get.
+    default: Option<Used>,
+}
+
+/// A material as a mesh needs to know it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Used {
+    pub(super) id: MaterialId,
+    /// Which set of texture coordinates its textures use; `None` without textures.
+    pub(super) uv_set: Option<u32>,
+}
+
+impl<'a> Materials<'a> {
+    pub(super) fn new(document: &'a Document, textures: Textures<'a>) -> Self {
+        let known = vec![None; document.materials.len()];
+        Self { document, textures, converted: Vec::new(), known, default: None }
+    }
+
+    /// The scene's material for one of the document's; `None` asks for the default.
+    pub(super) fn get(
+        &mut self,
+        index: Option<usize>,
+        user: &str,
+        warnings: &mut Warnings,
+    ) -> Result<Used, Fault> {
+        let document = self.document;
+        let (known, material) = match index {
+            None => (self.default, None),
+            Some(index) => match document.materials.get(index) {
+                Some(material) => (self.known[index], material.as_ref()),
+                None => return Err(Fault::absent(user, "material", index, document.materials.len())),
+            },
+        };
+        if let Some(used) = known {
+            return Ok(used);
+        }
+        let (converted, uv_set) = match (index, material) {
+            (Some(index), Some(material)) => self.convert(index, material, warnings),
+            _ => (Material::default(), None),
+        };
+        let used = Used { id: MaterialId(self.converted.len() as u32), uv_set };
+        self.converted.push(converted);
+        *index.map_or(&mut self.default, |index| &mut self.known[index]) = Some(used);
+        Ok(used)
+    }
+
+    /// The scene's materials and textures, in the order of their ids.
+    pub(super) fn finish(self) -> (Vec<Material>, Vec<Texture>) {
+        (self.converted, self.textures.into_textures())
+    }
+
+    /// - The base colour of metals is taken for their albedo. A metal reflects that share of the light, if in other
+    ///   directions than we can follow; a black surface would swallow it.
+    /// - Emission is taken one to one as radiance: cd/m² give lux where W·m⁻²·sr⁻¹ give W·m⁻².
+    /// - Alpha is ignored, and so is the base colour's fourth channel.
+    fn convert(
+        &mut self,
+        index: usize,
+        material: &gltf_json::Material,
+        warnings: &mut Warnings,
+    ) -> (Material, Option<u32>) {
+        let subject = label("material", index, material.name.as_deref());
+        for message in limitations(material) {
+            warnings.push(&subject, message);
+        }
+        let pbr = &material.pbr_metallic_roughness;
+        let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |e| e.emissive_strength.0);
+        let emission = Vec3::from(material.emissive_factor.0) * strength;
+
+        let mut uv_set = None;
+        let textures = &mut self.textures;
+        let mut bind = |slot: Option<Slot>| {
+            let slot = slot?;
+            let texture = match textures.get(slot.texture, slot.encoding) {
+                Ok(texture) => texture,
+                Err(problem) => {
+                    let message = format!("{} texture left out: {problem}", slot.what);
+                    warnings.push(&subject, message);
+                    return None;
+                }
+            };
+            // Meshes have one set of coordinates, and albedo matters most.
+            let set = *uv_set.get_or_insert(slot.uv_set);
+            if set != slot.uv_set {
+                let message = format!(
+                    "{} texture asks for TEXCOORD_{} beside TEXCOORD_{set}, which is used for both",
+                    slot.what, slot.uv_set
+                );
+                warnings.push(&subject, message);
+            }
+            Some(TextureRef { texture, transform: slot.transform })
+        };
+        let albedo_texture =
+            bind(pbr.base_color_texture.as_ref().map(|info| Slot::color("base colour", info)));
+        let emissive = material.emissive_texture.as_ref().filter(|_| emission != Vec3::ZERO);
+        let emission_texture = bind(emissive.map(|info| Slot::color("emissive", info)));
+        let normal_texture = bind(material.normal_texture.as_ref().map(Slot::normal));
+
+        let [red, green, blue, _] = pbr.base_color_factor.0;
+        let material = Material {
+            name: material.name.clone().unwrap_or_else(|| subject.clone()),
+            albedo: Vec3::new(red, green, blue),
+            albedo_texture,
+            emission: Radiance(emission),
+            emission_texture,
+            normal_texture,
+            sides: if material.double_sided { Sides::Both } else { Sides::Front },
+        };
+        (material, uv_set)
+    }
+}
+
+/// What is lost when a material becomes a diffuse one.
+fn limitations(material: &gltf_json::Material) -> Vec<String> {
+    let mut messages = Vec::new();
+    let pbr = &material.pbr_metallic_roughness;
+    if pbr.metallic_factor.0 > 0.5 {
+        let which = if pbr.metallic_roughness_texture.is_some() { "metal in its texture" } else { "metal" };
+        messages.push(format!("{which} is treated as diffuse, with its base colour as albedo"));
+    }
+    let alpha = match material.alpha_mode {
+        Checked::Valid(AlphaMode::Mask) => Some("MASK"),
+        Checked::Valid(AlphaMode::Blend) => Some("BLEND"),
+        _ => None,
+    };
+    messages.extend(alpha.map(|mode| format!("alphaMode {mode} is not supported: it is treated as opaque")));
+    if material.normal_texture.as_ref().is_some_and(|normal| normal.scale != 1.0) {
+        messages.push("the scale of its normal texture is ignored".into());
+    }
+    if let Some(extensions) = &material.extensions {
+        if extensions.unlit.is_some() {
+            messages
+                .push("KHR_materials_unlit: its base colour, though lit already, is used as albedo".into());
+        }
+        let transmits = |extension: &str, factor: &str| {
+            extensions.others.get(extension).and_then(|e| e.get(factor)?.as_f64()).is_some_and(|t| t > 0.0)
+        };
+        if transmits("KHR_materials_transmission", "transmissionFactor")
+            || transmits("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor")
+        {
+            messages.push("light that passes through is not computed: it is treated as opaque".into());
+        }
+    }
+    messages
+}
+
+/// A texture as a material refers to it.
+struct Slot {
+    /// What the texture is for.
+    what: &'static str,
+    /// Index of the texture.
+    texture: usize,
+    uv_set: u32,
+    transform: UvTransform,
+    encoding: Encoding,
+}
+
+impl Slot {
+    fn color(what: &'static str, info: &Info) -> Self {
+        let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
+        Self::new(what, info.index.value(), info.tex_coord, transform, Encoding::Srgb)
+    }
+
+    fn normal(info: &NormalTexture) -> Self {
+        // The schema's type does not know that normal textures can be transformed too.
+        let extension = info.extensions.as_ref().and_then(|e| e.others.get("KHR_texture_transform"));
+        let transform = extension.and_then(|e| serde_json::from_value::<TextureTransform>(e.clone()).ok());
+        Self::new("normal", info.index.value(), info.tex_coord, transform.as_ref(), Encoding::Linear)
+    }
+
+    fn new(
+        what: &'static str,
+        texture: usize,
+        tex_coord: u32,
+        transform: Option<&TextureTransform>,
+        encoding: Encoding,
+    ) -> Self {
+        let uv_set = transform.and_then(|t| t.tex_coord).unwrap_or(tex_coord);
+        let transform = transform.map_or_else(UvTransform::default, |t| UvTransform {
+            offset: Vec2::from(t.offset.0),
+            rotation: t.rotation.0,
+            scale: Vec2::from(t.scale.0),
+        });
+        Self { what, texture, uv_set, transform, encoding }
+    }
+}
+
+/// Rewrites a material of the old KHR_materials_pbrSpecularGlossiness as one of metal and roughness, unless it is both.
+///
+/// Its diffuse colour is just what we want; the specular one is dropped.
+pub(super) fn translate_specular_glossiness(material: &mut Value) {
+    let Some(material) = material.as_object_mut().filter(|m| !m.contains_key("pbrMetallicRoughness")) else {
+        return;
+    };
+    let extensions = material.get("extensions");
+    let Some(old) = extensions.and_then(|e| e.get("KHR_materials_pbrSpecularGlossiness")?.as_object()) else {
+        return;
+    };
+    let mut new = Map::from_iter([("metallicFactor".to_owned(), json!(0))]);
+    for (from, to) in [("diffuseFactor", "baseColorFactor"), ("diffuseTexture", "baseColorTexture")] {
+        if let Some(value) = old.get(from) {
+            new.insert(to.to_owned(), value.clone());
+        }
+    }
+    material.insert("pbrMetallicRoughness".to_owned(), Value::Object(new));
+}

@@ -1,0 +1,109 @@
+//! Images and samplers.
+
+use super::buffers::Buffers;
+use super::document::Document;
+use super::uri;
+use crate::TextureError;
+use crate::image::{TextureCache, TextureKey, decode};
+use crate::paths::Resolver;
+use gltf_json::Image;
+use gltf_json::texture::WrappingMode;
+use gltf_json::validation::Checked;
+use lumel_scene::{Encoding, Texture, TextureId, Wrap};
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+/// The textures of a document, each decoded when it is first used.
+pub(super) struct Textures<'a> {
+    document: &'a Document,
+    buffers: &'a Buffers<'a>,
+    resolver: &'a Resolver,
+    cache: TextureCache,
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, resolver: &'a Resolver) -> Self {
+        Self { document, buffers, resolver, cache: TextureCache::default() }
+    }
+
+    /// The scene's texture for one of the document's, or why it cannot be had.
+    ///
+    /// Uses of the same image with the same wrapping and encoding share a texture.
+    pub(super) fn get(&mut self, index: usize, encoding: Encoding) -> Result<TextureId, String> {
+        let Self { document, buffers, resolver, cache } = self;
+        let texture = document.textures.get(index).and_then(Option::as_ref);
+        let texture = texture.ok_or_else(|| format!("texture {index} does not exist or cannot be read"))?;
+        // A texture without an image, as those in foreign formats are, has the largest index of all here.
+        let image_index = texture.source.value();
+        let image = document.images.get(image_index).and_then(Option::as_ref);
+        let image =
+            image.ok_or_else(|| format!("texture {index} has no image in a format that lumel reads"))?;
+        let sampler = texture.sampler.and_then(|sampler| document.samplers.get(sampler.value())?.as_ref());
+        let (wrap_u, wrap_v) =
+            sampler.map_or_else(Default::default, |s| (wrapping(s.wrap_s), wrapping(s.wrap_t)));
+        let source = Source::of(image, image_index, resolver)?;
+        // Files have absolute paths, so no file is called that.
+        let inline = || PathBuf::from(format!("image {image_index}"));
+        let unique = source.file.clone().unwrap_or_else(inline);
+        let key = TextureKey { source: unique, encoding, wrap_u, wrap_v };
+        let load = || {
+            let bytes = source.bytes(image, buffers)?;
+            decode(&bytes, &source.name, source.extension(image), encoding)
+        };
+        cache.get_or_load(key, load).map_err(|error| error.to_string())
+    }
+
+    /// All textures, in the order of their ids.
+    pub(super) fn into_textures(self) -> Vec<Texture> {
+        self.cache.into_textures()
+    }
+}
+
+/// Where an image comes from.
+struct Source {
+    /// What to call it.
+    name: String,
+    /// Its file; `None` if it is inside the document.
+    file: Option<PathBuf>,
+}
+
+impl Source {
+    fn of(image: &Image, index: usize, resolver: &Resolver) -> Result<Self, String> {
+        let given = image.name.clone().filter(|name| !name.is_empty());
+        match &image.uri {
+            Some(uri) if !uri::is_inline(uri) => {
+                let file = uri::find_file(uri, resolver).map_err(|error| error.to_string())?;
+                Ok(Self { name: given.unwrap_or_else(|| uri.clone()), file: Some(file) })
+            }
+            _ => Ok(Self { name: given.unwrap_or_else(|| format!("image {index}")), file: None }),
+        }
+    }
+
+    fn bytes<'b>(&self, image: &Image, buffers: &'b Buffers<'_>) -> Result<Cow<'b, [u8]>, TextureError> {
+        let failed = |problem| TextureError::Read { name: self.name.clone(), problem };
+        if let Some(file) = &self.file {
+            return std::fs::read(file).map(Cow::Owned).map_err(|error| failed(error.to_string()));
+        }
+        let bytes =
+            match (image.uri.as_deref().and_then(|uri| uri::inline_data(uri, "image")), image.buffer_view) {
+                (Some(data), _) => data.map(Cow::Owned),
+                (None, Some(view)) => buffers.view(view.value(), "image").map(Cow::Borrowed),
+                (None, None) => return Err(failed("it has neither a URI nor a bufferView".into())),
+            };
+        bytes.map_err(|fault| failed(fault.to_string()))
+    }
+
+    /// What the name or the MIME type says about the format; only a hint.
+    fn extension<'b>(&'b self, image: &'b Image) -> Option<&'b str> {
+        let of_file = self.file.as_ref().and_then(|file| file.extension()?.to_str());
+        of_file.or_else(|| image.mime_type.as_ref()?.0.strip_prefix("image/"))
+    }
+}
+
+fn wrapping(mode: Checked<WrappingMode>) -> Wrap {
+    match mode {
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+        Checked::Valid(WrappingMode::Repeat) | Checked::Invalid => Wrap::Repeat,
+    }
+}
