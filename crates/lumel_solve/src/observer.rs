@@ -1,0 +1,52 @@
+//! Watching a solve.
+
+use crate::SolveState;
+use lumel_basis::Field;
+use std::sync::Arc;
+
+/// What a solve is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Finding nodes that lie inside geometry.
+    Probe,
+    /// Measuring this bounce; 0 is direct light.
+    Bounce(u32),
+}
+
+/// All light found so far, at some moment of a solve.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The sum of finished bounces and what is known of the current one.
+    pub total: Arc<Field>,
+    /// What is being measured.
+    pub step: Step,
+}
+
+/// Follows a solve; called from the threads that solve, so everything here must be quick.
+pub trait Observer: Sync {
+    /// A step begins.
+    fn step_started(&self, step: Step) {
+        let _ = step;
+    }
+
+    /// A step is done; `state` holds its result. The place to write a checkpoint.
+    fn step_done(&self, step: Step, state: &SolveState) {
+        let _ = (step, state);
+    }
+
+    /// Whether a snapshot is wanted now. Asked often: the observer has the clock.
+    fn wants_snapshot(&self) -> bool {
+        false
+    }
+
+    /// Takes a snapshot that was wanted.
+    fn snapshot(&self, snapshot: Snapshot) {
+        let _ = snapshot;
+    }
+}
+
+/// An observer that does not look.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}

@@ -1,0 +1,41 @@
+//! What a solve has found so far.
+
+use lumel_basis::Field;
+
+/// The bounces that have been computed; all that is needed to go on.
+///
+/// A resumed solve gets the same bits as an uninterrupted one, because every number that the next step reads is in
+/// here as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolveState {
+    /// Whether each node could be measured; the others got the mean of their neighbours.
+    pub valid: Vec<bool>,
+    /// Irradiance that each bounce brought: first direct light, then one bounce, two bounces …
+    pub bounces: Vec<Field>,
+    /// Estimate of all bounces that were not computed.
+    pub tail: Option<Field>,
+}
+
+impl SolveState {
+    /// The state before the first step.
+    pub fn new() -> Self {
+        Self { valid: Vec::new(), bounces: Vec::new(), tail: None }
+    }
+
+    /// The sum of all bounces and the tail, rounded once.
+    pub fn total(&self) -> Field {
+        let nodes = self.bounces.first().map_or(0, Field::len);
+        Field::sum(nodes, self.bounces.iter().chain(&self.tail))
+    }
+
+    /// Light that has arrived but has not been sent on: the last bounce.
+    pub fn unshot(&self) -> Option<&Field> {
+        self.bounces.last()
+    }
+}
+
+impl Default for SolveState {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,249 @@
+//! The operator on all cores of this machine.
+
+use crate::direct::{Direct, Tally};
+use crate::hemisphere::{self, Seen};
+use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
+use crate::lights::LightSet;
+use crate::plan::Plan;
+use glam::DVec3;
+use lumel_accel::RayTracer;
+use lumel_basis::{Basis, ElementId, Measure, NodeWeights, Receivers, Site};
+use lumel_sample::{Dim, StreamKey};
+use lumel_scene::Scene;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Elements per chunk: few enough to spread over cores and to stop quickly, enough to make a chunk worth its lock.
+const CHUNK: usize = 16;
+
+/// Rays between two looks at the cancel flag.
+const RAYS_PER_CHECK: u32 = 1024;
+
+/// Rays that decide whether an element lies inside geometry.
+const OPENNESS_RAYS: u32 = 64;
+
+/// Origins per triangle for each ray that a vertex would get: as there are about twice as many triangles as
+/// vertices, both bases trace the same number of rays.
+const AREA_SHARE: u32 = 2;
+
+/// At least this many origins per triangle, so that each of its corners gets something.
+const MIN_AREA_SAMPLES: u32 = 4;
+
+/// Measures the elements of `R` under light that is stored in the basis `B`, usually the same.
+///
+/// Runs on the threads of the caller's rayon pool.
+pub struct CpuTransport<B, R = B> {
+    scene: Arc<Scene>,
+    tracer: Arc<dyn RayTracer>,
+    source: Arc<B>,
+    receivers: Arc<R>,
+    lights: LightSet,
+    plan: Plan,
+}
+
+impl<B: Basis, R: Receivers> CpuTransport<B, R> {
+    /// The operator of a scene.
+    pub fn new(
+        scene: Arc<Scene>,
+        tracer: Arc<dyn RayTracer>,
+        source: Arc<B>,
+        receivers: Arc<R>,
+        plan: Plan,
+    ) -> Self {
+        let lights = LightSet::new(&scene, plan.emitters);
+        Self { scene, tracer, source, receivers, lights, plan }
+    }
+
+    /// The lights it measures.
+    pub fn lights(&self) -> &LightSet {
+        &self.lights
+    }
+
+    fn measure_chunk(&self, job: &Job<'_>, chunk: u32, control: &Control) -> Result<ChunkSums, Cancelled> {
+        let first = chunk as usize * CHUNK;
+        let last = (first + CHUNK).min(self.receivers.element_count());
+        let mut meter = Meter::new(self, job, control);
+        let mut sums = ChunkSums::default();
+        for element in first..last {
+            control.check()?;
+            if job.active.is_none_or(|active| active[element]) {
+                match self.receivers.measure() {
+                    Measure::AtPoint => meter.at_point(ElementId(element as u32), &mut sums)?,
+                    Measure::OverArea => meter.over_area(ElementId(element as u32), &mut sums)?,
+                }
+            }
+            control.count(1, std::mem::take(&mut meter.n_rays));
+        }
+        Ok(sums)
+    }
+}
+
+impl<B: Basis, R: Receivers> Transport for CpuTransport<B, R> {
+    fn shape(&self) -> Shape {
+        let elements = self.receivers.element_count();
+        Shape {
+            nodes: self.receivers.node_count(),
+            elements,
+            chunks: elements.div_ceil(CHUNK) as u32,
+            measure: self.receivers.measure(),
+        }
+    }
+
+    fn measure(
+        &self,
+        job: &Job<'_>,
+        chunks: Range<u32>,
+        control: &Control,
+        sink: &dyn ChunkSink,
+    ) -> Result<(), Cancelled> {
+        chunks.into_par_iter().try_for_each(|chunk| {
+            sink.accept(chunk, self.measure_chunk(job, chunk, control)?);
+            Ok(())
+        })
+    }
+}
+
+/// Measures elements one after the other.
+struct Meter<'a, B, R> {
+    transport: &'a CpuTransport<B, R>,
+    job: &'a Job<'a>,
+    control: &'a Control,
+    /// Nodes that the current measurement counts towards.
+    towards: NodeWeights,
+    /// Scratch space for reading the field back.
+    weights: NodeWeights,
+    n_rays: u64,
+}
+
+impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
+    fn new(transport: &'a CpuTransport<B, R>, job: &'a Job<'a>, control: &'a Control) -> Self {
+        let (towards, weights) = (NodeWeights::default(), NodeWeights::default());
+        Self { transport, job, control, towards, weights, n_rays: 0 }
+    }
+
+    fn key(&self, element: ElementId) -> StreamKey {
+        // Openness is no bounce; it must not share the points of one.
+        let bounce = if matches!(self.job.source, Source::Openness) { u32::MAX } else { self.job.bounce };
+        StreamKey::new(self.transport.plan.seed).element(element.0).bounce(bounce).pass(self.job.pass)
+    }
+
+    /// All rays from one origin; the value is their mean.
+    fn at_point(&mut self, element: ElementId, sums: &mut ChunkSums) -> Result<(), Cancelled> {
+        self.towards.clear();
+        let site = self.transport.receivers.receiver(element, [0.5, 0.5], &mut self.towards);
+        let key = self.key(element);
+        let mut value = DVec3::ZERO;
+        if matches!(self.job.source, Source::Emitters) {
+            let mut tally = Tally::default();
+            self.direct().at_point(&site, key, &mut tally);
+            value += tally.sum;
+            self.n_rays += tally.n_rays;
+        }
+        if self.needs_hemisphere() {
+            value += self.hemisphere_mean(&site, key)?;
+        }
+        for (node, weight) in self.towards.iter() {
+            let weight = f64::from(weight);
+            sums.sums.push(NodeSum { node, weight, value: value * weight });
+        }
+        Ok(())
+    }
+
+    fn needs_hemisphere(&self) -> bool {
+        !matches!(self.job.source, Source::Emitters) || self.transport.lights.needs_hemisphere()
+    }
+
+    fn hemisphere_mean(&mut self, site: &Site, key: StreamKey) -> Result<DVec3, Cancelled> {
+        let plan = &self.transport.plan;
+        let (requested, dim) = match self.job.source {
+            Source::Openness => (OPENNESS_RAYS, Dim::Validity),
+            Source::Emitters | Source::Field(_) => (plan.indirect_samples, Dim::Hemisphere),
+        };
+        let samples = plan.sampler.sample_count(requested);
+        let stream = plan.sampler.for_count(samples).stream(key, dim);
+        let mut sum = DVec3::ZERO;
+        for i in 0..samples {
+            if i % RAYS_PER_CHECK == RAYS_PER_CHECK - 1 {
+                self.control.check()?;
+            }
+            sum += self.look(site, stream.sample_2d(i)).0;
+        }
+        Ok(sum / f64::from(samples))
+    }
+
+    /// Traces one hemisphere ray: what it measures, and whether it met the back of a surface.
+    #[inline]
+    fn look(&mut self, site: &Site, u: [f32; 2]) -> (DVec3, bool) {
+        let t = self.transport;
+        self.n_rays += 1;
+        let hit = t.tracer.closest_hit(&hemisphere::ray(site, hemisphere::direction(site, u)));
+        let seen = Seen::new(&t.scene, hit);
+        let back = matches!(seen, Seen::Back);
+        let value = match self.job.source {
+            Source::Field(field) => {
+                hemisphere::reflected(&t.scene, &*t.source, field, &seen, &mut self.weights).0.as_dvec3()
+            }
+            Source::Emitters => hemisphere::emitted(&t.scene, t.lights.emission_by_rays, &seen).0.as_dvec3(),
+            Source::Openness => DVec3::splat(if back { 0.0 } else { 1.0 }),
+        };
+        (value, back)
+    }
+
+    /// A ray from each of many origins; a node's value is their mean by weight.
+    ///
+    /// Position and direction are one 4-D point. An origin whose hemisphere ray meets the back of a surface lies
+    /// inside geometry and is left out, so that what is hidden does not darken what is not. In a scene of closed
+    /// solids that is exact; behind one-sided walls it counts darkness as unknown.
+    fn over_area(&mut self, element: ElementId, sums: &mut ChunkSums) -> Result<(), Cancelled> {
+        let plan = &self.transport.plan;
+        let direct = matches!(self.job.source, Source::Emitters);
+        let requested = if direct { plan.direct_samples } else { plan.indirect_samples };
+        let samples = plan.sampler.sample_count((requested / AREA_SHARE).max(MIN_AREA_SAMPLES));
+        let sampler = plan.sampler.for_count(samples);
+        let key = self.key(element);
+        let stream = sampler.stream(key, Dim::Area);
+        let looks = sampler.stream(key, Dim::Hemisphere);
+        let mut nodes: Vec<NodeSum> = Vec::with_capacity(3);
+        for i in 0..samples {
+            if i % RAYS_PER_CHECK == RAYS_PER_CHECK - 1 {
+                self.control.check()?;
+            }
+            let u = stream.sample_4d(i);
+            self.towards.clear();
+            let site = self.transport.receivers.receiver(element, [u[0], u[1]], &mut self.towards);
+            // Direct light uses the 4-D point for the light and needs another to learn whether it is inside.
+            let (mut value, inside) =
+                self.look(&site, if direct { looks.sample_2d(i) } else { [u[2], u[3]] });
+            if inside {
+                continue;
+            }
+            if direct {
+                let mut tally = Tally::default();
+                self.direct().one_sample(&site, key, i, [u[2], u[3]], &mut tally);
+                value += tally.sum;
+                self.n_rays += tally.n_rays;
+            }
+            for (node, weight) in self.towards.iter() {
+                add(&mut nodes, NodeSum { node, weight: weight.into(), value: value * f64::from(weight) });
+            }
+        }
+        sums.sums.append(&mut nodes);
+        Ok(())
+    }
+
+    fn direct(&self) -> Direct<'_> {
+        let t = self.transport;
+        Direct { scene: &t.scene, tracer: &*t.tracer, lights: &t.lights, plan: &t.plan }
+    }
+}
+
+fn add(nodes: &mut Vec<NodeSum>, new: NodeSum) {
+    match nodes.iter_mut().find(|sum| sum.node == new.node) {
+        Some(sum) => {
+            sum.weight += new.weight;
+            sum.value += new.value;
+        }
+        None => nodes.push(new),
+    }
+}

@@ -1,0 +1,162 @@
+//! An area light as one receiver sees it.
+
+use crate::lights::AreaLight;
+use crate::plan::LightSampling;
+use crate::polygon::unit_irradiance;
+use glam::Vec3;
+use lumel_basis::Site;
+use lumel_sample::{SphericalRectangle, SphericalTriangle, uniform_triangle};
+use lumel_scene::{Barycentrics, Irradiance, Radiance, RectLight, Scene, SurfacePoint, TriId};
+
+/// A light prepared for sampling from one site.
+pub(crate) struct LightView<'a> {
+    scene: &'a Scene,
+    site: &'a Site,
+    light: &'a AreaLight,
+    density: Density,
+    /// Irradiance if nothing were in the way, when there is a closed form.
+    pub(crate) unblocked: Option<Irradiance>,
+}
+
+/// How points on the light are chosen.
+enum Density {
+    /// Uniform in solid angle.
+    SolidAngleRect(SphericalRectangle),
+    SolidAngleTriangle(SphericalTriangle),
+    /// Uniform over the area, or by brightness for textured rectangles.
+    Area,
+}
+
+/// One point of a light.
+pub(crate) struct LightSample {
+    /// Where it is.
+    pub(crate) target: Vec3,
+    /// What it contributes to the mean if nothing is in the way.
+    pub(crate) unblocked: Irradiance,
+}
+
+impl<'a> LightView<'a> {
+    /// `None` when no light of it can reach the site, however empty the scene.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        light: &'a AreaLight,
+        site: &'a Site,
+        how: LightSampling,
+    ) -> Option<Self> {
+        let (mut corners, mut n_corners) = ([Vec3::ZERO; 4], 4);
+        match light {
+            AreaLight::Rect(rect) | AreaLight::TexturedRect(rect, _) => corners = rect.corners(),
+            AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri) => {
+                corners[..3].copy_from_slice(&scene.triangle_positions(*tri));
+                n_corners = 3;
+            }
+        }
+        let corners = &corners[..n_corners];
+        let per_radiance = unit_irradiance(corners, site.origin, site.frame.normal);
+        if per_radiance <= 0.0 {
+            return None;
+        }
+        let unblocked = match light {
+            AreaLight::Rect(RectLight { radiance, .. }) | AreaLight::Triangle(_, radiance) => {
+                Some(Irradiance(radiance.0 * per_radiance as f32))
+            }
+            AreaLight::TexturedRect(..) | AreaLight::TexturedTriangle(_) => None,
+        };
+        let density = match how {
+            LightSampling::Area => Density::Area,
+            LightSampling::Analytic => Density::by_solid_angle(light, corners, site.origin),
+        };
+        Some(Self { scene, site, light, density, unblocked })
+    }
+
+    /// The point of the light for `u` in the unit square; `None` if nothing of it arrives.
+    pub(crate) fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
+        match self.light {
+            AreaLight::Rect(rect) => match &self.density {
+                Density::SolidAngleRect(rectangle) => {
+                    self.in_solid_angle(rectangle.sample(u), rect.radiance, rectangle.pdf())
+                }
+                _ => self.on_rect(rect, u, rect.radiance, 1.0),
+            },
+            AreaLight::TexturedRect(rect, brightness) => {
+                let (st, pdf) = brightness.sample(u);
+                let texture = &self.scene.textures()[rect.texture?.index()];
+                // The image's top is the end of `v`.
+                let value = texture.sample(glam::Vec2::new(st[0], 1.0 - st[1]));
+                self.on_rect(rect, st, Radiance(rect.radiance.0 * value), pdf)
+            }
+            AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri) => self.on_triangle(*tri, u),
+        }
+    }
+
+    fn on_rect(&self, rect: &RectLight, st: [f32; 2], radiance: Radiance, pdf: f32) -> Option<LightSample> {
+        self.on_area(rect.point(st), rect.normal()?, radiance, pdf / rect.area())
+    }
+
+    fn on_triangle(&self, tri: TriId, u: [f32; 2]) -> Option<LightSample> {
+        let corners = self.scene.triangle_positions(tri);
+        if let Density::SolidAngleTriangle(triangle) = &self.density {
+            let direction = triangle.sample(u);
+            let (target, bary) = meet_plane(self.site.origin, direction, &corners)?;
+            let radiance = self.scene.emission(SurfacePoint { tri, bary });
+            return self.in_solid_angle(target, radiance, triangle.pdf());
+        }
+        let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
+        let pdf_area = 1.0 / self.scene.area(tri);
+        self.on_area(
+            self.scene.position(at),
+            self.scene.geometric_normal(tri),
+            self.scene.emission(at),
+            pdf_area,
+        )
+    }
+
+    /// A point chosen with a density per solid angle: `L cos θ / p`.
+    fn in_solid_angle(&self, target: Vec3, radiance: Radiance, pdf_solid_angle: f64) -> Option<LightSample> {
+        let cos = self.site.frame.normal.dot((target - self.site.origin).try_normalize()?);
+        let unblocked = Irradiance(radiance.0 * (cos / pdf_solid_angle as f32));
+        (cos > 0.0).then_some(LightSample { target, unblocked })
+    }
+
+    /// A point chosen with a density per area: `L cos θ cos θₗ / (r² p)`.
+    ///
+    /// Turning the hemisphere integral into one over the light brings in `cos θₗ / r²`.
+    ///
+    /// Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed., 4.2.3.
+    fn on_area(&self, target: Vec3, normal: Vec3, radiance: Radiance, pdf_area: f32) -> Option<LightSample> {
+        let to_light = target - self.site.origin;
+        let distance_squared = to_light.length_squared();
+        let direction = to_light.try_normalize()?;
+        let (cos, cos_light) = (self.site.frame.normal.dot(direction), -normal.dot(direction));
+        let unblocked = Irradiance(radiance.0 * (cos * cos_light / (distance_squared * pdf_area)));
+        (cos > 0.0 && cos_light > 0.0).then_some(LightSample { target, unblocked })
+    }
+}
+
+impl Density {
+    fn by_solid_angle(light: &AreaLight, corners: &[Vec3], from: Vec3) -> Self {
+        match light {
+            AreaLight::Rect(rect) => SphericalRectangle::new(rect.center, rect.u, rect.v, from)
+                .map_or(Self::Area, Self::SolidAngleRect),
+            AreaLight::Triangle(..) | AreaLight::TexturedTriangle(_) => {
+                SphericalTriangle::new(corners[0], corners[1], corners[2], from)
+                    .map_or(Self::Area, Self::SolidAngleTriangle)
+            }
+            // Brightness matters more than the solid angle.
+            AreaLight::TexturedRect(..) => Self::Area,
+        }
+    }
+}
+
+/// Where a direction meets the plane of a triangle, and its barycentrics, clamped to the triangle.
+fn meet_plane(origin: Vec3, direction: Vec3, corners: &[Vec3; 3]) -> Option<(Vec3, Barycentrics)> {
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
+    let normal = (b - a).cross(c - a);
+    let t = (a - origin).dot(normal) / direction.dot(normal);
+    let point = origin + direction * t;
+    let u = (c - b).cross(point - b).dot(normal) / normal.length_squared();
+    let v = (a - c).cross(point - c).dot(normal) / normal.length_squared();
+    let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0 - u.clamp(0.0, 1.0)));
+    point.is_finite().then(|| (point.as_vec3(), Barycentrics { u: u as f32, v: v as f32 }))
+}

@@ -1,0 +1,159 @@
+//! The lights of a scene, ready to be sampled.
+
+use crate::plan::EmitterSampling;
+use lumel_sample::{PiecewiseConstant1D, PiecewiseConstant2D};
+use lumel_scene::{
+    Barycentrics, DirectionalLight, Light, PointLight, Radiance, RectLight, Scene, SpotLight, SurfacePoint,
+    Texture, TriId, luminance,
+};
+
+/// Up to this many lights with an area are all sampled at every receiver; of more, some are chosen by power.
+const MAX_LOOPED: usize = 8;
+
+/// Emissive surfaces up to this share of the total area are worth sampling as lights.
+const MAX_SAMPLED_SHARE: f64 = 0.1;
+
+/// Share of the samples of a textured light that ignore the texture, so that bilinear fringes of black texels are
+/// sampled too.
+const UNIFORM_SHARE: f32 = 0.05;
+
+/// A light with an area.
+#[derive(Clone, Debug)]
+pub(crate) enum AreaLight {
+    /// A rectangle of constant radiance.
+    Rect(RectLight),
+    /// A rectangle with a texture, and the density of its brightness.
+    TexturedRect(RectLight, PiecewiseConstant2D),
+    /// A triangle of constant radiance.
+    Triangle(TriId, Radiance),
+    /// A triangle whose radiance is looked up.
+    TexturedTriangle(TriId),
+}
+
+/// A light without area.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PointlikeLight {
+    Point(PointLight),
+    Spot(SpotLight),
+    Directional(DirectionalLight),
+}
+
+/// All that shines in a scene, split by how it is measured.
+#[derive(Clone, Debug)]
+pub struct LightSet {
+    pub(crate) area: Vec<AreaLight>,
+    pub(crate) pointlike: Vec<PointlikeLight>,
+    /// Chooses among the area lights by power when they are too many to loop over.
+    pub(crate) by_power: Option<PiecewiseConstant1D>,
+    /// Whether hemisphere rays collect the emission of the surfaces they meet.
+    pub(crate) emission_by_rays: bool,
+    /// Whether hemisphere rays collect the sky.
+    pub(crate) sky: bool,
+}
+
+impl LightSet {
+    /// The lights of a scene.
+    pub fn new(scene: &Scene, emitters: EmitterSampling) -> Self {
+        let mut set = Self {
+            area: Vec::new(),
+            pointlike: Vec::new(),
+            by_power: None,
+            emission_by_rays: false,
+            sky: !scene.sky().is_zero(),
+        };
+        for light in scene.lights() {
+            match *light {
+                Light::Rect(rect) => set.area.extend(rect_light(scene, rect)),
+                Light::Point(point) => set.pointlike.push(PointlikeLight::Point(point)),
+                Light::Spot(spot) => set.pointlike.push(PointlikeLight::Spot(spot)),
+                Light::Directional(sun) => set.pointlike.push(PointlikeLight::Directional(sun)),
+            }
+        }
+        set.add_emissive_surfaces(scene, emitters);
+        if set.area.len() > MAX_LOOPED {
+            let powers: Vec<f32> = set.area.iter().map(|light| light.relative_power(scene)).collect();
+            set.by_power = PiecewiseConstant1D::new(&powers);
+        }
+        set
+    }
+
+    /// Whether direct light needs hemisphere rays.
+    pub(crate) fn needs_hemisphere(&self) -> bool {
+        self.sky || self.emission_by_rays
+    }
+
+    /// Whether nothing shines.
+    pub fn is_dark(&self) -> bool {
+        self.area.is_empty() && self.pointlike.is_empty() && !self.needs_hemisphere()
+    }
+
+    fn add_emissive_surfaces(&mut self, scene: &Scene, emitters: EmitterSampling) {
+        let all = || (0..scene.triangle_count() as u32).map(TriId);
+        let emissive: Vec<TriId> = all().filter(|&tri| scene.material(tri).emits()).collect();
+        let area =
+            |tris: &mut dyn Iterator<Item = TriId>| tris.map(|t| f64::from(scene.area(t))).sum::<f64>();
+        let as_lights = match emitters {
+            _ if emissive.is_empty() => return,
+            EmitterSampling::Off => return,
+            EmitterSampling::Lights => true,
+            EmitterSampling::Rays => false,
+            EmitterSampling::Auto => {
+                area(&mut emissive.iter().copied()) <= MAX_SAMPLED_SHARE * area(&mut all())
+            }
+        };
+        if !as_lights {
+            self.emission_by_rays = true;
+            return;
+        }
+        self.area.extend(emissive.into_iter().map(|tri| {
+            let material = scene.material(tri);
+            match material.emission_texture {
+                Some(_) => AreaLight::TexturedTriangle(tri),
+                None => AreaLight::Triangle(tri, material.emission),
+            }
+        }));
+    }
+}
+
+fn rect_light(scene: &Scene, rect: RectLight) -> Option<AreaLight> {
+    if rect.radiance.is_zero() {
+        return None;
+    }
+    let Some(texture) = rect.texture else { return Some(AreaLight::Rect(rect)) };
+    let density = brightness(&scene.textures()[texture.index()])?;
+    Some(AreaLight::TexturedRect(rect, density))
+}
+
+/// The density of a texture's brightness over the light's unit square; `None` for a black texture.
+///
+/// Texel rows run down, the light's second coordinate up.
+fn brightness(texture: &Texture) -> Option<PiecewiseConstant2D> {
+    let (width, height) = texture.size();
+    let rows = (0..height).rev().flat_map(|y| (0..width).map(move |x| (x, y)));
+    let mut weights: Vec<f32> = rows.map(|(x, y)| luminance(texture.texel(x, y))).collect();
+    let mean = weights.iter().map(|&w| f64::from(w)).sum::<f64>() / weights.len() as f64;
+    for weight in &mut weights {
+        *weight = *weight * (1.0 - UNIFORM_SHARE) + mean as f32 * UNIFORM_SHARE;
+    }
+    (mean > 0.0).then(|| PiecewiseConstant2D::new(&weights, width as usize, height as usize)).flatten()
+}
+
+impl AreaLight {
+    /// Power up to a common factor, for choosing lights.
+    fn relative_power(&self, scene: &Scene) -> f32 {
+        let middle = |tri| SurfacePoint { tri, bary: Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 } };
+        let (radiance, area) = match self {
+            Self::Rect(rect) => (rect.radiance.0, rect.area()),
+            Self::TexturedRect(rect, _) => (rect.radiance.0, rect.area()),
+            Self::Triangle(tri, radiance) => (radiance.0, scene.area(*tri)),
+            // Corners and middle, and a little of the brightest possible so that no light is forgotten.
+            Self::TexturedTriangle(tri) => {
+                let corners =
+                    Barycentrics::CORNERS.map(|bary| scene.emission(SurfacePoint { tri: *tri, bary }).0);
+                let seen = corners.into_iter().sum::<glam::Vec3>() + scene.emission(middle(*tri)).0;
+                (seen * 0.25 + scene.material(*tri).emission.0 * 0.05, scene.area(*tri))
+            }
+        };
+        luminance(radiance) * area
+    }
+}

@@ -1,0 +1,61 @@
+//! How densely and by which estimators light is measured.
+
+use lumel_sample::SamplerKind;
+use serde::{Deserialize, Serialize};
+
+/// How the light of a rectangle or an emissive triangle is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LightSampling {
+    /// Points uniform over the light's area; the textbook estimator. Unbiased, but noisy close to the light.
+    Area,
+    /// The closed form of the unblocked light minus a sampled estimate of what is blocked, sampled uniformly in
+    /// solid angle. Unbiased, and free of noise wherever the light is seen whole or not at all.
+    #[default]
+    Analytic,
+}
+
+/// How light from emissive surfaces reaches the receivers. Each is counted once, whichever way is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EmitterSampling {
+    /// As lights while they are a tenth of all surfaces or less, else by rays.
+    #[default]
+    Auto,
+    /// Every emissive triangle is a light that is sampled.
+    Lights,
+    /// Hemisphere rays find them. Free of noise when everything glows, very noisy when little does.
+    Rays,
+    /// Not at all: only lights and sky shine.
+    Off,
+}
+
+/// The settings of one measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Where sample points come from.
+    pub sampler: SamplerKind,
+    /// Shadow rays per receiver and light.
+    pub direct_samples: u32,
+    /// Hemisphere rays per receiver.
+    pub indirect_samples: u32,
+    /// Changes all random choices.
+    pub seed: u64,
+    /// The estimator for lights with an area.
+    pub light_sampling: LightSampling,
+    /// What to do with emissive surfaces.
+    pub emitters: EmitterSampling,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            sampler: SamplerKind::Sobol,
+            direct_samples: 64,
+            indirect_samples: 256,
+            seed: 0,
+            light_sampling: LightSampling::default(),
+            emitters: EmitterSampling::default(),
+        }
+    }
+}

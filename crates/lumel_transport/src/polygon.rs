@@ -1,0 +1,125 @@
+//! The closed form of a polygon's light.
+
+use glam::{DVec3, Vec3};
+use lumel_scene::{Irradiance, Radiance};
+
+/// Unblocked irradiance of a flat polygon of constant radiance, at `point` with unit `normal`.
+///
+/// The corners run counter-clockwise seen from the lit side; points behind the polygon get nothing. The part of it
+/// below the receiver's horizon is clipped off. Exact to about 1e-12 of the radiance, relative error 1e-6 for
+/// polygons that subtend more than 1e-3.
+///
+/// Lambert, *Photometria*, 1760; Arvo, *Analytic Methods for Simulated Light Transport*, 1995, 2.3.
+pub fn polygon_irradiance(corners: &[Vec3], radiance: Radiance, point: Vec3, normal: Vec3) -> Irradiance {
+    Irradiance(radiance.0 * unit_irradiance(corners, point, normal) as f32)
+}
+
+/// The irradiance per unit of radiance: the form factor times pi.
+pub(crate) fn unit_irradiance(corners: &[Vec3], point: Vec3, normal: Vec3) -> f64 {
+    let from = point.as_dvec3();
+    let normal = normal.as_dvec3();
+    let mut polygon = Clipped::default();
+    for (i, corner) in corners.iter().enumerate() {
+        let a = corner.as_dvec3() - from;
+        let b = corners[(i + 1) % corners.len()].as_dvec3() - from;
+        polygon.push_edge(a, b, normal);
+    }
+    polygon.unit_irradiance(normal).max(0.0)
+}
+
+/// A polygon of up to five corners above the horizon, as seen from the origin.
+#[derive(Default)]
+struct Clipped {
+    corners: [DVec3; 8],
+    len: usize,
+}
+
+impl Clipped {
+    fn push(&mut self, corner: DVec3) {
+        if self.len < self.corners.len() {
+            self.corners[self.len] = corner;
+            self.len += 1;
+        }
+    }
+
+    /// One step of Sutherland and Hodgman's clipping against the horizon.
+    fn push_edge(&mut self, a: DVec3, b: DVec3, normal: DVec3) {
+        let (above_a, above_b) = (a.dot(normal), b.dot(normal));
+        if above_a >= 0.0 {
+            self.push(a);
+        }
+        if (above_a > 0.0 && above_b < 0.0) || (above_a < 0.0 && above_b > 0.0) {
+            self.push(a.lerp(b, above_a / (above_a - above_b)));
+        }
+    }
+
+    fn unit_irradiance(&self, normal: DVec3) -> f64 {
+        let corners = &self.corners[..self.len];
+        let mut sum = 0.0;
+        for (i, a) in corners.iter().enumerate() {
+            let b = corners[(i + 1) % corners.len()];
+            // The angle by atan2 keeps its digits for short edges, where acos loses half of them.
+            let cross = b.cross(*a);
+            let length = cross.length();
+            if length > 0.0 {
+                sum += length.atan2(a.dot(b)) * cross.dot(normal) / length;
+            }
+        }
+        0.5 * sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// A rectangle with given minimum and maximum corner in the plane z, shining down.
+    fn ceiling(x: [f32; 2], y: [f32; 2], z: f32) -> [Vec3; 4] {
+        [[0, 0], [0, 1], [1, 1], [1, 0]].map(|[i, j]| Vec3::new(x[i], y[j], z))
+    }
+
+    fn form_factor(corners: &[Vec3], normal: Vec3) -> f64 {
+        unit_irradiance(corners, Vec3::ZERO, normal) / PI
+    }
+
+    #[test]
+    fn form_factors_of_elements_and_rectangles_are_the_known_ones() {
+        let corner = ceiling([0.0, 1.0], [0.0, 1.0], 1.0);
+        assert!((form_factor(&corner, Vec3::Z) - 0.138531605995).abs() < 1e-12);
+        let center = ceiling([-1.0, 1.0], [-1.0, 1.0], 1.0);
+        assert!((form_factor(&center, Vec3::Z) - 0.554126423980).abs() < 1e-12);
+        let near = ceiling([0.0, 2.0], [0.0, 1.0], 0.5);
+        assert!((form_factor(&near, Vec3::Z) - 0.220777622335).abs() < 1e-12);
+        let standing = |height: f32, width: f32, d: f32| {
+            [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]].map(|[y, z]| Vec3::new(d, -y, z))
+        };
+        assert!((form_factor(&standing(1.0, 1.0, 1.0), Vec3::Z) - 0.055734197003).abs() < 1e-12);
+        assert!((form_factor(&standing(2.0, 1.0, 0.5), Vec3::Z) - 0.158774804514).abs() < 1e-12);
+    }
+
+    #[test]
+    fn tilted_receivers_see_the_polygon_above_their_horizon_only() {
+        let light = ceiling([-1.0, 1.0], [-1.0, 1.0], 1.0);
+        let known = [
+            (30.0, 0.479887560075),
+            (60.0, 0.289365194440),
+            (90.0, 0.111468394005),
+            (120.0, 0.012301982450),
+            (150.0, 0.0),
+        ];
+        for (degrees, factor) in known {
+            let angle = f64::to_radians(degrees);
+            let normal = DVec3::new(angle.sin(), 0.0, angle.cos()).as_vec3();
+            // The normal is rounded to f32: 6e-8.
+            assert!((form_factor(&light, normal) - factor).abs() < 1e-7, "{degrees}");
+        }
+    }
+
+    #[test]
+    fn the_back_of_a_polygon_is_dark() {
+        let mut light = ceiling([-1.0, 1.0], [-1.0, 1.0], 1.0);
+        light.reverse();
+        assert_eq!(form_factor(&light, Vec3::Z), 0.0);
+    }
+}
