@@ -5,12 +5,22 @@
 //! that name file, line and object; no input makes this crate panic, wait for ever or allocate much more than the
 //! file's own size.
 
+mod color;
 mod error;
+mod format;
 mod gltf;
 mod image;
+mod lines;
+mod mtl;
+mod obj;
 mod paths;
+mod ply;
+mod polygon;
+mod tally;
+mod text;
 
 pub use error::ImportError;
+use format::Format;
 pub use image::{TextureError, load_texture};
 use lumel_scene::{SceneBuilder, Warnings};
 pub use paths::{PathError, PathPolicy};
@@ -32,10 +42,19 @@ pub struct Imported {
     pub warnings: Warnings,
 }
 
-/// Reads a scene file.
+/// Reads a scene file. Its extension tells the format; where it tells nothing, the content does.
 ///
 /// # Errors
 /// See [`ImportError`].
 pub fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
-    gltf::load(path, options)
+    match Format::of(path)? {
+        Format::Obj => obj::load(path, options),
+        Format::Gltf => gltf::load(path, options),
+        Format::Ply => ply::load(path),
+    }
+}
+
+/// The name of the scene in a file.
+pub(crate) fn scene_name(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

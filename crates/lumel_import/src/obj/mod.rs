@@ -1,0 +1,45 @@
+//! Wavefront OBJ, read by a reader of our own: no library gets all of its corners right.
+//!
+//! Data flows through three files: [`statements`] turns lines into flat arrays, [`assemble`] turns those into
+//! objects, and [`crate::mtl`] finds the materials they name.
+
+mod assemble;
+mod statements;
+
+use crate::mtl::{self, Palette};
+use crate::paths::Resolver;
+use crate::{ImportError, ImportOptions, Imported, scene_name};
+use lumel_scene::{Material, SceneBuilder, Warnings};
+use std::path::Path;
+
+/// Reads an OBJ file with its material libraries and textures.
+///
+/// - Each `o` becomes an object, or each `g` in files without `o`; parts of one name are one object. Inside an
+///   object, vertices keep the order of the file's `v`.
+/// - Faces of files without any `s` are smoothed by angle; elsewhere by their group.
+/// - Texture coordinates are turned over, because ours have `v` down. Vertex colours are sRGB.
+/// - Lines and points are not surfaces and are skipped.
+///
+/// # Errors
+/// Words where numbers belong, indices that point nowhere, or no face at all.
+pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    let resolver = Resolver::new(path, options.paths).map_err(ImportError::io(path))?;
+    let mut warnings = Warnings::default();
+    let file = statements::read(path)?;
+    let name = scene_name(path);
+    let objects = assemble::objects(&file, path, &name, &mut warnings)?;
+    if objects.iter().all(|object| object.faces.is_empty()) {
+        return Err(ImportError::Empty { path: path.to_owned() });
+    }
+    file.skipped.report(path, &mut warnings);
+    let Palette { mut materials, textures } =
+        mtl::palette(path, &resolver, &file.libraries, file.materials.into_names(), &mut warnings);
+    if file.sections.iter().any(|section| section.material.is_none()) {
+        materials.push(Material::default());
+    }
+    let scene = SceneBuilder { name, objects, materials, textures, ..SceneBuilder::default() };
+    Ok(Imported { scene, warnings })
+}
+
+#[cfg(test)]
+mod tests;

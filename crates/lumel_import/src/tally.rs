@@ -1,0 +1,42 @@
+//! Warnings that may arise a million times, said once.
+
+use lumel_scene::Warnings;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Counts what is left out, by kind, and keeps the place of the first of each.
+#[derive(Debug, Default)]
+pub(crate) struct Tally {
+    kinds: BTreeMap<&'static str, (u64, String)>,
+}
+
+impl Tally {
+    /// Counts one. `what` completes "3 ..., first in ...".
+    pub(crate) fn note(&mut self, what: &'static str, place: impl FnOnce() -> String) {
+        self.kinds.entry(what).or_insert_with(|| (0, place())).0 += 1;
+    }
+
+    /// One warning for each kind.
+    pub(crate) fn report(&self, path: &Path, warnings: &mut Warnings) {
+        for (what, (count, first)) in &self.kinds {
+            warnings.push(path.display().to_string(), format!("{count} {what}, first in {first}"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kind_is_reported_once_with_its_first_place() {
+        let mut tally = Tally::default();
+        for line in [7, 9] {
+            tally.note("faces dropped: no area", || format!("line {line}"));
+        }
+        let mut warnings = Warnings::default();
+        tally.report(Path::new("a.obj"), &mut warnings);
+        let texts: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        assert_eq!(texts, ["a.obj: 2 faces dropped: no area, first in line 7"]);
+    }
+}
