@@ -12,7 +12,7 @@ const MAX_LINKS: usize = 40;
 ///
 /// Whoever reads `path`, also after a crash or a power cut, finds the old content or the new, never a part. A new file
 /// gets the permissions that any program's files get, a replaced one keeps those it had. A link stays a link: the
-/// file it points to is replaced.
+/// file it points to is replaced. A program killed while it writes leaves a hidden `.lumel-*.tmp` beside the file.
 ///
 /// # Errors
 /// [`ExportError`] names the file and what to do. The temporary file is gone then, and the old content still there.
@@ -36,7 +36,8 @@ fn replace(
     write(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
     if let Some(old) = old {
-        file.set_permissions(old.permissions())?;
+        // A file system that has no permissions to keep must not cost the result.
+        let _ = file.set_permissions(old.permissions());
     }
     file.sync_all()?;
     // Windows cannot rename a file that is open.

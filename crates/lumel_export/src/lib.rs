@@ -10,15 +10,23 @@
 //! never trusts a file: sizes are checked before anything is allocated, checksums before anything is used.
 
 mod atomic;
+mod display;
 mod error;
+mod glb;
 mod npy;
 mod npz;
+mod ply;
 mod png;
+mod rad;
 mod solution;
 
 pub use atomic::write_atomically;
-pub use error::{ExportError, ReadError, SolutionError};
+pub use display::Exposure;
+pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
+pub use glb::write_glb;
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};
+pub use ply::write_ply;
 pub use png::write_png;
+pub use rad::{RadFile, position_md5};
 pub use solution::{Solution, SolutionMeta, SolutionSelection};

@@ -189,3 +189,19 @@ fn read_stored<T>(
     let mut input = zip.by_index_with_options(index, options).map_err(broken)?;
     read(&mut input, size)
 }
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use crate::ArrayData;
+    use std::fs::OpenOptions;
+
+    #[test]
+    fn a_full_device_is_reported_as_such() {
+        let device = OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let array = Array::list(ArrayData::U8(vec![1; 100_000]));
+        let error = write_members(&mut BufWriter::new(device), |npz| npz.array("a", &array)).unwrap_err();
+        let error = ExportError::io(Path::new("a.npz"), error);
+        assert!(matches!(error, ExportError::DiskFull { .. }), "{error}");
+    }
+}

@@ -1,0 +1,108 @@
+//! From light to what is shown: exposure and the sRGB curve.
+
+use crate::ExportError;
+use glam::Vec3;
+use lumel_scene::{Albedo, Irradiance, Radiance, Scene, SurfacePoint};
+use std::path::Path;
+
+/// The share of lit vertices that an automatic exposure shows without clipping. The rest are bright spots beside lamps.
+const UNCLIPPED_SHARE: f64 = 0.98;
+
+/// How much brighter or darker than 1 W·m⁻²·sr⁻¹ white is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Exposure {
+    /// White paper would be shown white where it is as brightly lit as the 98th of 100 lit vertices.
+    #[default]
+    Auto,
+    /// Radiance times this is shown; 1 is white.
+    Factor(f32),
+}
+
+impl Exposure {
+    /// What radiance is multiplied with before it is shown: greater than zero and finite.
+    pub(crate) fn factor(self, path: &Path, irradiance: &[Vec3]) -> Result<f32, ExportError> {
+        match self {
+            Self::Factor(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
+            Self::Factor(factor) => {
+                let problem = format!("an exposure of {factor} shows nothing; it must be greater than zero");
+                Err(ExportError::content(path, problem))
+            }
+            Self::Auto => Ok(auto_factor(irradiance)),
+        }
+    }
+}
+
+fn auto_factor(irradiance: &[Vec3]) -> f32 {
+    let whites = irradiance.iter().map(|&e| white_radiance(e).max_element());
+    let mut lit: Vec<f32> = whites.filter(|&radiance| radiance > 0.0).collect();
+    if lit.is_empty() {
+        return 1.0;
+    }
+    let rank = ((lit.len() - 1) as f64 * UNCLIPPED_SHARE) as usize;
+    let (_, &mut white, _) = lit.select_nth_unstable_by(rank, f32::total_cmp);
+    // Light of less than 1e-38 has no inverse.
+    let factor = 1.0 / white;
+    if factor.is_finite() { factor } else { 1.0 }
+}
+
+/// Radiance of a white diffuse surface under this irradiance, W·m⁻²·sr⁻¹.
+pub(crate) fn white_radiance(irradiance: Vec3) -> Vec3 {
+    Irradiance(irradiance).reflected(Albedo::splat(1.0)).radiance().0
+}
+
+/// Radiance that leaves a surface point: what it emits and what it reflects.
+pub(crate) fn seen_radiance(scene: &Scene, at: SurfacePoint, irradiance: Vec3) -> Radiance {
+    scene.emission(at) + Irradiance(irradiance).reflected(scene.albedo(at)).radiance()
+}
+
+/// A linear value, clamped to 0..=1, on the sRGB curve.
+pub(crate) fn srgb_byte(linear: f32) -> u8 {
+    let c = f64::from(linear.clamp(0.0, 1.0));
+    let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * encoded).round() as u8
+}
+
+/// Checks that there is a finite irradiance for every vertex.
+pub(crate) fn check_irradiance(path: &Path, scene: &Scene, irradiance: &[Vec3]) -> Result<(), ExportError> {
+    if irradiance.len() != scene.vertex_count() {
+        let (values, name, vertices) = (irradiance.len(), scene.name(), scene.vertex_count());
+        let problem =
+            format!("{values} irradiance values do not fit scene \"{name}\" with {vertices} vertices");
+        return Err(ExportError::content(path, problem));
+    }
+    irradiance.iter().position(|e| !e.is_finite()).map_or(Ok(()), |vertex| {
+        Err(ExportError::content(path, format!("the irradiance at vertex {vertex} is not a finite number")))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn auto_exposure_shows_all_but_the_brightest_spots() {
+        let mut irradiance = vec![Vec3::splat(2.0); 98];
+        irradiance.extend([Vec3::splat(500.0); 2]);
+        irradiance.extend([Vec3::ZERO; 1000]);
+        let exposure = Exposure::Auto.factor(Path::new("x"), &irradiance).unwrap();
+        assert!((white_radiance(irradiance[0]).x * exposure - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn darkness_and_bad_factors_are_handled() {
+        let factor = |exposure: Exposure, irradiance: &[Vec3]| exposure.factor(Path::new("x"), irradiance);
+        assert_eq!(factor(Exposure::Auto, &[]).unwrap(), 1.0);
+        assert_eq!(factor(Exposure::Auto, &[Vec3::ZERO, -Vec3::ONE]).unwrap(), 1.0);
+        assert_eq!(factor(Exposure::Auto, &[Vec3::splat(1e-44)]).unwrap(), 1.0);
+        assert_eq!(factor(Exposure::Factor(0.25), &[]).unwrap(), 0.25);
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(factor(Exposure::Factor(bad), &[]).is_err());
+        }
+    }
+
+    #[test]
+    fn the_srgb_curve_passes_its_known_points() {
+        let bytes = [-1.0, 0.0, 0.002, 0.214_041, 1.0, 9.0, f32::NAN].map(srgb_byte);
+        assert_eq!(bytes, [0, 0, 7, 127, 255, 255, 0]);
+    }
+}

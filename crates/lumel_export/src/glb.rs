@@ -1,0 +1,158 @@
+//! Lit scenes as binary glTF 2.0.
+
+mod material;
+mod primitive;
+
+use crate::display::check_irradiance;
+use crate::{ExportError, Exposure, write_atomically};
+use glam::Vec3;
+use lumel_scene::Scene;
+use material::Materials;
+use primitive::Streams;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+const JSON_CHUNK: &[u8; 4] = b"JSON";
+const BIN_CHUNK: &[u8; 4] = b"BIN\0";
+
+/// Writes the lit scene as a GLB file, atomically. Returns the exposure used.
+///
+/// Every object is a mesh with one primitive per material. Its vertices carry
+/// - `_IRRADIANCE`: irradiance, W·m⁻² (lux where the lights are photometric), linear Rec. 709, exact;
+/// - `COLOR_0`: radiance of a white surface under that irradiance, times the exposure, clamped to 0..=1.
+///
+/// Materials are unlit and one-sided, with the albedo as base colour, so that any viewer shows base colour times
+/// `COLOR_0`: radiance times exposure. Base colour can only darken, which is why the exposure is that of white, not of
+/// the surfaces there are. Emitting surfaces are shown by what they emit and reflect, in `COLOR_0` alone, or, where
+/// emission is textured, by their emission. Albedo and emission of each material are in its `extras`; exposure, units
+/// and the hash of the geometry in those of `asset`. Normal maps are left out.
+///
+/// # Errors
+/// Irradiance that does not fit the scene or is not finite, an exposure that is not positive, a scene beyond the 4 GiB
+/// of the format, and all that [`write_atomically`] meets.
+pub fn write_glb(
+    path: &Path,
+    scene: &Scene,
+    irradiance: &[Vec3],
+    exposure: Exposure,
+) -> Result<f32, ExportError> {
+    check_irradiance(path, scene, irradiance)?;
+    let exposure = exposure.factor(path, irradiance)?;
+    let materials = Materials::new(scene, exposure).map_err(|error| ExportError::io(path, error))?;
+    let primitives = primitive::split(scene);
+    let streams = Streams { scene, irradiance, exposure, materials: &materials, primitives: &primitives };
+    let mut binary = Binary::default();
+    let mut document = json!({});
+    add_meshes(&mut document, &mut binary, &streams);
+    materials.add_to(&mut document, &mut binary);
+    document["asset"] = asset(scene, exposure);
+    document["bufferViews"] = binary.views.into();
+    document["accessors"] = binary.accessors.into();
+    document["buffers"] = json!([{ "byteLength": binary.length }]);
+    let mut json = document.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let length = file_length(json.len() as u64, binary.length).map_err(|p| ExportError::content(path, p))?;
+    write_atomically(path, |out| {
+        out.write_all(b"glTF")?;
+        out.write_all(&2_u32.to_le_bytes())?;
+        out.write_all(&length.to_le_bytes())?;
+        // Both fit: the whole does.
+        out.write_all(&(json.len() as u32).to_le_bytes())?;
+        out.write_all(JSON_CHUNK)?;
+        out.write_all(&json)?;
+        out.write_all(&(binary.length as u32).to_le_bytes())?;
+        out.write_all(BIN_CHUNK)?;
+        streams.write(out)?;
+        materials.write_images(out)
+    })?;
+    Ok(exposure)
+}
+
+/// The length of the file, which has to fit 32 bits.
+fn file_length(json: u64, binary: u64) -> Result<u32, String> {
+    // A header of 12 bytes for the file and one of 8 for each of its two chunks.
+    let length = 28 + json + binary;
+    u32::try_from(length).map_err(|_| {
+        let gib = length as f64 / f64::from(1 << 30);
+        format!(
+            "the GLB file would have {gib:.1} GiB, and the format ends at 4; write PLY or split the scene"
+        )
+    })
+}
+
+fn asset(scene: &Scene, exposure: f32) -> Value {
+    json!({
+        "version": "2.0",
+        "generator": concat!("lumel ", env!("CARGO_PKG_VERSION")),
+        "extras": {
+            "scene": scene.name(),
+            "geometry_hash": scene.hash().geometry.to_hex().as_str(),
+            "exposure": exposure,
+            "_IRRADIANCE": "irradiance, W/m^2 (lux if the lights are photometric), linear Rec. 709",
+            "COLOR_0": "min(1, _IRRADIANCE / pi * vertex tint * exposure); \
+                        on emitting materials min(1, (emitted + reflected radiance) * exposure)",
+        },
+    })
+}
+
+fn add_meshes(document: &mut Value, binary: &mut Binary, streams: &Streams<'_>) {
+    let mut by_object: BTreeMap<u32, Vec<Value>> = BTreeMap::new();
+    let described = streams.describe(binary);
+    for (primitive, json) in streams.primitives.iter().zip(described) {
+        by_object.entry(primitive.object.0).or_default().push(json);
+    }
+    let names = streams.scene.object_names();
+    let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
+    for (object, primitives) in by_object {
+        let name = &names[object as usize];
+        nodes.push(json!({ "name": name, "mesh": meshes.len() }));
+        meshes.push(json!({ "name": name, "primitives": primitives }));
+    }
+    let all: Vec<usize> = (0..nodes.len()).collect();
+    document["scene"] = json!(0);
+    document["scenes"] = json!([{ "name": streams.scene.name(), "nodes": all }]);
+    document["nodes"] = nodes.into();
+    document["meshes"] = meshes.into();
+}
+
+/// The plan of the binary chunk: what is where, before anything is written.
+#[derive(Default)]
+struct Binary {
+    length: u64,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Binary {
+    /// Reserves space, a multiple of four bytes; returns the index of the view.
+    fn add_view(&mut self, length: u64, mut view: Value) -> usize {
+        view["buffer"] = json!(0);
+        view["byteOffset"] = json!(self.length);
+        view["byteLength"] = json!(length);
+        self.length += length.next_multiple_of(4);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// Describes numbers; returns the index of the accessor.
+    fn add_accessor(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_end_at_four_gibibytes() {
+        assert_eq!(file_length(100, 1000), Ok(1128));
+        assert_eq!(file_length(4, u64::from(u32::MAX) - 32), Ok(u32::MAX));
+        let error = file_length(4, u64::from(u32::MAX) - 31).unwrap_err();
+        assert!(error.starts_with("the GLB file would have 4.0 GiB"), "{error}");
+        assert!(file_length(1 << 20, 1 << 40).is_err());
+    }
+}

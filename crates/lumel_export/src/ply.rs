@@ -1,0 +1,91 @@
+//! Lit meshes as PLY, for tools that look at points and meshes.
+
+use crate::display::{check_irradiance, seen_radiance, srgb_byte};
+use crate::{ExportError, Exposure, write_atomically};
+use glam::Vec3;
+use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes the lit scene as binary little-endian PLY, atomically. Returns the exposure used.
+///
+/// A vertex has `x y z`, `nx ny nz`, `irradiance_r irradiance_g irradiance_b` in W·m⁻² and `red green blue`: radiance
+/// times exposure on the sRGB curve. Its albedo and emission are those of the first triangle it belongs to.
+///
+/// # Errors
+/// Irradiance that does not fit the scene or is not finite, an exposure that is not positive, and all that
+/// [`write_atomically`] meets.
+pub fn write_ply(
+    path: &Path,
+    scene: &Scene,
+    irradiance: &[Vec3],
+    exposure: Exposure,
+) -> Result<f32, ExportError> {
+    check_irradiance(path, scene, irradiance)?;
+    let exposure = exposure.factor(path, irradiance)?;
+    write_atomically(path, |out| {
+        out.write_all(header(scene, exposure).as_bytes())?;
+        write_vertices(out, scene, irradiance, exposure)?;
+        write_faces(out, scene)
+    })?;
+    Ok(exposure)
+}
+
+fn header(scene: &Scene, exposure: f32) -> String {
+    let name: String = scene.name().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let mut text = format!(
+        "ply\nformat binary_little_endian 1.0\n\
+         comment lumel {version}, scene {name}\n\
+         comment irradiance in W/m^2 (lux if the lights are photometric), linear Rec. 709\n\
+         comment red green blue: sRGB of radiance times {exposure}\n\
+         element vertex {n_vertices}\n",
+        version = env!("CARGO_PKG_VERSION"),
+        n_vertices = scene.vertex_count(),
+    );
+    let floats = ["x", "y", "z", "nx", "ny", "nz", "irradiance_r", "irradiance_g", "irradiance_b"];
+    for name in floats {
+        text.push_str(&format!("property float {name}\n"));
+    }
+    for name in ["red", "green", "blue"] {
+        text.push_str(&format!("property uchar {name}\n"));
+    }
+    text.push_str(&format!("element face {}\n", scene.triangle_count()));
+    text.push_str("property list uchar int vertex_indices\nend_header\n");
+    text
+}
+
+fn write_vertices(out: &mut impl Write, scene: &Scene, irradiance: &[Vec3], exposure: f32) -> io::Result<()> {
+    let places = first_places(scene);
+    for (vertex, &e) in irradiance.iter().enumerate() {
+        for value in [scene.positions()[vertex], scene.normals()[vertex], e] {
+            for number in value.to_array() {
+                out.write_all(&number.to_le_bytes())?;
+            }
+        }
+        let shown = places[vertex].map_or(Vec3::ZERO, |at| seen_radiance(scene, at, e).0 * exposure);
+        out.write_all(&shown.to_array().map(srgb_byte))?;
+    }
+    Ok(())
+}
+
+/// Where on its first triangle each vertex is.
+fn first_places(scene: &Scene) -> Vec<Option<SurfacePoint>> {
+    let mut places = vec![None; scene.vertex_count()];
+    for (tri, vertices) in scene.triangles().iter().enumerate() {
+        for (vertex, bary) in vertices.iter().zip(Barycentrics::CORNERS) {
+            places[*vertex as usize].get_or_insert(SurfacePoint { tri: TriId(tri as u32), bary });
+        }
+    }
+    places
+}
+
+fn write_faces(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
+    for triangle in scene.triangles() {
+        out.write_all(&[3])?;
+        for vertex in triangle {
+            // A scene has fewer vertices than a signed number counts.
+            out.write_all(&vertex.to_le_bytes())?;
+        }
+    }
+    Ok(())
+}

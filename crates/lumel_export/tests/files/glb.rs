@@ -1,0 +1,302 @@
+use crate::scenes::{colourful, light_on, plain};
+use crate::tools::run_if_installed;
+use glam::Vec3;
+use lumel_export::{ExportError, Exposure, write_glb};
+use lumel_scene::{Albedo, Irradiance, Scene};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// A GLB file taken apart, with every number checked to be where its description says.
+struct Glb {
+    json: Value,
+    binary: Vec<u8>,
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> usize {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize
+}
+
+impl Glb {
+    fn read(path: &Path) -> Self {
+        let bytes = fs::read(path).unwrap();
+        assert_eq!(&bytes[..8], b"glTF\x02\0\0\0");
+        assert_eq!(u32_at(&bytes, 8), bytes.len());
+        let json_length = u32_at(&bytes, 12);
+        assert_eq!((&bytes[16..20], json_length % 4), (b"JSON".as_slice(), 0));
+        let (json, chunk) = bytes[20..].split_at(json_length);
+        assert_eq!(&chunk[4..8], b"BIN\0");
+        let binary = chunk[8..].to_vec();
+        assert_eq!((u32_at(chunk, 0), binary.len() % 4), (binary.len(), 0));
+        let glb = Self { json: serde_json::from_slice(json).unwrap(), binary };
+        assert_eq!(glb.json["buffers"][0]["byteLength"], glb.binary.len());
+        glb.check_views();
+        glb
+    }
+
+    /// Views follow each other without overlap.
+    fn check_views(&self) {
+        let mut end = 0;
+        for view in self.json["bufferViews"].as_array().unwrap() {
+            let (offset, length) = (number(&view["byteOffset"]), number(&view["byteLength"]));
+            assert!(offset >= end && offset < end + 4 && offset % 4 == 0 && length > 0);
+            end = offset + length;
+        }
+        assert_eq!(end.next_multiple_of(4), self.binary.len());
+    }
+
+    fn view(&self, index: &Value) -> &[u8] {
+        let view = &self.json["bufferViews"][number(index)];
+        &self.binary[number(&view["byteOffset"])..][..number(&view["byteLength"])]
+    }
+
+    /// The four-byte words of an accessor, `width` to an element.
+    fn words(&self, index: &Value, width: usize) -> Vec<[u8; 4]> {
+        let accessor = &self.json["accessors"][number(index)];
+        let bytes = self.view(&accessor["bufferView"]);
+        let bytes = &bytes[number(&accessor["byteOffset"])..][..4 * width * number(&accessor["count"])];
+        bytes.as_chunks().0.to_vec()
+    }
+
+    fn floats(&self, index: &Value, width: usize, kind: &str) -> Vec<f32> {
+        let accessor = &self.json["accessors"][number(index)];
+        assert_eq!((number(&accessor["componentType"]), &accessor["type"]), (5126, &Value::from(kind)));
+        self.words(index, width).into_iter().map(f32::from_le_bytes).collect()
+    }
+
+    fn vectors(&self, index: &Value) -> Vec<Vec3> {
+        self.floats(index, 3, "VEC3").chunks(3).map(Vec3::from_slice).collect()
+    }
+
+    fn primitives(&self) -> impl Iterator<Item = &Value> {
+        self.json["meshes"].as_array().unwrap().iter().flat_map(|m| m["primitives"].as_array().unwrap())
+    }
+
+    fn material(&self, primitive: &Value) -> &Value {
+        &self.json["materials"][number(&primitive["material"])]
+    }
+
+    fn material_named(&self, name: &str) -> &Value {
+        self.json["materials"].as_array().unwrap().iter().find(|m| m["name"] == name).unwrap()
+    }
+}
+
+fn number(value: &Value) -> usize {
+    value.as_u64().unwrap_or_default() as usize
+}
+
+fn written(scene: &Scene, exposure: Exposure) -> (Glb, f32) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let exposure = write_glb(&path, scene, &light_on(scene), exposure).unwrap();
+    (Glb::read(&path), exposure)
+}
+
+#[test]
+fn every_number_is_where_its_description_says() {
+    let scene = colourful();
+    let (glb, _) = written(&scene, Exposure::Auto);
+    let mut n_triangles = 0;
+    for primitive in glb.primitives() {
+        let attributes = &primitive["attributes"];
+        let positions = glb.vectors(&attributes["POSITION"]);
+        let indices = glb.words(&primitive["indices"], 1).into_iter().map(u32::from_le_bytes);
+        let indices: Vec<usize> = indices.map(|i| i as usize).collect();
+        assert_eq!(indices.len() % 3, 0);
+        assert!(indices.iter().all(|&index| index < positions.len()));
+        assert!((0..positions.len()).all(|vertex| indices.contains(&vertex)));
+        n_triangles += indices.len() / 3;
+        let accessor = &glb.json["accessors"][number(&attributes["POSITION"])];
+        let bounds = lumel_scene::Bounds::around(positions.iter().copied());
+        assert_eq!(accessor["min"], serde_json::json!(bounds.min.to_array()));
+        assert_eq!(accessor["max"], serde_json::json!(bounds.max.to_array()));
+        let normals = glb.vectors(&attributes["NORMAL"]);
+        assert!(normals.iter().all(|n| n.is_normalized()));
+        // Triangles face the way their normals point, backs too.
+        for tri in indices.chunks(3) {
+            let [a, b, c] = [0, 1, 2].map(|k| positions[tri[k]]);
+            assert!((b - a).cross(c - a).dot(normals[tri[0]]) > 0.0);
+        }
+        let colors = glb.vectors(&attributes["COLOR_0"]);
+        assert!(colors.iter().all(|c| c.min_element() >= 0.0 && c.max_element() <= 1.0));
+        let lengths = [normals.len(), colors.len(), glb.vectors(&attributes["_IRRADIANCE"]).len()];
+        assert_eq!(lengths, [positions.len(); 3]);
+        let textured = !glb.material(primitive)["pbrMetallicRoughness"]["baseColorTexture"].is_null();
+        assert_eq!(!attributes["TEXCOORD_0"].is_null(), textured);
+        if textured {
+            let uvs = glb.floats(&attributes["TEXCOORD_0"], 2, "VEC2");
+            let expected = positions.iter().flat_map(|p| [p.x, p.z]);
+            assert!(expected.eq(uvs));
+        }
+    }
+    assert_eq!(n_triangles, scene.triangle_count());
+}
+
+#[test]
+fn irradiance_is_exact_and_what_is_seen_is_displayed_radiance() {
+    let scene = colourful();
+    let light = light_on(&scene);
+    let (glb, exposure) = written(&scene, Exposure::Factor(0.3));
+    assert_eq!(exposure, 0.3);
+    let mut n_reflecting = 0;
+    for primitive in glb.primitives() {
+        let material = glb.material(primitive);
+        let attributes = &primitive["attributes"];
+        let (positions, normals) = (glb.vectors(&attributes["POSITION"]), glb.vectors(&attributes["NORMAL"]));
+        let (irradiance, colors) =
+            (glb.vectors(&attributes["_IRRADIANCE"]), glb.vectors(&attributes["COLOR_0"]));
+        let base = &material["pbrMetallicRoughness"]["baseColorFactor"];
+        let base = Vec3::from_array([0, 1, 2].map(|k| base[k].as_f64().unwrap() as f32));
+        for i in 0..positions.len() {
+            let here = |v: &usize| scene.positions()[*v] == positions[i] && scene.normals()[*v] == normals[i];
+            let vertex = (0..scene.vertex_count()).find(|v| here(v) && light[*v] == irradiance[i]).unwrap();
+            if material["extras"]["emission"][0] == 0.0 {
+                let albedo = Albedo(base * scene.tints()[vertex]);
+                let radiance = Irradiance(light[vertex]).reflected(albedo).radiance().0;
+                let seen = base * colors[i];
+                let expected = (radiance * exposure).min(base);
+                assert!((seen - expected).length() < 1e-6, "{seen} {expected}");
+                n_reflecting += 1;
+            }
+        }
+    }
+    assert!(n_reflecting > 20);
+}
+
+#[test]
+fn lamps_and_screens_are_bright() {
+    let (glb, _) = written(&colourful(), Exposure::Auto);
+    let lamp = glb.material_named("lamp");
+    assert_eq!(lamp["pbrMetallicRoughness"]["baseColorFactor"], serde_json::json!([1.0, 1.0, 1.0, 1.0]));
+    let emission = lamp["extras"]["emission"].clone();
+    assert_eq!(emission, serde_json::json!([15.0, 10.0, 5.0]));
+    assert_eq!(lamp["emissiveFactor"][0], 1.0);
+    for primitive in glb.primitives().filter(|p| glb.material(p)["name"] == "lamp") {
+        let colors = glb.vectors(&primitive["attributes"]["COLOR_0"]);
+        assert!(colors.iter().all(|c| *c == Vec3::ONE), "{colors:?}");
+    }
+    let screen = glb.material_named("screen");
+    assert!(screen["pbrMetallicRoughness"]["baseColorFactor"][0].as_f64().unwrap() > 0.9);
+    let texture = &glb.json["textures"][number(&screen["pbrMetallicRoughness"]["baseColorTexture"]["index"])];
+    let image = &glb.json["images"][number(&texture["source"])];
+    assert_eq!(image["name"], "glow");
+    // Scaled by a quarter so that the brightest texel fits: 0.5 / 4 and 1 on the sRGB curve.
+    let (pixels, size) = decode(glb.view(&image["bufferView"]));
+    assert_eq!((size, &pixels[..6]), ((3, 1), [99, 99, 99, 255, 188, 137].as_slice()));
+}
+
+fn decode(png: &[u8]) -> (Vec<u8>, (u32, u32)) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    (pixels, (reader.info().width, reader.info().height))
+}
+
+#[test]
+fn textures_keep_their_texels_wrapping_and_placement() {
+    let (glb, _) = written(&colourful(), Exposure::Auto);
+    let texture_of = |name: &str| {
+        let reference = &glb.material_named(name)["pbrMetallicRoughness"]["baseColorTexture"];
+        let texture = &glb.json["textures"][number(&reference["index"])];
+        let image = &glb.json["images"][number(&texture["source"])];
+        let sampler = &glb.json["samplers"][number(&texture["sampler"])];
+        assert_eq!(image["mimeType"], "image/png");
+        (
+            reference,
+            decode(glb.view(&image["bufferView"])),
+            number(&sampler["wrapS"]),
+            number(&sampler["wrapT"]),
+        )
+    };
+    let (reference, (pixels, size), wrap_s, wrap_t) = texture_of("tiles");
+    assert_eq!((size, wrap_s, wrap_t), ((2, 2), 33648, 10497));
+    assert_eq!(pixels, [255, 0, 0, 0, 255, 0, 10, 20, 30, 188, 188, 188]);
+    assert!(reference["extensions"].is_null());
+    let (reference, (pixels, size), wrap_s, wrap_t) = texture_of("moved");
+    assert_eq!((size, wrap_s, wrap_t), ((4, 1), 10497, 33071));
+    // Linear 188/255 on the sRGB curve.
+    assert_eq!(&pixels[9..], [223, 223, 223]);
+    let transform = &reference["extensions"]["KHR_texture_transform"];
+    assert_eq!((&transform["scale"][1], &transform["offset"][0]), (&Value::from(3.0), &Value::from(0.25)));
+    assert_eq!(
+        glb.json["extensionsUsed"],
+        serde_json::json!(["KHR_materials_unlit", "KHR_texture_transform"])
+    );
+}
+
+#[test]
+fn objects_materials_and_origin_are_named() {
+    let scene = colourful();
+    let (glb, exposure) = written(&scene, Exposure::Auto);
+    let names = |list: &str| -> Vec<String> {
+        glb.json[list].as_array().unwrap().iter().map(|n| n["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names("nodes"), ["shared", "textured", "lamp", "screen", "tinted"]);
+    assert_eq!(names("materials"), ["red \"wall\"", "black", "tiles", "moved", "lamp", "screen"]);
+    let extras = &glb.json["asset"]["extras"];
+    assert_eq!(extras["scene"], "bunte Räume\n");
+    assert_eq!(extras["geometry_hash"], scene.hash().geometry.to_hex().as_str());
+    assert_eq!(extras["exposure"].as_f64().unwrap() as f32, exposure);
+    for material in glb.json["materials"].as_array().unwrap() {
+        assert_eq!(material["doubleSided"], false);
+        assert!(material["extensions"]["KHR_materials_unlit"].is_object());
+    }
+}
+
+#[test]
+fn an_untextured_scene_needs_no_texture_coordinates() {
+    let (glb, _) = written(&plain("plain"), Exposure::Auto);
+    assert!(glb.json["textures"].is_null() && glb.json["images"].is_null());
+    assert_eq!(glb.json["extensionsUsed"], serde_json::json!(["KHR_materials_unlit"]));
+    assert_eq!(glb.json["bufferViews"].as_array().unwrap().len(), 5);
+}
+
+#[test]
+fn equal_scenes_are_equal_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let paths = ["a.glb", "b.glb"].map(|name| folder.path().join(name));
+    for path in &paths {
+        let scene = colourful();
+        write_glb(path, &scene, &light_on(&scene), Exposure::Auto).unwrap();
+    }
+    assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap());
+}
+
+#[test]
+fn light_that_does_not_fit_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let scene = plain("box");
+    let refused = |light: &[Vec3], exposure| {
+        let error = write_glb(&path, &scene, light, exposure).unwrap_err();
+        assert!(matches!(error, ExportError::Content { .. }));
+        error.to_string()
+    };
+    let message = refused(&[Vec3::ONE; 5], Exposure::Auto);
+    assert!(message.starts_with("5 irradiance values do not fit scene \"box\" with 4 vertices: \""));
+    assert!(refused(&[Vec3::INFINITY; 4], Exposure::Auto).contains("at vertex 0 is not a finite number"));
+    assert!(refused(&[Vec3::ONE; 4], Exposure::Factor(0.0)).contains("exposure of 0"));
+    assert!(!path.exists());
+}
+
+#[test]
+fn the_khronos_validator_finds_nothing() {
+    let script = r#"
+const { validateBytes } = require("gltf-validator");
+const bytes = new Uint8Array(require("fs").readFileSync(process.argv[1]));
+validateBytes(bytes).then((report) => {
+  const worst = report.issues.messages.filter((m) => m.severity <= 1);
+  console.log(JSON.stringify(report.issues, null, 1));
+  process.exit(worst.length);
+});
+"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    for scene in [plain("plain"), colourful()] {
+        write_glb(&path, &scene, &light_on(&scene), Exposure::Auto).unwrap();
+        let probe = ["-e", "require.resolve('gltf-validator')"];
+        if let Some(report) = run_if_installed("node", &probe, &["-e", script, path.to_str().unwrap()]) {
+            println!("{report}");
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! What other programs and damaged disks make of our files.
+
+#[cfg(test)]
+mod damage;
+#[cfg(test)]
+mod glb;
+#[cfg(test)]
+mod npz;
+#[cfg(test)]
+mod ply;
+#[cfg(test)]
+mod rad;
+#[cfg(test)]
+mod scenes;
+#[cfg(test)]
+mod solution;
+#[cfg(test)]
+mod tools;

@@ -1,0 +1,214 @@
+use crate::damage::{flips, truncations};
+use crate::scenes::{light_on, plain};
+use crate::tools::numpy;
+use glam::Vec3;
+use lumel_export::{
+    Array, ArrayData, NpzReader, Solution, SolutionError, SolutionMeta, SolutionSelection, write_npz,
+};
+use lumel_scene::Scene;
+use serde_json::json;
+use std::fs;
+use std::path::Path;
+
+fn solution(scene: &Scene) -> Solution {
+    let irradiance = light_on(scene);
+    let half: Vec<Vec3> = irradiance.iter().map(|e| 0.5 * *e).collect();
+    Solution {
+        meta: SolutionMeta::new(scene, json!({ "rays": 64, "seed": 1 })),
+        positions: scene.positions().to_vec(),
+        normals: scene.normals().to_vec(),
+        bounces: vec![half.clone(), half.iter().map(|e| 0.5 * *e).collect()],
+        tail: Some(half.iter().map(|e| 0.5 * *e).collect()),
+        valid: (0..irradiance.len()).map(|v| v != 2).collect(),
+        irradiance,
+    }
+}
+
+/// What is read back: saving fills in the meaning of the arrays.
+fn saved_and_loaded(solution: &Solution, path: &Path) -> Solution {
+    solution.save(path).unwrap();
+    let mut loaded = Solution::load(path).unwrap();
+    assert!(loaded.meta.arrays.contains_key("irradiance"));
+    loaded.meta.arrays.clear();
+    loaded
+}
+
+#[test]
+fn a_solution_comes_back_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let mut solution = solution(&plain("box"));
+    solution.irradiance[0] = Vec3::new(-0.0, f32::MIN_POSITIVE / 2.0, 1.0 / 3.0);
+    let loaded = saved_and_loaded(&solution, &path);
+    assert_eq!(loaded, solution);
+    assert_eq!(loaded.irradiance[0].x.to_bits(), (-0.0_f32).to_bits());
+    solution.bounces.clear();
+    solution.tail = None;
+    solution.meta.complete = false;
+    solution.meta.statistics = json!({ "seconds": 1.5 });
+    assert_eq!(saved_and_loaded(&solution, &path), solution);
+}
+
+#[test]
+fn equal_solutions_are_equal_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let (a, b) = (folder.path().join("a.npz"), folder.path().join("b.npz"));
+    solution(&plain("box")).save(&a).unwrap();
+    Solution::load(&a).unwrap().save(&b).unwrap();
+    assert_eq!(fs::read(a).unwrap(), fs::read(b).unwrap());
+}
+
+#[test]
+fn parts_are_selected_by_bounce() {
+    let solution = solution(&plain("box"));
+    assert_eq!(solution.select(SolutionSelection::Sum).unwrap(), solution.sum());
+    assert_eq!(solution.select(SolutionSelection::Bounce(1)).unwrap(), solution.bounces[1]);
+    let error = solution.select(SolutionSelection::Bounce(2)).unwrap_err().to_string();
+    assert_eq!(error, "the solution has no bounce 2, only 2 bounces counted from 0 (direct light)");
+}
+
+#[test]
+fn a_solution_of_another_scene_is_refused_with_both_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.npz");
+    let (ours, theirs) = (plain("cornell-box"), crate::scenes::colourful());
+    let solution = solution(&theirs);
+    solution.check_belongs_to(&theirs).unwrap();
+    let error = solution.check_belongs_to(&ours).unwrap_err().to_string();
+    let hash = |scene: &Scene| scene.hash().geometry.to_hex()[..8].to_string();
+    let expected = format!(
+        "the solution was computed for scene \"{}\" ({} vertices, {}..), not for \"cornell-box\" \
+         (4 vertices, {}..): bake this scene again or open the scene it belongs to",
+        theirs.name(),
+        theirs.vertex_count(),
+        hash(&theirs),
+        hash(&ours)
+    );
+    assert_eq!(error, expected);
+    solution.save(&path).unwrap();
+    Solution::load_for(&path, &theirs).unwrap();
+    let error = Solution::load_for(&path, &ours).unwrap_err().to_string();
+    assert!(error.starts_with("solution \"") && error.contains("x.npz\" was computed for scene"), "{error}");
+}
+
+#[test]
+fn other_materials_keep_the_geometry_but_not_the_lighting() {
+    let (scene, same) = (plain("box"), plain("a copy by another name"));
+    let solution = solution(&scene);
+    assert!(solution.has_lighting_of(&same));
+    solution.check_belongs_to(&same).unwrap();
+    let other = crate::scenes::colourful();
+    assert!(!solution.has_lighting_of(&other));
+}
+
+#[test]
+fn arrays_that_disagree_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let good = solution(&plain("box"));
+    let refused = |change: fn(&mut Solution)| {
+        let mut bad = good.clone();
+        change(&mut bad);
+        bad.save(&path).unwrap_err().to_string()
+    };
+    let message = refused(|s| s.bounces[1].truncate(3));
+    assert_eq!(message, "the solution has 3 values of \"bounces[1]\" for 4 vertices");
+    assert!(refused(|s| s.valid.push(true)).contains("5 values of \"valid\""));
+    assert!(refused(|s| s.tail = Some(vec![])).contains("0 values of \"tail\""));
+    let message = refused(|s| s.irradiance[2].y = f32::NAN);
+    assert_eq!(message, "the solution is not a finite number in \"irradiance\" at vertex 2");
+    assert!(!path.exists());
+}
+
+#[test]
+fn other_archives_and_newer_formats_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let refused = |meta: Option<&str>| {
+        write_npz(&path, |npz| {
+            meta.map_or(Ok(()), |meta| npz.bytes("meta.json", meta.as_bytes()))?;
+            npz.array("irradiance", &Array::list(ArrayData::F32(vec![1.0])))
+        })
+        .unwrap();
+        let error = Solution::load(&path).unwrap_err();
+        assert!(matches!(error, SolutionError::Format { .. }), "{error}");
+        error.to_string()
+    };
+    assert!(refused(None).starts_with("this archive is not a lumel solution: it has no meta.json"));
+    assert!(refused(Some("{")).starts_with("this archive is not a lumel solution"));
+    assert!(refused(Some("[[[[")).starts_with("this archive is not a lumel solution"));
+    let other = r#"{ "format": "lumel-checkpoint", "format_version": 1 }"#;
+    assert!(refused(Some(other)).starts_with("this archive holds a \"lumel-checkpoint\""));
+    let newer = r#"{ "format": "lumel-solution", "format_version": 9 }"#;
+    assert!(
+        refused(Some(newer)).starts_with("this solution has format 9, this version of lumel reads format 1")
+    );
+    let short = r#"{ "format": "lumel-solution", "format_version": 1 }"#;
+    assert!(refused(Some(short)).contains("is incomplete: missing field"));
+}
+
+#[test]
+fn arrays_of_a_wrong_shape_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, bad) = (folder.path().join("a.npz"), folder.path().join("b.npz"));
+    solution(&plain("box")).save(&path).unwrap();
+    let wrong: [(&str, Array); 5] = [
+        ("irradiance", Array { shape: vec![3, 4], data: ArrayData::F32(vec![0.0; 12]) }),
+        ("positions", Array { shape: vec![4, 3], data: ArrayData::U32(vec![0; 12]) }),
+        ("bounces", Array { shape: vec![4, 3], data: ArrayData::F32(vec![0.0; 12]) }),
+        ("bounces", Array { shape: vec![1_000_000_000_000, 0, 3], data: ArrayData::F32(vec![]) }),
+        ("valid", Array { shape: vec![4, 1], data: ArrayData::Bool(vec![true; 4]) }),
+    ];
+    for (name, array) in wrong {
+        let mut npz = NpzReader::open(&path).unwrap();
+        write_npz(&bad, |out| {
+            out.bytes("meta.json", &npz.bytes("meta.json").unwrap())?;
+            for other in ["positions", "normals", "irradiance", "bounces", "tail", "valid"] {
+                let old = npz.array(other).unwrap();
+                out.array(other, if other == name { &array } else { &old })?;
+            }
+            Ok(())
+        })
+        .unwrap();
+        let error = Solution::load(&bad).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("\"{name}\" has the shape")), "{error}");
+    }
+}
+
+#[test]
+fn damaged_solutions_are_errors_or_load_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    solution(&plain("box")).save(&path).unwrap();
+    let good = fs::read(&path).unwrap();
+    let expected = Solution::load(&path).unwrap();
+    for cut in truncations(&good) {
+        fs::write(&path, cut).unwrap();
+        assert!(Solution::load(&path).is_err(), "{} bytes are a whole file", cut.len());
+    }
+    for damaged in flips(&good) {
+        fs::write(&path, &damaged).unwrap();
+        if let Ok(loaded) = Solution::load(&path) {
+            assert_eq!(loaded, expected);
+        }
+    }
+}
+
+#[test]
+fn numpy_reads_a_solution_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    solution(&plain("box")).save(&path).unwrap();
+    let script = r#"
+import json
+f = np.load(path)
+assert np.load(path)["irradiance"].shape == (4, 3)
+assert f["bounces"].shape == (2, 4, 3) and f["tail"].shape == (4, 3)
+assert np.array_equal(f["irradiance"], f["bounces"].sum(axis=0) + f["tail"] + 0.0 * f["normals"])
+assert f["irradiance"][f["valid"]].shape == (3, 3)
+meta = json.loads(f["meta.json"])
+assert meta["format"] == "lumel-solution" and meta["settings"]["rays"] == 64
+assert set(meta["arrays"]) == set(f.files) - {"meta.json"}
+"#;
+    numpy(script, &path);
+}

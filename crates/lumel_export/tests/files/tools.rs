@@ -1,0 +1,23 @@
+//! Programs that read our files, where they are installed.
+
+use std::path::Path;
+use std::process::Command;
+
+/// Runs a program; `None`, with a line that says so, if it is not there.
+pub(crate) fn run_if_installed(program: &str, probe: &[&str], args: &[&str]) -> Option<String> {
+    if !Command::new(program).args(probe).output().is_ok_and(|out| out.status.success()) {
+        println!("skipped: `{program} {}` does not work here", probe.join(" "));
+        return None;
+    }
+    let out = Command::new(program).args(args).output().unwrap();
+    let (stdout, stderr) = (String::from_utf8_lossy(&out.stdout), String::from_utf8_lossy(&out.stderr));
+    assert!(out.status.success(), "{stdout}\n{stderr}");
+    Some(stdout.into_owned())
+}
+
+/// Runs Python with NumPy as `np` and the file as `path`; `None` where there is none.
+pub(crate) fn numpy(script: &str, path: &Path) -> Option<String> {
+    let script = format!("import sys, numpy as np\npath = sys.argv[1]\n{script}");
+    let path = path.to_str().unwrap();
+    run_if_installed("python3", &["-c", "import numpy"], &["-c", &script, path])
+}
