@@ -24,6 +24,9 @@ const WHITE_ID: MaterialId = MaterialId(0);
 const RED_ID: MaterialId = MaterialId(1);
 const GREEN_ID: MaterialId = MaterialId(2);
 
+/// The name of the wall across from the camera.
+pub(super) const BACK_WALL: &str = "back wall";
+
 /// Walls: name, material and corners (mm), counter-clockwise seen from inside.
 const WALLS: [(&str, MaterialId, [[f32; 3]; 4]); 5] = [
     ("floor", WHITE_ID, [[552.8, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 559.2], [549.6, 0.0, 559.2]]),
@@ -33,7 +36,7 @@ const WALLS: [(&str, MaterialId, [[f32; 3]; 4]); 5] = [
         [[556.0, 548.8, 559.2], [0.0, 548.8, 559.2], [0.0, 548.8, 0.0], [556.0, 548.8, 0.0]],
     ),
     (
-        "back wall",
+        BACK_WALL,
         WHITE_ID,
         [[549.6, 0.0, 559.2], [0.0, 0.0, 559.2], [0.0, 548.8, 559.2], [556.0, 548.8, 559.2]],
     ),

@@ -8,6 +8,9 @@
 
 mod analytic;
 mod cornell;
+mod leather;
+mod noise;
+mod painting;
 mod shapes;
 
 use crate::SceneBuilder;
@@ -21,11 +24,16 @@ struct Entry {
     make: fn(u32) -> SceneBuilder,
 }
 
-const SCENES: [Entry; 3] = [
+const SCENES: [Entry; 4] = [
     Entry {
         name: "cornell-box",
         about: "The Cornell box as measured, lit neutrally",
         make: cornell::cornell_box,
+    },
+    Entry {
+        name: "cornell-leather",
+        about: "The Cornell box with a back wall of tufted leather: albedo and normal maps",
+        make: leather::cornell_leather,
     },
     Entry {
         name: "furnace",
