@@ -122,3 +122,126 @@ fn position(placed: Placed) -> Option<Vec3> {
 fn axis(placed: Placed, axis: DVec3) -> Option<Vec3> {
     placed.world.transform_vector3(axis).try_normalize().map(|axis| axis.as_vec3())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::testing::{Model, text};
+    use serde_json::{Value, json};
+
+    /// A light at (1, 2, 3) that is turned to shine along -X, far from unit scale.
+    fn lit(light: Value) -> Result<(Vec<Light>, String), String> {
+        let mut model = Model::empty();
+        model.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+        let node = json!({
+            "name": "Lamp", "translation": [1, 2, 3], "scale": [5, 5, 5], "rotation": [0, 0.70710678, 0, 0.70710678],
+            "extensions": { "KHR_lights_punctual": { "light": 0 } },
+        });
+        model.push("nodes", node);
+        model.read().map(|imported| (imported.scene.lights, text(&imported.warnings)))
+    }
+
+    fn near(a: Vec3, b: Vec3) -> bool {
+        (a - b).length() < 1e-6
+    }
+
+    #[test]
+    fn directional_lights_travel_along_minus_z_of_their_node() {
+        let (lights, warnings) =
+            lit(json!({ "type": "directional", "color": [1, 0.5, 0], "intensity": 2 })).unwrap();
+        let Light::Directional(sun) = lights[0] else { panic!("{lights:?}") };
+        assert!(near(sun.direction, Vec3::NEG_X), "{}", sun.direction);
+        assert_eq!(sun.irradiance, Vec3::new(2.0, 1.0, 0.0));
+        assert_eq!(warnings, "");
+    }
+
+    #[test]
+    fn point_lights_keep_candela_and_range_whatever_the_scale() {
+        let (lights, _) = lit(json!({ "type": "point", "intensity": 40, "range": 7 })).unwrap();
+        let Light::Point(point) = lights[0] else { panic!("{lights:?}") };
+        assert!(near(point.position, Vec3::new(1.0, 2.0, 3.0)));
+        assert_eq!((point.intensity, point.range), (Vec3::splat(40.0), 7.0));
+        let (lights, warnings) = lit(json!({ "type": "point", "range": 0 })).unwrap();
+        let Light::Point(point) = lights[0] else { panic!("{lights:?}") };
+        assert_eq!((point.intensity, point.range), (Vec3::ONE, f32::INFINITY));
+        assert!(warnings.contains("light 0 of node \"Lamp\": its range"), "{warnings}");
+    }
+
+    #[test]
+    fn spot_cones_become_cosines() {
+        let cones = |spot: Value| {
+            let (lights, warnings) = lit(json!({ "type": "spot", "spot": spot })).unwrap();
+            let Light::Spot(spot) = lights[0] else { panic!("{lights:?}") };
+            assert!(near(spot.direction, Vec3::NEG_X));
+            assert!(spot.cos_outer < spot.cos_inner);
+            (spot.cos_inner, spot.cos_outer, warnings)
+        };
+        let (inner, outer, warnings) = cones(json!({ "innerConeAngle": 0.3, "outerConeAngle": 0.6 }));
+        assert_eq!((inner, outer, warnings.as_str()), (0.3_f32.cos(), 0.6_f32.cos(), ""));
+        let (inner, outer, warnings) = cones(json!({}));
+        assert_eq!((inner, outer, warnings.as_str()), (1.0, (FRAC_PI_2 / 2.0).cos(), ""));
+        let (_, outer, warnings) = cones(json!({ "outerConeAngle": FRAC_PI_2 }));
+        assert!(outer.abs() < 1e-6 && warnings.is_empty());
+        for bad in [
+            json!({ "innerConeAngle": 0.7, "outerConeAngle": 0.6 }),
+            json!({ "outerConeAngle": 3 }),
+            json!({ "innerConeAngle": -1 }),
+            json!({ "outerConeAngle": 0 }),
+        ] {
+            // The last has an edge that is only just too sharp.
+            let (_, _, warnings) = cones(bad.clone());
+            assert!(warnings.contains("cone angles") || bad["outerConeAngle"] == 0, "{bad}: {warnings}");
+        }
+    }
+
+    #[test]
+    fn lights_that_cannot_shine_are_left_out_with_a_warning() {
+        for bad in [
+            json!({ "type": "point", "intensity": -1 }),
+            json!({ "type": "point", "intensity": 1e300 }),
+            json!({ "type": "tube" }),
+            json!({ "type": 5 }),
+        ] {
+            let (lights, warnings) = lit(bad.clone()).unwrap();
+            assert!(lights.is_empty(), "{bad}");
+            assert!(warnings.contains("light 0"), "{bad}: {warnings}");
+        }
+        let mut model = Model::empty();
+        model.push("nodes", json!({ "extensions": { "KHR_lights_punctual": { "light": 3 } } }));
+        assert_eq!(model.error(), "node 0: refers to light 3 of 0");
+    }
+
+    fn seen(camera: Value) -> (Vec<Camera>, String) {
+        let mut model = Model::empty();
+        model.push("cameras", camera);
+        let turned = json!({
+            "name": "View", "camera": 0, "translation": [1, 2, 3], "rotation": [0, 0.70710678, 0, 0.70710678],
+        });
+        model.push("nodes", turned);
+        let imported = model.read().unwrap();
+        (imported.scene.cameras, text(&imported.warnings))
+    }
+
+    #[test]
+    fn cameras_look_along_minus_z_and_are_called_like_their_node() {
+        let (cameras, _) =
+            seen(json!({ "name": "c", "type": "perspective", "perspective": { "yfov": 0.8, "znear": 1 } }));
+        let camera = &cameras[0];
+        assert_eq!((camera.name.as_str(), camera.fov_y), ("View", 0.8));
+        assert!(near(camera.position, Vec3::new(1.0, 2.0, 3.0)));
+        assert!(near(camera.forward, Vec3::NEG_X) && near(camera.up, Vec3::Y));
+    }
+
+    #[test]
+    fn cameras_without_a_usable_perspective_are_left_out_with_a_warning() {
+        for bad in [
+            json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "zfar": 1, "znear": 0 } }),
+            json!({ "type": "perspective", "perspective": { "yfov": 0, "znear": 1 } }),
+            json!({ "type": "perspective", "perspective": { "yfov": 4, "znear": 1 } }),
+        ] {
+            let (cameras, warnings) = seen(bad.clone());
+            assert!(cameras.is_empty(), "{bad}");
+            assert!(warnings.contains("camera \"View\": left out"), "{bad}: {warnings}");
+        }
+    }
+}

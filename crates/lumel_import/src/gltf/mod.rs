@@ -60,7 +60,9 @@ fn read(bytes: &[u8], resolver: &Resolver) -> Result<Imported, Fault> {
     let materials = Materials::new(&document, Textures::new(&document, &buffers, resolver));
     let mut meshes = MeshReader::new(&document, Accessors::new(&document, &buffers), materials);
     let mut scene = SceneBuilder::default();
-    for placed in nodes::place_all(&document, &mut warnings)? {
+    let placed = nodes::place_all(&document, &mut warnings)?;
+    meshes.check_size(&placed)?;
+    for placed in placed {
         scene.objects.extend(meshes.object_at(placed, &mut warnings)?);
         scene.lights.extend(lights::light_at(&document, placed, &mut warnings)?);
         scene.cameras.extend(lights::camera_at(&document, placed, &mut warnings)?);

@@ -116,3 +116,102 @@ fn local(document: &Document, index: usize, warnings: &mut Warnings) -> Result<D
         Err(Fault::at(document.node_label(index), "its transform is not a finite number"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::testing::{Model, text};
+    use serde_json::{Value, json};
+
+    fn place(nodes: Value, scenes: Value) -> Result<(Vec<Placed>, Warnings), String> {
+        let mut model = Model::empty();
+        model.json["nodes"] = nodes;
+        model.json["scenes"] = scenes;
+        let mut warnings = Warnings::default();
+        let json = serde_json::to_vec(&model.json).unwrap();
+        let document = Document::parse(&json, &mut warnings).map_err(|fault| fault.to_string())?;
+        let placed = place_all(&document, &mut warnings).map_err(|fault| fault.to_string())?;
+        Ok((placed, warnings))
+    }
+
+    fn order(nodes: Value, scenes: Value) -> Result<Vec<usize>, String> {
+        place(nodes, scenes).map(|(placed, _)| placed.iter().map(|p| p.node).collect())
+    }
+
+    #[test]
+    fn children_follow_their_parents_in_the_order_of_the_file() {
+        let nodes = json!([{}, { "children": [3, 0] }, {}, { "children": [4] }, {}]);
+        assert_eq!(order(nodes.clone(), json!([])).unwrap(), [1, 3, 4, 0, 2], "all roots without a scene");
+        assert_eq!(order(nodes.clone(), json!([{ "nodes": [2] }])).unwrap(), [2]);
+        assert_eq!(order(nodes, json!([{}])).unwrap(), [0; 0]);
+    }
+
+    #[test]
+    fn transforms_apply_from_the_child_outwards() {
+        let nodes = json!([
+            { "children": [1], "translation": [1, 0, 0], "rotation": [0, 0, 0.70710678, 0.70710678] },
+            { "scale": [2, 3, 4] },
+        ]);
+        let (placed, _) = place(nodes, json!([])).unwrap();
+        let at = |node: usize, p: DVec3| placed[node].world.transform_point3(p);
+        // Scaled to (2, 0, 0), turned to (0, 2, 0), moved to (1, 2, 0).
+        assert!((at(1, DVec3::X) - DVec3::new(1.0, 2.0, 0.0)).length() < 1e-7);
+    }
+
+    #[test]
+    fn a_matrix_and_its_parts_mean_the_same() {
+        let parts = json!([{ "translation": [1, 2, 3], "scale": [2, 2, -1] }]);
+        let matrix = json!([{ "matrix": [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, -1, 0, 1, 2, 3, 1] }]);
+        assert_eq!(place(parts, json!([])).unwrap().0, place(matrix, json!([])).unwrap().0);
+    }
+
+    #[test]
+    fn cycles_and_second_parents_are_refused_by_name() {
+        let cycle = json!([{ "name": "A", "children": [1] }, { "children": [2] }, { "children": [0] }]);
+        assert_eq!(order(cycle.clone(), json!([])).unwrap_err(), "node \"A\": it is its own ancestor");
+        assert!(order(cycle, json!([{ "nodes": [] }])).is_err(), "outside the scene too");
+        let own = json!([{}, { "name": "Self", "children": [1] }]);
+        assert_eq!(order(own, json!([])).unwrap_err(), "node \"Self\": it is its own ancestor");
+        let tail = json!([{ "children": [1] }, { "children": [1] }]);
+        assert_eq!(order(tail, json!([])).unwrap_err(), "node 1: it has two parents: node 0 and node 1");
+        let twice = json!([{ "children": [1, 1] }, {}]);
+        assert!(order(twice, json!([])).unwrap_err().contains("two parents"));
+    }
+
+    #[test]
+    fn nodes_that_are_absent_or_shown_twice_are_refused() {
+        assert_eq!(
+            order(json!([{ "children": [5] }]), json!([])).unwrap_err(),
+            "node 0: refers to node 5 of 1"
+        );
+        assert_eq!(
+            order(json!([{}]), json!([{ "nodes": [1] }])).unwrap_err(),
+            "scene: refers to node 1 of 1"
+        );
+        let nodes = json!([{ "children": [1] }, { "name": "Lamp" }]);
+        let message = order(nodes.clone(), json!([{ "nodes": [0, 1] }])).unwrap_err();
+        assert_eq!(message, "node \"Lamp\": it is in the scene twice");
+        assert_eq!(order(nodes, json!([{ "nodes": [1] }])).unwrap(), [1], "part of a tree is fine");
+    }
+
+    #[test]
+    fn depth_is_no_problem() {
+        let n = 100_000;
+        let mut nodes: Vec<_> = (1..n).map(|child| json!({ "children": [child] })).collect();
+        nodes.push(json!({}));
+        assert_eq!(order(json!(nodes), json!([])).unwrap().len(), n);
+    }
+
+    #[test]
+    fn odd_transforms_are_mended_with_a_warning_or_refused() {
+        let (placed, warnings) = place(json!([{ "rotation": [0, 0, 0, 0] }]), json!([])).unwrap();
+        assert_eq!(placed[0].world, DAffine3::IDENTITY);
+        assert!(text(&warnings).contains("node 0: its rotation is zero"));
+        let (placed, _) = place(json!([{ "rotation": [0, 0, 0, 2] }]), json!([])).unwrap();
+        assert_eq!(placed[0].world, DAffine3::IDENTITY, "of any length");
+        let projective = json!([{ "matrix": [1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] }]);
+        assert!(text(&place(projective, json!([])).unwrap().1).contains("last row"));
+        let huge = place(json!([{ "name": "Far", "scale": [1e300, 1, 1] }]), json!([]));
+        assert_eq!(huge.unwrap_err(), "node \"Far\": its transform is not a finite number");
+    }
+}

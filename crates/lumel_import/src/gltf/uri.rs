@@ -72,7 +72,7 @@ mod tests {
         }
         assert_eq!(data("data:;base64,AAE").unwrap(), [0, 1], "no padding");
         assert_eq!(data("data:;base64,AAE=").unwrap(), [0, 1]);
-        assert_eq!(data("data:;base64,").unwrap(), []);
+        assert_eq!(data("data:;base64,").unwrap(), [0_u8; 0]);
         assert_eq!(data("data:text/plain,a%00b").unwrap(), [b'a', 0, b'b']);
         assert_eq!(data("box.bin"), None);
         assert_eq!(data("dätä:x"), None, "no character is cut in half");
