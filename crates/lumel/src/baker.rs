@@ -1,0 +1,171 @@
+//! From a scene and settings to a solution.
+
+use crate::settings::{BasisKind, Settings, Tail};
+use glam::Vec3;
+use lumel_accel::{Bvh, RayTracer};
+use lumel_basis::{AreaVertexBasis, Basis, Field, NodeId, VertexBasis};
+use lumel_export::{Solution, SolutionError, SolutionMeta};
+use lumel_scene::Scene;
+use lumel_solve::{Energy, Observer, SolveError, SolveState, solve};
+use lumel_transport::{Control, CpuTransport, Plan, Transport};
+use std::sync::Arc;
+
+/// Why a solution cannot be continued.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// It belongs to another scene.
+    #[error(transparent)]
+    Scene(#[from] SolutionError),
+    /// The scene shines differently.
+    #[error("the solution was computed with other materials or lights; bake the scene anew")]
+    Lighting,
+    /// The settings would give other bounces.
+    #[error("the solution was computed with other settings ({found}); use the same or bake anew")]
+    Settings {
+        /// The settings of the solution.
+        found: String,
+    },
+}
+
+/// A scene made ready for baking.
+pub struct Baker {
+    scene: Arc<Scene>,
+    tracer: Arc<dyn RayTracer>,
+    settings: Settings,
+    basis: Arc<dyn Basis>,
+    vertex_basis: VertexBasis,
+    transport: Box<dyn Transport>,
+    energy: Energy,
+}
+
+impl Baker {
+    /// Builds the ray tracer and the basis, on the threads of the caller's rayon pool.
+    pub fn new(scene: Arc<Scene>, settings: Settings) -> Self {
+        let tracer = Arc::new(Bvh::build(&scene));
+        Self::with_tracer(scene, tracer, settings)
+    }
+
+    /// Builds the basis for a scene whose ray tracer there is already.
+    pub fn with_tracer(scene: Arc<Scene>, tracer: Arc<dyn RayTracer>, settings: Settings) -> Self {
+        let vertex_basis = VertexBasis::new(Arc::clone(&scene));
+        let plan = settings.plan();
+        let (basis, transport) = match settings.basis {
+            BasisKind::Vertex => operator(&scene, &tracer, vertex_basis.clone(), plan),
+            BasisKind::VertexArea => {
+                operator(&scene, &tracer, AreaVertexBasis::new(vertex_basis.clone()), plan)
+            }
+        };
+        let energy = Energy::new(&scene, &*basis);
+        Self { scene, tracer, settings, basis, vertex_basis, transport, energy }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The ray tracer.
+    pub fn tracer(&self) -> &Arc<dyn RayTracer> {
+        &self.tracer
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The piecewise linear basis on the vertices that all bases here are read back by.
+    pub(crate) fn vertex_basis(&self) -> &VertexBasis {
+        &self.vertex_basis
+    }
+
+    /// Elements measured per bounce, for progress: see [`Control::elements`].
+    pub fn elements_per_step(&self) -> u64 {
+        self.transport.shape().elements as u64
+    }
+
+    /// Share of all light that bounces after those of `state` would bring; `None` while it cannot be told.
+    pub fn remainder(&self, state: &SolveState) -> Option<f64> {
+        self.energy.remainder(&state.bounces)
+    }
+
+    /// Solves, going on from `state`: [`SolveState::new`] or what [`Self::resume`] returned.
+    ///
+    /// # Errors
+    /// When it is cancelled; `state` then holds the bounces that were finished.
+    pub fn run(
+        &self,
+        state: &mut SolveState,
+        control: &Control,
+        observer: &dyn Observer,
+    ) -> Result<(), SolveError> {
+        let stop = self.settings.stop();
+        solve(&*self.transport, &*self.basis, &self.energy, stop, state, control, observer)?;
+        if self.settings.tail == Tail::Geometric {
+            state.tail = self.energy.tail(&state.bounces);
+        }
+        Ok(())
+    }
+
+    /// The light at every vertex of the scene.
+    pub fn solution(&self, state: &SolveState) -> Solution {
+        let nodes = self.basis.node_of_vertex();
+        let at_vertices = |field: &Field| nodes.iter().map(|&node| field.node(node).0).collect::<Vec<Vec3>>();
+        let settings = serde_json::to_value(&self.settings).unwrap_or_default();
+        let no_light = || vec![Vec3::ZERO; nodes.len()];
+        Solution {
+            meta: SolutionMeta::new(&self.scene, settings),
+            positions: self.scene.positions().to_vec(),
+            normals: self.scene.normals().to_vec(),
+            irradiance: if state.bounces.is_empty() { no_light() } else { at_vertices(&state.total()) },
+            bounces: state.bounces.iter().map(at_vertices).collect(),
+            tail: state.tail.as_ref().map(at_vertices),
+            valid: nodes.iter().map(|node| state.valid.get(node.index()).copied().unwrap_or(true)).collect(),
+        }
+    }
+
+    /// The state from which to go on with a solution that was saved.
+    ///
+    /// # Errors
+    /// When the solution is of another scene, other lights or other settings.
+    pub fn resume(&self, solution: &Solution) -> Result<SolveState, ResumeError> {
+        solution.check_belongs_to(&self.scene)?;
+        if !solution.has_lighting_of(&self.scene) {
+            return Err(ResumeError::Lighting);
+        }
+        let found: Option<Settings> = serde_json::from_value(solution.meta.settings.clone()).ok();
+        if !found.is_some_and(|found| found.same_bounces_as(&self.settings)) {
+            return Err(ResumeError::Settings { found: solution.meta.settings.to_string() });
+        }
+        let first_vertices = self.first_vertices();
+        let at_nodes =
+            |values: &Vec<Vec3>| Field::from_values(first_vertices.iter().map(|&v| values[v]).collect());
+        Ok(SolveState {
+            valid: first_vertices.iter().map(|&v| solution.valid[v]).collect(),
+            bounces: solution.bounces.iter().map(at_nodes).collect(),
+            tail: None,
+        })
+    }
+
+    /// A vertex of each node.
+    fn first_vertices(&self) -> Vec<usize> {
+        let mut first = vec![usize::MAX; self.basis.node_count()];
+        for (vertex, &NodeId(node)) in self.basis.node_of_vertex().iter().enumerate() {
+            let slot = &mut first[node as usize];
+            *slot = (*slot).min(vertex);
+        }
+        first
+    }
+}
+
+fn operator<B: Basis + 'static>(
+    scene: &Arc<Scene>,
+    tracer: &Arc<dyn RayTracer>,
+    basis: B,
+    plan: Plan,
+) -> (Arc<dyn Basis>, Box<dyn Transport>) {
+    let basis = Arc::new(basis);
+    let (scene, tracer) = (Arc::clone(scene), Arc::clone(tracer));
+    let transport = CpuTransport::new(scene, tracer, Arc::clone(&basis), Arc::clone(&basis), plan);
+    (basis, Box::new(transport))
+}

@@ -1,0 +1,35 @@
+//! Diffuse global illumination for meshes: open a scene, bake it, measure it.
+//!
+//! ```
+//! use lumel::{Baker, Control, Settings, Silent, SolveState};
+//! use std::sync::Arc;
+//!
+//! let opened = lumel::open("furnace", &lumel::OpenOptions::default())?;
+//! let (scene, _warnings) = opened.builder.build()?;
+//! let settings = Settings { indirect_samples: 1, ..Settings::default() };
+//! let baker = Baker::new(Arc::new(scene), settings);
+//! let mut state = SolveState::new();
+//! baker.run(&mut state, &Control::default(), &Silent)?;
+//! let solution = baker.solution(&state);
+//! assert_eq!(solution.irradiance.len(), solution.positions.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod baker;
+mod measure;
+mod open;
+mod project;
+mod settings;
+
+pub use baker::{Baker, ResumeError};
+pub use lumel_accel::{Bvh, RayTracer};
+pub use lumel_export::{Solution, SolutionSelection};
+pub use lumel_import::PathPolicy;
+pub use lumel_sample::SamplerKind;
+pub use lumel_scene::{Camera, Light, RectLight, Scene, SceneBuilder, Warnings};
+pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step};
+pub use lumel_transport::{Control, EmitterSampling, LightSampling};
+pub use measure::{PointMeasurement, measure_points};
+pub use open::{OpenError, OpenOptions, Opened, open};
+pub use project::{CameraEntry, LightEntry, Project, ProjectError};
+pub use settings::{BasisKind, BounceLimit, Preset, Settings, SettingsPatch, Tail};

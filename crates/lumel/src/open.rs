@@ -1,0 +1,173 @@
+//! From a name on the command line to a scene.
+
+use crate::project::{Project, ProjectError};
+use crate::settings::SettingsPatch;
+use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy};
+use lumel_scene::{Light, Radiance, SceneBuilder, SceneError, Sides, Warnings, builtin};
+use std::path::{Path, PathBuf};
+
+/// How to open a scene.
+#[derive(Clone, Debug, Default)]
+pub struct OpenOptions {
+    /// Whether files may refer to files outside their folder.
+    pub paths: PathPolicy,
+    /// Longest edge after tessellation, metres; replaces the project's.
+    pub max_edge: Option<f32>,
+    /// Levels of refinement of a built-in scene; replaces the project's.
+    pub subdivide: Option<u32>,
+}
+
+/// A scene that can still be changed before it is built.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// The scene, tessellated.
+    pub builder: SceneBuilder,
+    /// What had to be left out.
+    pub warnings: Warnings,
+    /// The bake settings of its project file.
+    pub settings: SettingsPatch,
+}
+
+/// Why a scene cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// Neither a file nor a built-in scene.
+    #[error("there is no file \"{name}\" and no built-in scene of that name; built-in scenes: {}", builtin::NAMES.join(", "))]
+    NotFound {
+        /// What was asked for.
+        name: String,
+    },
+    /// The mesh file.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The project file.
+    #[error(transparent)]
+    Project(#[from] ProjectError),
+    /// A file that the project file refers to.
+    #[error("{}: {source}", .project.display())]
+    Reference {
+        /// The project file.
+        project: PathBuf,
+        /// What is wrong with the reference.
+        source: PathError,
+    },
+    /// The tessellation.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// `subdivide` for a mesh from a file.
+    #[error("only built-in scenes can be subdivided; use a longest edge for {}", .0.display())]
+    NotBuiltin(PathBuf),
+}
+
+/// Opens a mesh file, a project file (`.toml`) or a built-in scene.
+///
+/// A file of the given name goes before a built-in scene.
+///
+/// # Errors
+/// See [`OpenError`].
+pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
+    let path = Path::new(name);
+    let is_project = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let mut opened = if is_project && path.exists() {
+        open_project(path, options)?
+    } else {
+        let (builder, warnings) = open_mesh(name, options.subdivide, options)?;
+        Opened { builder, warnings, settings: SettingsPatch::default() }
+    };
+    if let Some(max_edge) = options.max_edge {
+        opened.warnings.append(opened.builder.tessellate(max_edge)?);
+    }
+    Ok(opened)
+}
+
+fn open_mesh(
+    name: &str,
+    subdivide: Option<u32>,
+    options: &OpenOptions,
+) -> Result<(SceneBuilder, Warnings), OpenError> {
+    let path = Path::new(name);
+    if !path.exists() {
+        let scene = builtin::scene(name, subdivide.unwrap_or(0));
+        return scene
+            .map(|s| (s, Warnings::default()))
+            .ok_or_else(|| OpenError::NotFound { name: name.to_owned() });
+    }
+    if subdivide.is_some() {
+        return Err(OpenError::NotBuiltin(path.to_owned()));
+    }
+    let imported = lumel_import::load(path, &ImportOptions { paths: options.paths })?;
+    Ok((imported.scene, imported.warnings))
+}
+
+fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError> {
+    let project = Project::read(path)?;
+    let subdivide = options.subdivide.or(project.subdivide);
+    let (mut builder, mut warnings) = match (&project.scene, &project.builtin) {
+        (Some(file), _) => {
+            let file = resolve(path, file, options)?;
+            open_mesh(&file.to_string_lossy(), subdivide, options)?
+        }
+        (None, name) => {
+            let name = name.clone().unwrap_or_default();
+            let scene = builtin::scene(&name, subdivide.unwrap_or(0)).ok_or(OpenError::NotFound { name })?;
+            (scene, Warnings::default())
+        }
+    };
+    apply(&project, path, options, &mut builder, &mut warnings)?;
+    if let (Some(max_edge), None) = (project.max_edge, options.max_edge) {
+        warnings.append(builder.tessellate(max_edge)?);
+    }
+    Ok(Opened { builder, warnings, settings: project.bake })
+}
+
+fn resolve(project: &Path, reference: &Path, options: &OpenOptions) -> Result<PathBuf, OpenError> {
+    let found = lumel_import::resolve(project, &reference.to_string_lossy(), options.paths);
+    found.map_err(|source| OpenError::Reference { project: project.to_owned(), source })
+}
+
+/// Puts a project's lights, cameras and other changes into its scene.
+fn apply(
+    project: &Project,
+    path: &Path,
+    options: &OpenOptions,
+    builder: &mut SceneBuilder,
+    warnings: &mut Warnings,
+) -> Result<(), OpenError> {
+    if !project.lights.is_empty() {
+        builder.lights.clear();
+    }
+    for entry in &project.lights {
+        let mut light = entry.light();
+        if let Some(texture) = &entry.texture {
+            let file = resolve(path, texture, options)?;
+            match lumel_import::load_texture(&file, lumel_scene::Encoding::Srgb) {
+                Ok(texture) => {
+                    light.texture = Some(lumel_scene::TextureId(builder.textures.len() as u32));
+                    builder.textures.push(texture);
+                }
+                Err(error) => {
+                    warnings.push(path.display().to_string(), format!("light without its texture: {error}"))
+                }
+            }
+        }
+        builder.lights.push(Light::Rect(light));
+    }
+    builder.cameras.splice(0..0, project.cameras.iter().map(|camera| camera.camera()));
+    if let Some(sky) = project.sky {
+        builder.sky = Radiance(sky);
+    }
+    for name in &project.two_sided {
+        let mut found = false;
+        for material in builder.materials.iter_mut().filter(|m| name == "*" || m.name == *name) {
+            material.sides = Sides::Both;
+            found = true;
+        }
+        if !found {
+            warnings.push(
+                path.display().to_string(),
+                format!("there is no material \"{name}\" to make two-sided"),
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,288 @@
+//! What users choose.
+
+use lumel_sample::SamplerKind;
+use lumel_solve::Stop;
+use lumel_transport::{EmitterSampling, LightSampling, Plan};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// Where light is stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BasisKind {
+    /// At the vertices.
+    #[default]
+    Vertex,
+    /// At the vertices, measured over the triangles around each.
+    VertexArea,
+}
+
+/// How many bounces to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "CountOrWord", into = "CountOrWord")]
+pub enum BounceLimit {
+    /// This many after the direct light.
+    Count(u32),
+    /// Until the rest is negligible.
+    All,
+}
+
+/// What to add for the bounces that are not computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tail {
+    /// Nothing.
+    #[default]
+    Off,
+    /// The geometric series of the last bounce.
+    Geometric,
+}
+
+/// Named settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// To see where the light goes.
+    Draft,
+    /// Clean enough to look at.
+    #[default]
+    Medium,
+    /// To ship.
+    Production,
+}
+
+/// All settings of a bake; the same settings and scene give the same bits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Where light is stored.
+    pub basis: BasisKind,
+    /// How many bounces.
+    pub bounces: BounceLimit,
+    /// With [`BounceLimit::All`]: the share of all light that may be missing.
+    pub remainder: f32,
+    /// What stands for the missing bounces.
+    pub tail: Tail,
+    /// Shadow rays per receiver and light.
+    pub direct_samples: u32,
+    /// Hemisphere rays per receiver and bounce.
+    pub indirect_samples: u32,
+    /// Where sample points come from.
+    pub sampler: SamplerKind,
+    /// The estimator for lights with an area.
+    pub light_sampling: LightSampling,
+    /// What emissive surfaces do.
+    pub emitters: EmitterSampling,
+    /// Changes all random choices.
+    pub seed: u64,
+}
+
+/// More bounces than this are never computed: at the largest albedo allowed, 0.98, the light that is left then is
+/// below a thousandth.
+const MAX_BOUNCES: u32 = 400;
+
+impl Preset {
+    /// All presets, from fast to good.
+    pub const ALL: [Self; 3] = [Self::Draft, Self::Medium, Self::Production];
+
+    /// The preset's settings.
+    pub fn settings(self) -> Settings {
+        let (bounces, direct_samples, indirect_samples) = match self {
+            Self::Draft => (BounceLimit::Count(2), 16, 64),
+            Self::Medium => (BounceLimit::Count(4), 64, 256),
+            Self::Production => (BounceLimit::All, 256, 1024),
+        };
+        Settings {
+            basis: BasisKind::default(),
+            bounces,
+            remainder: 1e-3,
+            tail: Tail::default(),
+            direct_samples,
+            indirect_samples,
+            sampler: SamplerKind::default(),
+            light_sampling: LightSampling::default(),
+            emitters: EmitterSampling::default(),
+            seed: 0,
+        }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Preset::default().settings()
+    }
+}
+
+impl Settings {
+    /// The sampling part.
+    pub fn plan(&self) -> Plan {
+        Plan {
+            sampler: self.sampler,
+            direct_samples: self.direct_samples,
+            indirect_samples: self.indirect_samples,
+            seed: self.seed,
+            light_sampling: self.light_sampling,
+            emitters: self.emitters,
+        }
+    }
+
+    /// When to stop.
+    pub fn stop(&self) -> Stop {
+        match self.bounces {
+            BounceLimit::Count(n) => Stop::Bounces(n),
+            BounceLimit::All => Stop::Remainder { fraction: self.remainder, at_most: MAX_BOUNCES },
+        }
+    }
+
+    /// Whether bounces computed with `other` are the very bounces these settings ask for.
+    ///
+    /// How many there are to be does not matter for that.
+    pub fn same_bounces_as(&self, other: &Self) -> bool {
+        let Self { bounces, remainder, tail, .. } = self.clone();
+        *self == Self { bounces, remainder, tail, ..other.clone() }
+    }
+}
+
+macro_rules! patch {
+    ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {
+        /// Settings that replace those of a preset.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct SettingsPatch {
+            /// The preset to start from.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            pub preset: Option<Preset>,
+            $($(#[$doc])*
+            #[serde(skip_serializing_if = "Option::is_none")]
+            pub $field: Option<$kind>,)*
+        }
+
+        impl SettingsPatch {
+            /// What `over` sets, else what `self` sets.
+            #[must_use]
+            pub fn overridden_by(self, over: Self) -> Self {
+                Self { preset: over.preset.or(self.preset), $($field: over.$field.or(self.$field),)* }
+            }
+
+            /// The settings: those of the preset with the replacements.
+            pub fn settings(&self) -> Settings {
+                let mut settings = self.preset.unwrap_or_default().settings();
+                $(if let Some(value) = self.$field { settings.$field = value; })*
+                settings
+            }
+        }
+    };
+}
+
+patch! {
+    /// Where light is stored.
+    basis: BasisKind,
+    /// How many bounces.
+    bounces: BounceLimit,
+    /// The share of all light that may be missing after all bounces.
+    remainder: f32,
+    /// What stands for the missing bounces.
+    tail: Tail,
+    /// Shadow rays per receiver and light.
+    direct_samples: u32,
+    /// Hemisphere rays per receiver and bounce.
+    indirect_samples: u32,
+    /// Where sample points come from.
+    sampler: SamplerKind,
+    /// The estimator for lights with an area.
+    light_sampling: LightSampling,
+    /// What emissive surfaces do.
+    emitters: EmitterSampling,
+    /// Changes all random choices.
+    seed: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum CountOrWord {
+    Count(u32),
+    Word(String),
+}
+
+impl TryFrom<CountOrWord> for BounceLimit {
+    type Error = String;
+
+    fn try_from(value: CountOrWord) -> Result<Self, String> {
+        match value {
+            CountOrWord::Count(n) => Ok(Self::Count(n)),
+            CountOrWord::Word(word) => word.parse(),
+        }
+    }
+}
+
+impl From<BounceLimit> for CountOrWord {
+    fn from(limit: BounceLimit) -> Self {
+        match limit {
+            BounceLimit::Count(n) => Self::Count(n),
+            BounceLimit::All => Self::Word("all".into()),
+        }
+    }
+}
+
+impl FromStr for BounceLimit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "all" {
+            return Ok(Self::All);
+        }
+        text.parse().map(Self::Count).map_err(|_| format!("\"{text}\" is neither a number nor \"all\""))
+    }
+}
+
+impl fmt::Display for BounceLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count(n) => write!(f, "{n}"),
+            Self::All => f.write_str("all"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn later_settings_win_over_earlier_ones_and_over_the_preset() {
+        let file: SettingsPatch =
+            serde_json::from_str(r#"{"preset": "draft", "bounces": "all", "direct_samples": 7}"#).unwrap();
+        let flags = SettingsPatch { bounces: Some(BounceLimit::Count(9)), ..SettingsPatch::default() };
+        let settings = file.overridden_by(flags).settings();
+        assert_eq!((settings.bounces, settings.direct_samples), (BounceLimit::Count(9), 7));
+        assert_eq!(settings.indirect_samples, Preset::Draft.settings().indirect_samples);
+    }
+
+    #[test]
+    fn settings_survive_a_round_trip() {
+        for preset in Preset::ALL {
+            let settings = preset.settings();
+            let text = serde_json::to_string(&settings).unwrap();
+            assert_eq!(serde_json::from_str::<Settings>(&text).unwrap(), settings);
+        }
+    }
+
+    #[test]
+    fn unknown_settings_are_refused() {
+        let error = serde_json::from_str::<SettingsPatch>(r#"{"bounce": 3}"#).unwrap_err();
+        assert!(error.to_string().contains("unknown field `bounce`"), "{error}");
+    }
+
+    #[test]
+    fn the_number_of_bounces_does_not_change_what_each_of_them_is() {
+        let a = Preset::Medium.settings();
+        assert!(a.same_bounces_as(&Settings {
+            bounces: BounceLimit::All,
+            tail: Tail::Geometric,
+            ..a.clone()
+        }));
+        assert!(!a.same_bounces_as(&Settings { seed: 1, ..a.clone() }));
+        assert!(!a.same_bounces_as(&Settings { basis: BasisKind::VertexArea, ..a.clone() }));
+    }
+}
