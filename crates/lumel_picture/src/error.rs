@@ -1,0 +1,61 @@
+//! Why a picture cannot be drawn.
+
+use crate::resolution::{MAX_PIXELS, MAX_SAMPLES};
+
+/// Why a picture cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PictureError {
+    /// No pixels, or more than are allowed.
+    #[error("a picture of {width} x {height} pixels cannot be drawn; the limit is {MAX_PIXELS} pixels")]
+    Size {
+        /// Asked for.
+        width: u64,
+        /// Asked for.
+        height: u64,
+    },
+    /// No samples, or more than are allowed.
+    #[error("{0} samples per pixel cannot be drawn; there must be 1 to {MAX_SAMPLES}")]
+    Samples(u32),
+    /// A list of pixels that does not fill the picture.
+    #[error("a picture of {width} x {height} pixels has {count} pixels")]
+    PixelCount {
+        /// Pixels per row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Pixels given.
+        count: usize,
+    },
+    /// A camera that has no view.
+    #[error("camera \"{name}\": {problem}")]
+    Camera {
+        /// The camera's name.
+        name: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// Light for another scene.
+    #[error("irradiance of {count} vertices does not belong to a scene of {vertices}")]
+    Irradiance {
+        /// Vertices with light.
+        count: usize,
+        /// Vertices of the scene.
+        vertices: usize,
+    },
+    /// A display setting that is no sensible number.
+    #[error("{what} must be {expected}, not {value}")]
+    Setting {
+        /// The setting.
+        what: &'static str,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        value: String,
+    },
+    /// Pictures to join that are none.
+    #[error("there are no pictures to put beside each other")]
+    NoPictures,
+    /// The cancel flag was set.
+    #[error("drawing was cancelled")]
+    Cancelled,
+}

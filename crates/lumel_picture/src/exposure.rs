@@ -1,0 +1,147 @@
+//! How bright a picture is, and the meter that finds out.
+
+use crate::lamp::Lamp;
+use crate::stats::percentile;
+use crate::{Lens, PictureError, Show, View};
+use glam::Vec2;
+use lumel_scene::{Camera, luminance};
+use rayon::prelude::*;
+use std::fmt;
+use std::str::FromStr;
+
+/// How bright a picture is: light is multiplied by `2^stops`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Exposure {
+    /// What [`meter`] reads.
+    #[default]
+    Auto,
+    /// This many stops.
+    Stops(f32),
+}
+
+impl Exposure {
+    /// The most stops that can be asked for, in either direction.
+    pub const MAX_STOPS: f32 = 100.0;
+}
+
+impl fmt::Display for Exposure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.pad("auto"),
+            Self::Stops(stops) => write!(f, "{stops}"),
+        }
+    }
+}
+
+/// The text is not an [`Exposure`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("exposure \"{0}\" is neither \"auto\" nor a number of stops between -100 and 100")]
+pub struct BadExposure(String);
+
+impl FromStr for Exposure {
+    type Err = BadExposure;
+
+    fn from_str(text: &str) -> Result<Self, BadExposure> {
+        if text == "auto" {
+            return Ok(Self::Auto);
+        }
+        let stops = text.parse::<f32>().ok().filter(|stops| stops.abs() <= Self::MAX_STOPS);
+        stops.map(Self::Stops).ok_or_else(|| BadExposure(text.to_owned()))
+    }
+}
+
+/// Rows of rays that the meter sends.
+const METER_ROWS: u32 = 96;
+
+/// Rays in a row, however wide the picture is.
+const MAX_METER_COLUMNS: u32 = 4 * METER_ROWS;
+
+/// What the mean of the logarithms of luminance is brought to: middle grey.
+const KEY: f64 = 0.18;
+
+/// This percentile of luminance is brought to 1 at most.
+const HIGHLIGHT_PERCENT: f64 = 95.0;
+
+/// Luminances below this share of the highlight count as this: gaps and shadows do not brighten a picture.
+const DARKEST: f64 = 1e-3;
+
+/// The exposure of a view, in stops, rounded to hundredths so that it can be repeated by hand.
+///
+/// The meter looks at radiance through its own grid of rays, 96 rows of cell centres, and so reads the same for
+/// every size, number of samples and quantity of one picture. Of the luminances above zero, with `h` their 95th
+/// percentile and `g = exp(mean(ln(max(Y, h/1000))))`, the exposure is `log2(min(0.18/g, 1/h))`: the picture is
+/// middle grey on the whole, and at most a twentieth of what is seen would clip without a tone mapper. Light twice
+/// as strong reads one stop less. When nothing is lit it reads 0.
+///
+/// The geometric mean follows Reinhard et al., *Photographic Tone Reproduction for Digital Images*, 2002.
+///
+/// # Errors
+/// [`PictureError::Camera`].
+pub fn meter(view: &View<'_>, camera: &Camera, aspect: f32) -> Result<f32, PictureError> {
+    let lens = Lens::new(camera, aspect)?;
+    let columns = ((METER_ROWS as f32 * aspect) as u32).clamp(1, MAX_METER_COLUMNS);
+    let lamps = Lamp::all_of(view.scene);
+    let luminance_at = |i: u32| {
+        let cell = Vec2::new((i % columns) as f32, (i / columns) as f32) + Vec2::splat(0.5);
+        let ray = lens.ray(cell / Vec2::new(columns as f32, METER_ROWS as f32));
+        Show::Radiance.sample(view, &lamps, ray).map_or(0.0, luminance)
+    };
+    Ok(stops_for((0..columns * METER_ROWS).into_par_iter().map(luminance_at).collect()))
+}
+
+fn stops_for(mut luminances: Vec<f32>) -> f32 {
+    luminances.retain(|y| y.is_finite() && *y > 0.0);
+    let Some(highlight) = percentile(&mut luminances, HIGHLIGHT_PERCENT).map(f64::from) else { return 0.0 };
+    let sum: f64 = luminances.iter().map(|y| f64::from(*y).max(DARKEST * highlight).log2()).sum();
+    let stops = (KEY.log2() - sum / luminances.len() as f64).min(-highlight.log2());
+    let limit = f64::from(Exposure::MAX_STOPS);
+    ((stops * 100.0).round() / 100.0).clamp(-limit, limit) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_light_becomes_middle_grey() {
+        assert_eq!(stops_for(vec![0.18; 50]), 0.0);
+        assert_eq!(stops_for(vec![0.72; 50]), -2.0);
+    }
+
+    #[test]
+    fn twice_the_light_is_one_stop_less() {
+        let light: Vec<f32> = (1..500).map(|i| 0.37 / i as f32).collect();
+        let once = stops_for(light.clone());
+        assert_eq!(stops_for(light.iter().map(|y| 2.0 * y).collect()), once - 1.0);
+        assert_eq!(stops_for(light.iter().map(|y| 0.125 * y).collect()), once + 3.0);
+    }
+
+    #[test]
+    fn highlights_are_kept_and_darkness_does_not_count() {
+        // A tenth of the picture at 100: it would clip at the key's exposure.
+        let mut light = vec![0.1; 90];
+        light.extend([100.0; 10]);
+        assert_eq!(stops_for(light), -6.64);
+        // A hundredth may clip.
+        let mut light = vec![0.18; 990];
+        light.extend([0.5; 10]);
+        assert!((stops_for(light) - -0.01).abs() < 0.02);
+        let mut light = vec![0.18; 10];
+        light.extend([0.0, -1.0, f32::NAN, f32::INFINITY]);
+        assert_eq!(stops_for(light), 0.0);
+        assert_eq!(stops_for(vec![0.0; 4]), 0.0);
+        assert_eq!(stops_for(vec![]), 0.0);
+        assert!(stops_for(vec![f32::MIN_POSITIVE; 9]) <= 100.0 && stops_for(vec![f32::MAX; 9]) >= -100.0);
+    }
+
+    #[test]
+    fn texts_round_trip() {
+        for exposure in [Exposure::Auto, Exposure::Stops(-1.37), Exposure::Stops(0.0)] {
+            assert_eq!(exposure.to_string().parse(), Ok(exposure));
+        }
+        assert_eq!("+2".parse(), Ok(Exposure::Stops(2.0)));
+        for bad in ["", "Auto", "nan", "inf", "1e9", "2 stops"] {
+            assert!(bad.parse::<Exposure>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What a picture shows of a scene.
+
+use crate::lamp::Lamp;
+use crate::names::named;
+use crate::normal_map::seen_normal;
+use crate::view::{Sight, View};
+use glam::Vec3;
+use lumel_accel::Ray;
+use lumel_scene::{Albedo, Irradiance};
+
+/// What a picture shows.
+///
+/// Every sample is turned into linear numbers, the samples of a pixel are averaged, and only then comes the display:
+///
+/// | | sample | display of the mean `c` |
+/// |---|---|---|
+/// | `Radiance` | `Le + ρE/π`, lamps, sky | `srgb(tone(2^stops · c))` |
+/// | `Irradiance` | `E/π`: a white wall looks as in `Radiance` | `srgb(tone(2^stops · c))` |
+/// | `Albedo` | `ρ` | `srgb(c)` |
+/// | `Normals` | `(n + 1)/2`, `n` the shading normal with the normal map | `c` |
+/// | `FalseColor` | `E` | see [`FalseColor`](crate::FalseColor) |
+///
+/// Where no lit side of a surface is seen, all but `Radiance` are black.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Show {
+    /// What the eye would see.
+    #[default]
+    Radiance,
+    /// The light that arrives, on white surfaces.
+    Irradiance,
+    /// The share that surfaces reflect.
+    Albedo,
+    /// Where surfaces look: red is +x, green +y, blue +z.
+    Normals,
+    /// Luminance of the irradiance as colours, with a legend.
+    FalseColor,
+}
+
+named!(
+    Show,
+    "quantity to show",
+    Radiance = "radiance",
+    Irradiance = "irradiance",
+    Albedo = "albedo",
+    Normals = "normals",
+    FalseColor = "false-color",
+);
+
+impl Show {
+    /// Whether exposure and tone mapping apply.
+    pub fn is_exposed(self) -> bool {
+        matches!(self, Self::Radiance | Self::Irradiance)
+    }
+
+    /// The linear numbers a ray brings; `None` where it sees nothing of this kind.
+    pub(crate) fn sample(self, view: &View<'_>, lamps: &[Lamp<'_>], ray: Ray) -> Option<Vec3> {
+        if self == Self::Radiance {
+            return Some(view.radiance(lamps, ray).0);
+        }
+        let (Sight::Surface(at), _) = view.sight(ray) else { return None };
+        Some(match self {
+            Self::Irradiance | Self::Radiance => as_on_white(view.lighting.irradiance(at)),
+            Self::FalseColor => view.lighting.irradiance(at).0,
+            Self::Albedo => view.scene.albedo(at).0,
+            Self::Normals => 0.5 * seen_normal(view.scene, at) + Vec3::splat(0.5),
+        })
+    }
+}
+
+/// The radiance of a white surface under this light.
+fn as_on_white(irradiance: Irradiance) -> Vec3 {
+    irradiance.reflected(Albedo::splat(1.0)).radiance().0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip() {
+        for &show in Show::ALL {
+            assert_eq!(show.to_string().parse(), Ok(show));
+        }
+        assert_eq!(
+            Show::NAMES.join(" "),
+            "radiance irradiance albedo normals false-color",
+            "names are part of the command line"
+        );
+        assert!("False-Color".parse::<Show>().is_err());
+    }
+}

@@ -1,0 +1,153 @@
+//! What can be seen: surfaces with their light, lamps and sky.
+
+use crate::PictureError;
+use crate::lamp::Lamp;
+use crate::names::named;
+use glam::Vec3;
+use lumel_accel::{Hit, Ray, RayTracer};
+use lumel_scene::{FaceSide, Irradiance, Radiance, Scene, SurfacePoint, offset_along};
+
+/// How many backs of one-sided faces a ray passes before it is taken to see nothing.
+const MAX_BACKS: u32 = 256;
+
+/// Light on the surfaces of a scene.
+///
+/// A closure `Fn(SurfacePoint) -> Irradiance` is one; [`VertexLight`] is the usual one.
+pub trait Lighting: Sync {
+    /// Irradiance on the lit side of a surface point; triangles are those of the scene, backs included.
+    fn irradiance(&self, at: SurfacePoint) -> Irradiance;
+}
+
+impl<F: Fn(SurfacePoint) -> Irradiance + Sync> Lighting for F {
+    fn irradiance(&self, at: SurfacePoint) -> Irradiance {
+        self(at)
+    }
+}
+
+/// Light at the vertices of a scene, linear over its triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct VertexLight<'a> {
+    scene: &'a Scene,
+    values: &'a [Vec3],
+}
+
+impl<'a> VertexLight<'a> {
+    /// `values` is the irradiance of every vertex of the scene, W·m⁻².
+    ///
+    /// # Errors
+    /// [`PictureError::Irradiance`] unless there are as many values as vertices.
+    pub fn new(scene: &'a Scene, values: &'a [Vec3]) -> Result<Self, PictureError> {
+        if values.len() != scene.vertex_count() {
+            return Err(PictureError::Irradiance { count: values.len(), vertices: scene.vertex_count() });
+        }
+        Ok(Self { scene, values })
+    }
+}
+
+impl Lighting for VertexLight<'_> {
+    #[inline]
+    fn irradiance(&self, at: SurfacePoint) -> Irradiance {
+        let corners = self.scene.triangle(at.tri);
+        let weighted = corners.into_iter().zip(at.bary.weights());
+        weighted.map(|(vertex, weight)| Irradiance(self.values[vertex as usize]) * weight).sum()
+    }
+}
+
+/// What the backs of one-sided faces look like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Backfaces {
+    /// Nothing: one looks through them, into a room from outside. They block light all the same.
+    #[default]
+    Through,
+    /// Black, which is what they send out.
+    Black,
+}
+
+named!(Backfaces, "look of back faces", Through = "through", Black = "black");
+
+/// A lit scene, ready to be looked at.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// The surfaces.
+    pub scene: &'a Scene,
+    /// A tracer over them.
+    pub tracer: &'a dyn RayTracer,
+    /// The light on them.
+    pub lighting: &'a dyn Lighting,
+    /// What backs of one-sided faces look like.
+    pub backfaces: Backfaces,
+}
+
+/// What a ray from the eye ends at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Sight {
+    /// A side of a surface that reflects.
+    Surface(SurfacePoint),
+    /// A side that does not.
+    Back,
+    /// The sky.
+    Nothing,
+}
+
+impl<'a> View<'a> {
+    /// A view that looks through the backs of one-sided faces.
+    pub fn new(scene: &'a Scene, tracer: &'a dyn RayTracer, lighting: &'a dyn Lighting) -> Self {
+        Self { scene, tracer, lighting, backfaces: Backfaces::default() }
+    }
+
+    /// What a ray from the eye ends at, and how far away in lengths of its direction.
+    pub(crate) fn sight(&self, mut ray: Ray) -> (Sight, f32) {
+        let mut passed = 0.0;
+        for _ in 0..MAX_BACKS {
+            let Some(hit) = self.tracer.closest_hit(&ray) else { break };
+            let t = passed + hit.t;
+            if let Some(at) = self.scene.seen_side(hit.at, hit.side) {
+                return (Sight::Surface(at), t);
+            }
+            if let Some(at) = self.front_beside(&hit) {
+                return (Sight::Surface(at), t);
+            }
+            if self.backfaces == Backfaces::Black {
+                return (Sight::Back, t);
+            }
+            passed = t;
+            let beyond = offset_along(self.scene.position(hit.at), self.scene.geometric_normal(hit.at.tri));
+            ray = Ray { origin: beyond, ..ray }.skipping(hit.at.tri);
+        }
+        (Sight::Nothing, f32::INFINITY)
+    }
+
+    /// The lit surface that coincides with the back of a one-sided face: thin walls are often modelled as two faces
+    /// in one place that look away from each other, and either may be what a ray meets first.
+    fn front_beside(&self, back: &Hit) -> Option<SurfacePoint> {
+        let (point, normal) = (self.scene.position(back.at), self.scene.geometric_normal(back.at.tri));
+        let before = offset_along(point, -normal);
+        let across = offset_along(point, normal) - before;
+        let segment = Ray { t_max: 1.0, ..Ray::new(before, across) }.skipping(back.at.tri);
+        let hit = self.tracer.closest_hit(&segment)?;
+        // Only faces that look the other way: those next to it across an edge do not hide it.
+        let opposite = self.scene.geometric_normal(hit.at.tri).dot(normal) < -OPPOSITE_COS;
+        (hit.side == FaceSide::Front && opposite).then_some(hit.at)
+    }
+
+    /// Radiance that arrives at the eye along a ray: `Le + ρE/π` of a surface, or a lamp before it, or the sky.
+    pub(crate) fn radiance(&self, lamps: &[Lamp<'_>], ray: Ray) -> Radiance {
+        let (sight, t) = self.sight(ray);
+        if let Some(radiance) = Lamp::nearest(lamps, &ray, t) {
+            return radiance;
+        }
+        match sight {
+            Sight::Surface(at) => self.surface_radiance(at),
+            Sight::Back => Radiance::ZERO,
+            Sight::Nothing => self.scene.sky(),
+        }
+    }
+
+    fn surface_radiance(&self, at: SurfacePoint) -> Radiance {
+        let reflected = self.lighting.irradiance(at).reflected(self.scene.albedo(at));
+        self.scene.emission(at) + reflected.radiance()
+    }
+}
+
+/// Faces within 2.6° of opposite directions are the two sides of one wall.
+const OPPOSITE_COS: f32 = 0.999;
