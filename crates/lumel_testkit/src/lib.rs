@@ -1,0 +1,21 @@
+//! What the tests of light transport measure against.
+//!
+//! - [`form_factor`]: closed forms, in f64, that share no code with what they test.
+//! - [`mesh`] and [`scene`]: small scenes whose light is known.
+//! - [`Stage`] and [`Combination`]: one test body for every basis, sampler and estimator.
+//! - [`Estimate`]: a mean with its standard error, and how far from the truth it may be.
+//!
+//! A dev-dependency only. Everything here panics with a message when a test is set up wrongly.
+
+mod combination;
+pub mod form_factor;
+pub mod mesh;
+mod quadrature;
+pub mod scene;
+mod stage;
+mod statistics;
+
+pub use combination::{Combination, Estimator, Storage};
+pub use quadrature::{hat_average, triangle_integral};
+pub use stage::{Operator, Stage, measure, replicates};
+pub use statistics::{Estimate, ROUNDING, assert_nodes_near, correlation, fitted_slope, rms};
