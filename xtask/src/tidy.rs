@@ -1,0 +1,197 @@
+//! Rules that no compiler checks.
+
+use crate::{cargo, root};
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A file longer than this has more than one concept in it.
+const MAX_LINES: usize = 800;
+
+/// Crates in the order data flows: each may depend only on those before it.
+const ORDER: &[&str] = &[
+    "lumel_sample",
+    "lumel_scene",
+    "lumel_import",
+    "lumel_accel",
+    "lumel_basis",
+    "lumel_transport",
+    "lumel_solve",
+    "lumel_picture",
+    "lumel_export",
+    "lumel",
+    "lumel_cli",
+];
+
+/// Radiosity and radiance differ by pi; where the types that keep them apart are defined, where directions are
+/// warped and where angles are read from files, it may appear.
+const PI_ALLOWED: &[&str] = &[
+    "lumel_scene/src/units.rs",
+    "lumel_sample/src/warp.rs",
+    "lumel_import/src/gltf/lights.rs",
+    "lumel_testkit/",
+];
+
+/// Licences that our dependencies may have; any of the alternatives of an expression will do.
+const LICENCES: &[&str] = &[
+    "MIT",
+    "Apache-2.0",
+    "Apache-2.0 WITH LLVM-exception",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "Zlib",
+    "ISC",
+    "Unicode-3.0",
+    "CC0-1.0",
+    "0BSD",
+    "Unlicense",
+    "MIT-0",
+];
+
+pub(crate) fn tidy() -> Result<()> {
+    let mut problems = Vec::new();
+    check_sources(&mut problems)?;
+    let metadata = metadata()?;
+    check_crate_graph(&metadata, &mut problems);
+    check_licences(&metadata, &mut problems);
+    if !problems.is_empty() {
+        bail!("tidy found {} problems:\n  {}", problems.len(), problems.join("\n  "));
+    }
+    Ok(())
+}
+
+fn check_sources(problems: &mut Vec<String>) -> Result<()> {
+    for file in sources(&root())? {
+        let name = file.strip_prefix(root()).unwrap_or(&file).to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {name}"))?;
+        let n_lines = text.lines().count();
+        if n_lines > MAX_LINES {
+            problems.push(format!("{name} has {n_lines} lines; split it"));
+        }
+        let product = name.starts_with("crates/")
+            && name.contains("/src/")
+            && !PI_ALLOWED.iter().any(|allowed| name.contains(allowed));
+        // What follows belongs to the tests.
+        let mut in_product = product && !name.ends_with("tests.rs");
+        for (i, line) in text.lines().enumerate() {
+            in_product &= line.trim() != "#[cfg(test)]";
+            let code = line.split("//").next().unwrap_or_default();
+            if in_product && uses_pi(code) {
+                problems.push(format!("{name}:{}: pi belongs into units.rs or warp.rs", i + 1));
+            }
+            if unfinished(line) {
+                problems.push(format!("{name}:{}: an unfinished mark", i + 1));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn uses_pi(code: &str) -> bool {
+    let words = code.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+    words.into_iter().any(|word| {
+        word == "PI" || word == "TAU" || word.starts_with("FRAC_PI_") || word.starts_with("FRAC_1_PI")
+    }) || code.contains("3.14159")
+}
+
+fn unfinished(line: &str) -> bool {
+    // Written apart so that this file does not find itself.
+    [concat!("TO", "DO"), concat!("XX", "X"), concat!("HA", "CK"), concat!("#[ign", "ore")]
+        .iter()
+        .any(|mark| line.contains(mark))
+}
+
+/// All Rust files below a folder, build outputs apart, in order.
+fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in
+            std::fs::read_dir(&folder).with_context(|| format!("cannot list {}", folder.display()))?
+        {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if path.is_dir() && name != "target" && !name.starts_with('.') {
+                folders.push(path);
+            } else if name.ends_with(".rs") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn metadata() -> Result<Value> {
+    let output = cargo(&["metadata", "--format-version", "1", "--locked"]).output()?;
+    if !output.status.success() {
+        bail!("cargo metadata failed: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    Ok(serde_json::from_slice(&output.stdout)?)
+}
+
+fn packages(metadata: &Value) -> impl Iterator<Item = &Value> {
+    metadata["packages"].as_array().into_iter().flatten()
+}
+
+fn check_crate_graph(metadata: &Value, problems: &mut Vec<String>) {
+    let rank = |name: &str| ORDER.iter().position(|crate_name| *crate_name == name);
+    for package in packages(metadata).filter(|p| p["source"].is_null()) {
+        let name = package["name"].as_str().unwrap_or_default();
+        let Some(own) = rank(name) else {
+            if name.starts_with("lumel") && name != "lumel_testkit" {
+                problems.push(format!("crate {name} has no place in the order of crates"));
+            }
+            continue;
+        };
+        for dependency in package["dependencies"].as_array().into_iter().flatten() {
+            let other = dependency["name"].as_str().unwrap_or_default();
+            let is_normal = dependency["kind"].is_null();
+            if is_normal && (other == "lumel_testkit" || rank(other).is_some_and(|rank| rank >= own)) {
+                problems.push(format!("crate {name} must not depend on {other}"));
+            }
+        }
+    }
+}
+
+fn check_licences(metadata: &Value, problems: &mut Vec<String>) {
+    for package in packages(metadata).filter(|p| !p["source"].is_null()) {
+        let name = package["name"].as_str().unwrap_or_default();
+        let licence = package["license"].as_str().unwrap_or_default();
+        if !is_allowed(licence) {
+            problems.push(format!("{name} has the licence \"{licence}\", which is not in our list"));
+        }
+    }
+}
+
+/// Whether an SPDX expression can be met with licences of our list.
+fn is_allowed(expression: &str) -> bool {
+    let flat = expression.replace('/', " OR ").replace(['(', ')'], " ");
+    // "A OR B AND C" without parentheses reads as alternatives of conjunctions.
+    flat.split(" OR ")
+        .any(|alternative| alternative.split(" AND ").all(|licence| LICENCES.contains(&licence.trim())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn licence_expressions_are_alternatives_of_conjunctions() {
+        assert!(is_allowed("MIT OR Apache-2.0"));
+        assert!(is_allowed("MIT/Apache-2.0"));
+        assert!(is_allowed("(MIT OR Apache-2.0) AND Unicode-3.0"));
+        assert!(is_allowed("GPL-3.0 OR MIT"));
+        assert!(!is_allowed("GPL-3.0"));
+        assert!(!is_allowed("MIT AND GPL-3.0"));
+        assert!(!is_allowed(""));
+    }
+
+    #[test]
+    fn pi_is_found_as_a_word_only() {
+        assert!(
+            uses_pi("let a = PI * r;") && uses_pi("std::f32::consts::FRAC_PI_2") && uses_pi("3.14159265")
+        );
+        assert!(!uses_pi("PIXELS + API"));
+    }
+}
