@@ -190,3 +190,96 @@ impl TextureCache {
         self.textures
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::png;
+    use glam::Vec3;
+    use image::{ImageBuffer, Rgb, RgbImage};
+
+    fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        image.into().write_to(&mut Cursor::new(&mut bytes), format).unwrap();
+        bytes
+    }
+
+    fn two_texels() -> RgbImage {
+        ImageBuffer::from_fn(2, 1, |x, _| if x == 0 { Rgb([255, 0, 0]) } else { Rgb([0, 0, 255]) })
+    }
+
+    #[test]
+    fn every_byte_format_is_read_by_content_whatever_it_is_called() {
+        for format in
+            [ImageFormat::Png, ImageFormat::Bmp, ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Tga]
+        {
+            let bytes = encoded(two_texels(), format);
+            let tga = format == ImageFormat::Tga;
+            for extension in if tga { [Some("tga"), Some("TGA")] } else { [Some("tga"), None] } {
+                let texture = decode(&bytes, "x", extension, Encoding::Srgb).unwrap();
+                assert_eq!(texture.size(), (2, 1), "{format:?} {extension:?}");
+                assert_eq!(texture.texel(0, 0), Vec3::X, "{format:?} {extension:?}");
+                assert_eq!(texture.texel(1, 0), Vec3::Z, "{format:?} {extension:?}");
+            }
+        }
+        let jpeg = encoded(two_texels(), ImageFormat::Jpeg);
+        assert_eq!(decode(&jpeg, "x", Some("png"), Encoding::Srgb).unwrap().size(), (2, 1));
+    }
+
+    #[test]
+    fn floats_are_linear_and_reach_above_one() {
+        let bright = ImageBuffer::from_pixel(2, 2, Rgb([4.0_f32, 0.5, 0.0]));
+        for format in [ImageFormat::Hdr, ImageFormat::Tiff] {
+            let bytes = encoded(DynamicImage::ImageRgb32F(bright.clone()), format);
+            let texture = decode(&bytes, "x", None, Encoding::Srgb).unwrap();
+            assert_eq!(texture.texel(1, 1), Vec3::new(4.0, 0.5, 0.0), "{format:?}");
+            assert!(texture.bytes().is_none());
+        }
+    }
+
+    #[test]
+    fn unusable_images_are_explained() {
+        let error = decode(b"hello, I am text", "a.txt", Some("txt"), Encoding::Srgb).unwrap_err();
+        assert_eq!(error, TextureError::UnknownFormat { name: "a.txt".into() });
+        assert!(matches!(decode(b"", "x", None, Encoding::Srgb), Err(TextureError::UnknownFormat { .. })));
+        assert!(matches!(decode(b"", "x", Some("tga"), Encoding::Srgb), Err(TextureError::Decode { .. })));
+        let whole = png([1, 2, 3, 4]);
+        let error = decode(&whole[..whole.len() / 2], "half.png", None, Encoding::Srgb).unwrap_err();
+        assert!(matches!(error, TextureError::Decode { .. }), "{error}");
+        let error = load_texture(Path::new("absent.png"), Encoding::Srgb).unwrap_err();
+        assert!(error.to_string().starts_with("cannot read image absent.png"), "{error}");
+    }
+
+    #[test]
+    fn huge_images_are_refused_before_they_are_decoded() {
+        let mut bmp = encoded(two_texels(), ImageFormat::Bmp);
+        let mut set_size = |width: i32, height: i32| {
+            bmp[18..22].copy_from_slice(&width.to_le_bytes());
+            bmp[22..26].copy_from_slice(&height.to_le_bytes());
+            decode(&bmp, "big.bmp", None, Encoding::Srgb).unwrap_err()
+        };
+        let error = set_size(20_000, 20_000);
+        assert!(matches!(error, TextureError::TooLarge { width: 20_000, .. }), "{error}");
+        assert!(matches!(set_size(60_000, 1), TextureError::Decode { .. }));
+    }
+
+    #[test]
+    fn one_key_is_loaded_once_and_failures_are_remembered() {
+        let mut cache = TextureCache::default();
+        let key = |source: &str, wrap_u| TextureKey {
+            source: source.into(),
+            encoding: Encoding::Srgb,
+            wrap_u,
+            wrap_v: Wrap::Repeat,
+        };
+        let load = || decode(&png([0; 4]), "x", None, Encoding::Srgb);
+        let first = cache.get_or_load(key("a", Wrap::Clamp), load).unwrap();
+        assert_eq!(cache.get_or_load(key("a", Wrap::Clamp), || unreachable!()), Ok(first));
+        assert_ne!(cache.get_or_load(key("a", Wrap::Repeat), load), Ok(first));
+        let failure = TextureError::UnknownFormat { name: "b".into() };
+        assert_eq!(cache.get_or_load(key("b", Wrap::Repeat), || Err(failure.clone())), Err(failure.clone()));
+        assert_eq!(cache.get_or_load(key("b", Wrap::Repeat), || unreachable!()), Err(failure));
+        let textures = cache.into_textures();
+        assert_eq!((textures.len(), textures[0].wrap_u), (2, Wrap::Clamp));
+    }
+}

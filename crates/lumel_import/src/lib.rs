@@ -17,6 +17,8 @@ mod paths;
 mod ply;
 mod polygon;
 mod tally;
+#[cfg(test)]
+mod testing;
 mod text;
 
 pub use error::ImportError;
@@ -24,7 +26,7 @@ use format::Format;
 pub use image::{TextureError, load_texture};
 use lumel_scene::{SceneBuilder, Warnings};
 pub use paths::{PathError, PathPolicy};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How to read a scene file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -57,4 +59,15 @@ pub fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportErro
 /// The name of the scene in a file.
 pub(crate) fn scene_name(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The file that `file` refers to by `reference`, if the policy allows it.
+///
+/// # Errors
+/// See [`PathError`].
+pub fn resolve(file: &Path, reference: &str, policy: PathPolicy) -> Result<PathBuf, PathError> {
+    let reached = paths::Resolver::new(file, policy);
+    reached
+        .map_err(|source| PathError::Io { reference: file.display().to_string(), source })?
+        .resolve(reference)
 }

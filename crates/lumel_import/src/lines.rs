@@ -34,10 +34,18 @@ impl Lines {
     /// It cannot be read.
     pub(crate) fn open(path: &Path) -> Result<Self, ImportError> {
         let file = File::open(path).map_err(ImportError::io(path))?;
-        Self::new(path, BufReader::with_capacity(1 << 16, file))
+        Self::new(path, BufReader::with_capacity(1 << 16, file), 1)
     }
 
-    fn new(path: &Path, mut reader: impl BufRead + 'static) -> Result<Self, ImportError> {
+    /// The rest of a file that has been read up to line `first`.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub(crate) fn new(
+        path: &Path,
+        mut reader: impl BufRead + 'static,
+        first: usize,
+    ) -> Result<Self, ImportError> {
         let mut start = Vec::new();
         reader.by_ref().take(3).read_to_end(&mut start).map_err(ImportError::io(path))?;
         let reader: Box<dyn BufRead> = match start.as_slice() {
@@ -53,7 +61,7 @@ impl Lines {
             }
             _ => Box::new(Cursor::new(start).chain(reader)),
         };
-        Ok(Self { reader, path: path.to_owned(), next_line: 1, text: Vec::new() })
+        Ok(Self { reader, path: path.to_owned(), next_line: first, text: Vec::new() })
     }
 
     /// The next line; `None` at the end of the file.
@@ -97,7 +105,7 @@ mod tests {
     use super::*;
 
     fn read(bytes: &[u8]) -> Vec<(usize, String)> {
-        let mut lines = Lines::new(Path::new("test.obj"), Cursor::new(bytes.to_vec())).unwrap();
+        let mut lines = Lines::new(Path::new("test.obj"), Cursor::new(bytes.to_vec()), 1).unwrap();
         let mut all = Vec::new();
         while let Some(line) = lines.next_line().unwrap() {
             all.push((line.number, String::from_utf8_lossy(line.text).into_owned()));
@@ -140,7 +148,7 @@ mod tests {
     fn endless_lines_are_refused() {
         for endless in [b"x".as_slice(), b"\\\n"] {
             let bytes = endless.repeat(MAX_LINE + 10);
-            let mut lines = Lines::new(Path::new("zero.obj"), Cursor::new(bytes)).unwrap();
+            let mut lines = Lines::new(Path::new("zero.obj"), Cursor::new(bytes), 1).unwrap();
             let error = lines.next_line().err().unwrap().to_string();
             assert!(error.starts_with("zero.obj:1: the line is longer"), "{error}");
         }

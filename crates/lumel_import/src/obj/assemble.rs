@@ -11,6 +11,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
+const ABSENT_NORMALS: &str = "faces refer to normals that the file lacks; they are made instead";
+
 /// The objects of a file, in the order of their first faces. `default_name` is for faces outside any object.
 ///
 /// Material ids are those of the file's names; faces without `usemtl` get the id after the last.
@@ -21,10 +23,10 @@ pub(super) fn objects(
     warnings: &mut Warnings,
 ) -> Result<Vec<ObjectMesh>, ImportError> {
     let mut assembler =
-        Assembler { file, path, triangulator: Triangulator::new(), dropped: Tally::default() };
+        Assembler { file, path, triangulator: Triangulator::new(), oddities: Tally::default() };
     let objects: Result<Vec<_>, _> =
         parts(file, default_name).into_iter().map(|part| assembler.object(&part)).collect();
-    assembler.dropped.report(path, warnings);
+    assembler.oddities.report(path, warnings);
     if file.colors.iter().any(|color| color.max_element() > 1.0) {
         let message = "vertex colours above 1 are clamped: they must run from 0 to 1";
         warnings.push(path.display().to_string(), message);
@@ -60,7 +62,7 @@ struct Assembler<'a> {
     file: &'a ObjFile,
     path: &'a Path,
     triangulator: Triangulator,
-    dropped: Tally,
+    oddities: Tally,
 }
 
 impl<'a> Assembler<'a> {
@@ -78,10 +80,15 @@ impl<'a> Assembler<'a> {
                 let corners = self.corners(index, part.name)?;
                 outline.clear();
                 outline.extend(corners.iter().map(|corner| file.positions[corner.position as usize]));
+                if corners.iter().any(|c| c.normal != Corner::NONE && c.normal as usize >= file.normals.len())
+                {
+                    // Files stripped of their normals but not of the references to them are common.
+                    self.oddities.note(ABSENT_NORMALS, || format!("line {line}, object \"{}\"", part.name));
+                }
                 let Some(triangles) = self.triangulator.triangulate(&outline) else {
                     let too_few = corners.len() < 3;
                     let what = if too_few { TOO_FEW_CORNERS } else { NO_AREA };
-                    self.dropped.note(what, || format!("line {line}, object \"{}\"", part.name));
+                    self.oddities.note(what, || format!("line {line}, object \"{}\"", part.name));
                     continue;
                 };
                 faces.extend(triangles.iter().map(|triangle| {
@@ -93,7 +100,7 @@ impl<'a> Assembler<'a> {
         Ok(self.mesh(part.name, vertices, faces))
     }
 
-    /// The corners of a face, checked.
+    /// The corners of a face, their positions and texture coordinates checked.
     fn corners(&self, face: usize, object: &str) -> Result<&'a [Corner], ImportError> {
         let file = self.file;
         let start = face.checked_sub(1).map_or(0, |previous| file.faces[previous].corners_end);
@@ -109,7 +116,6 @@ impl<'a> Assembler<'a> {
             let references = [
                 ("vertex", corner.position, file.positions.len()),
                 ("texture coordinate", corner.uv, file.uvs.len()),
-                ("normal", corner.normal, file.normals.len()),
             ];
             for (what, index, count) in references {
                 if index != Corner::NONE && index as usize >= count {

@@ -1,17 +1,17 @@
 //! Stanford PLY: one mesh of polygons or triangle strips, as text or binary.
 
+mod ascii;
 mod elements;
 mod header;
+mod source;
 
 use crate::polygon::{MAX_CORNERS, NO_AREA, TOO_FEW_CORNERS, Triangulator};
 use crate::tally::Tally;
 use crate::{ImportError, Imported, scene_name};
 use elements::{IndexList, PlyVertex, Skipped};
 use lumel_scene::{Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, Warnings};
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::ElementDef;
-use std::fs::File;
-use std::io::BufReader;
+use source::Source;
 use std::path::Path;
 
 /// The mark between two strips of a `tristrips` list: -1.
@@ -55,31 +55,23 @@ struct PlyFile {
 
 impl PlyFile {
     fn read(path: &Path) -> Result<Self, ImportError> {
-        let source = File::open(path).map_err(ImportError::io(path))?;
-        let length = source.metadata().map_err(ImportError::io(path))?.len();
-        let mut reader = Reader::new(BufReader::with_capacity(1 << 16, source));
-        let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|e| malformed(path, &e))?;
-        header::check_counts(path, &header, length)?;
+        let (header, mut source) = Source::open(path)?;
         let mut file = Self::default();
         for element in header.elements.values() {
-            let result = match element.name.as_str() {
+            match element.name.as_str() {
                 "vertex" => {
                     file.note_attributes(path, element)?;
-                    Parser::new()
-                        .read_payload_for_element(&mut reader, element, &header)
-                        .map(|list| file.vertices = list)
+                    file.vertices = source.elements(element)?;
                 }
                 "face" | "tristrips" => {
                     header::check_indices(path, element)?;
-                    let lists = Parser::new().read_payload_for_element(&mut reader, element, &header);
-                    let known = if element.name == "face" { &mut file.faces } else { &mut file.strips };
-                    lists.map(|lists| *known = lists)
+                    let lists = source.elements(element)?;
+                    *(if element.name == "face" { &mut file.faces } else { &mut file.strips }) = lists;
                 }
-                _ => Parser::<Skipped>::new()
-                    .read_payload_for_element(&mut reader, element, &header)
-                    .map(|_| ()),
-            };
-            result.map_err(|error| malformed(path, &error))?;
+                _ => {
+                    source.elements::<Skipped>(element)?;
+                }
+            }
         }
         Ok(file)
     }
@@ -170,19 +162,6 @@ impl PlyFile {
             faces,
         }
     }
-}
-
-/// The parser's error without its copy of the line, which may be long.
-fn malformed(path: &Path, error: &ParseError) -> ImportError {
-    let text = error.to_string();
-    let parts = text.split('\n').map(str::trim).filter(|part| !part.starts_with("String:"));
-    let joined = parts.collect::<Vec<_>>().join(" ");
-    let message = match joined.strip_prefix("Line ").and_then(|rest| rest.split_once(": ")) {
-        Some((_, message)) if error.line().is_some() => message,
-        _ => &joined,
-    };
-    let message = message.chars().filter(|c| !c.is_control()).take(300).collect();
-    ImportError::Malformed { path: path.to_owned(), line: error.line(), message }
 }
 
 #[cfg(test)]
