@@ -11,6 +11,8 @@
 mod accessor;
 mod buffers;
 mod container;
+#[cfg(test)]
+mod damage;
 mod document;
 mod extensions;
 mod fault;
@@ -25,7 +27,7 @@ mod topology;
 mod uri;
 
 use crate::paths::Resolver;
-use crate::{ImportError, ImportOptions, Imported};
+use crate::{ImportError, ImportOptions, Imported, scene_name};
 use accessor::Accessors;
 use buffers::Buffers;
 use container::Container;
@@ -48,7 +50,7 @@ pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     if imported.scene.objects.is_empty() {
         return Err(ImportError::Empty { path: path.to_owned() });
     }
-    imported.scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    imported.scene.name = scene_name(path);
     Ok(imported)
 }
 

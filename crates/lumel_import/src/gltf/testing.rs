@@ -89,8 +89,8 @@ impl Model {
 
     pub(super) fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
-        if json["buffers"].is_null() {
-            json["buffers"] = json!([{ "byteLength": self.bin.len() }]);
+        if let Some(document) = json.as_object_mut() {
+            document.entry("buffers").or_insert_with(|| json!([{ "byteLength": self.bin.len() }]));
         }
         let mut json = serde_json::to_vec(&json).unwrap();
         json.resize(json.len().next_multiple_of(4), b' ');
