@@ -19,7 +19,7 @@ const SCENES: [(&str, usize, usize); 19] = [
     ("cornell-variants/CornellBox-Glossy-Floor.obj", 1112, 8),
     ("cornell-variants/CornellBox-Glossy.obj", 1112, 8),
     ("cornell-variants/CornellBox-Mirror.obj", 36, 7),
-    ("cornell-variants/CornellBox-Original.obj", 36, 8),
+    ("cornell-variants/CornellBox-Original.obj", 36, 7),
     ("cornell-variants/CornellBox-Sphere.obj", 2188, 8),
     ("cornell-variants/CornellBox-Water.obj", 7088, 9),
     ("cornell-variants/water.obj", 4900, 1),

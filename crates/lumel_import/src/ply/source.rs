@@ -29,7 +29,7 @@ impl<'a> Source<'a> {
         check_counts(path, &header, length)?;
         let source = if header.encoding == Encoding::Ascii {
             let line = reader.line();
-            Self::Text(Words::new(path, Lines::new(path, reader.into_inner(), line + 1)?))
+            Self::Text(Words::new(path, Lines::new(path, reader.into_inner(), line)?))
         } else {
             Self::Binary { path, reader, header: header.clone() }
         };
