@@ -1,0 +1,85 @@
+//! Our light against the solution handed out with a university course, computed by another program in 2024.
+
+use glam::{DVec3, Vec3};
+use lumel::{Baker, BounceLimit, Control, Light, RectLight, Scene, Settings, Silent, SolveState};
+use lumel_export::RadFile;
+use lumel_scene::Radiance;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Light `2024/1` of the course's `presets.json`.
+fn light_2024_1() -> RectLight {
+    let half_size = 0.188_198_640_942_573_55;
+    let towards = Vec3::new(0.508_129_656_314_849_9, -0.577_200_233_936_309_8, -0.639_252_841_472_625_7);
+    // The course's light shines towards minus its z axis: turn the x axis round so that u × v points there.
+    let u = -half_size * Vec3::new(0.782_819_867_134_094_2, 0.0, 0.622_248_291_969_299_3);
+    let v = half_size * Vec3::new(0.359_161_883_592_605_6, 0.816_602_706_909_179_7, -0.451_843_857_765_197_75);
+    let center = Vec3::new(-0.664_146_363_735_199, 0.720_128_476_619_720_5, 0.722_028_017_044_067_4);
+    let light = RectLight { center, u, v, radiance: Radiance::splat(100.0), texture: None };
+    assert!((light.normal().unwrap() - towards).length() < 1e-5);
+    light
+}
+
+/// The folder of the course's files; `None`, with the reason printed, where it is missing.
+fn folder() -> Option<PathBuf> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/course-cornell");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    assert!(std::env::var_os("CI").is_none(), "CI must have {}", folder.display());
+    println!("skipped: no {}", folder.display());
+    None
+}
+
+fn open(mesh: &str) -> Option<Arc<Scene>> {
+    let file = folder()?.join(mesh);
+    let mut opened = lumel::open(&file.to_string_lossy(), &lumel::OpenOptions::default()).unwrap();
+    opened.builder.lights = vec![Light::Rect(light_2024_1())];
+    Some(Arc::new(opened.builder.build().unwrap().0))
+}
+
+fn mean(values: &[Vec3]) -> DVec3 {
+    values.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / values.len() as f64
+}
+
+/// Pearson's correlation of all channels taken together.
+fn correlation(a: &[Vec3], b: &[Vec3]) -> f64 {
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a.as_dvec3() - mean_a, b.as_dvec3() - mean_b);
+        ab += a.dot(b);
+        aa += a.dot(a);
+        bb += b.dot(b);
+    }
+    ab / (aa * bb).sqrt()
+}
+
+#[test]
+fn two_bounces_agree_with_the_solution_of_the_course() {
+    let Some(scene) = open("cornell-tessellated.obj") else { return };
+    let theirs = RadFile::read(&folder().unwrap().join("cornell-2bounces.rad")).unwrap();
+    assert!(theirs.matches(&scene), "vertices must come in the order of the file");
+    let settings = Settings {
+        bounces: BounceLimit::Count(2),
+        direct_samples: 64,
+        indirect_samples: 256,
+        ..Settings::default()
+    };
+    let baker = Baker::new(Arc::clone(&scene), settings);
+    let mut state = SolveState::new();
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    // Vertices under the boxes see nothing and are dark in the course's solution; ours have the light of their
+    // neighbours there, on purpose.
+    let solution = baker.solution(&state);
+    let measured = |values: &[Vec3]| -> Vec<Vec3> {
+        values.iter().zip(&solution.valid).filter(|(_, valid)| **valid).map(|(value, _)| *value).collect()
+    };
+    let n_hidden = solution.valid.iter().filter(|valid| !**valid).count();
+    let (ours, theirs) = (measured(&solution.irradiance), measured(&theirs.irradiance()));
+    assert!(n_hidden < scene.vertex_count() / 20, "{n_hidden} hidden vertices");
+    let ratio = mean(&ours) / mean(&theirs);
+    println!("{n_hidden} hidden, means {} and {}, ratio {ratio}, correlation {}", mean(&ours), mean(&theirs), correlation(&ours, &theirs));
+    assert!((ratio - DVec3::ONE).abs().max_element() < 0.005, "ratio of means {ratio}");
+    assert!(correlation(&ours, &theirs) > 0.99, "{}", correlation(&ours, &theirs));
+}
