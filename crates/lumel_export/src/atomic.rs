@@ -243,10 +243,14 @@ mod tests {
         }
 
         #[test]
-        fn devices_are_not_replaced() {
-            let error = write_atomically(Path::new("/dev/null"), |_| Ok(())).unwrap_err();
+        fn devices_and_pipes_are_not_replaced() {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("socket");
+            // Stands for them all: a broken check must not cost anyone the real `/dev/null`.
+            let _socket = std::os::unix::net::UnixListener::bind(&path).unwrap();
+            let error = write_atomically(&path, |_| Ok(())).unwrap_err();
             assert!(matches!(error, ExportError::NotAFile { what: "a device or pipe", .. }));
-            assert!(!fs::metadata("/dev/null").unwrap().is_file());
+            assert!(!fs::metadata(&path).unwrap().is_file());
         }
 
         #[test]

@@ -173,6 +173,35 @@ fn damaged_files_are_errors_or_read_the_same() {
     }
 }
 
+/// A ZIP of one stored member that all its headers claim to have `claimed` bytes.
+fn zip_of(name: &str, data: &[u8], claimed: u32) -> Vec<u8> {
+    let size = claimed.to_le_bytes();
+    let name_length = (name.len() as u16).to_le_bytes();
+    // Version 2.0, no flags, stored, 1980-01-01, a checksum of zero.
+    let common =
+        [&[20, 0, 0, 0, 0, 0, 0, 0, 33, 0, 0, 0, 0, 0], &size[..], &size, &name_length, &[0, 0]].concat();
+    let local = [b"PK\x03\x04", &common[..], name.as_bytes(), data].concat();
+    let central = [b"PK\x01\x02\x14\0", &common[..], &[0; 14], name.as_bytes()].concat();
+    let (length, start) = ((central.len() as u32).to_le_bytes(), (local.len() as u32).to_le_bytes());
+    let end = [b"PK\x05\x06\0\0\0\0\x01\0\x01\0", &length[..], &start, &[0, 0]].concat();
+    [local, central, end].concat()
+}
+
+#[test]
+fn sizes_beyond_the_file_are_refused_before_anything_is_allocated() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let header =
+        b"\x93NUMPY\x01\0\x46\0{'descr': '|u1', 'fortran_order': False, 'shape': (4000000000,), }    ";
+    assert_eq!(header.len(), 80);
+    fs::write(&path, zip_of("a.npy", header, 4_000_000_080)).unwrap();
+    let error = NpzReader::open(&path).unwrap().array("a").unwrap_err().to_string();
+    assert!(error.starts_with("\"a\" claims more bytes than the file has"), "{error}");
+    fs::write(&path, zip_of("meta.json", b"{}", u32::MAX - 1)).unwrap();
+    let error = NpzReader::open(&path).unwrap().bytes("meta.json").unwrap_err().to_string();
+    assert!(error.contains("claims more bytes than the file has"), "{error}");
+}
+
 #[test]
 fn what_is_no_archive_is_said_to_be_none() {
     let folder = tempfile::tempdir().unwrap();

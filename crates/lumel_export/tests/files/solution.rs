@@ -92,6 +92,18 @@ fn a_solution_of_another_scene_is_refused_with_both_names() {
 }
 
 #[test]
+fn as_many_vertices_are_not_enough_to_belong_to_a_scene() {
+    let scene = plain("box");
+    let mut solution = solution(&scene);
+    solution.meta.geometry_hash = "0".repeat(64);
+    let error = solution.check_belongs_to(&scene).unwrap_err().to_string();
+    assert!(
+        error.contains("scene \"box\" (4 vertices, 00000000..), not for \"box\" (4 vertices, "),
+        "{error}"
+    );
+}
+
+#[test]
 fn other_materials_keep_the_geometry_but_not_the_lighting() {
     let (scene, same) = (plain("box"), plain("a copy by another name"));
     let solution = solution(&scene);
