@@ -7,6 +7,7 @@
 //! ```
 
 mod analytic;
+mod atrium;
 mod cornell;
 mod leather;
 mod noise;
@@ -24,7 +25,12 @@ struct Entry {
     make: fn(u32) -> SceneBuilder,
 }
 
-const SCENES: [Entry; 4] = [
+const SCENES: [Entry; 5] = [
+    Entry {
+        name: "atrium",
+        about: "A court with arcades on two storeys, under the open sky",
+        make: atrium::atrium,
+    },
     Entry {
         name: "cornell-box",
         about: "The Cornell box as measured, lit neutrally",

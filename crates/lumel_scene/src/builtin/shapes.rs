@@ -1,7 +1,7 @@
 //! Surface patches: the shapes all built-in scenes are made of.
 
 use crate::{Face, MaterialId, ObjectMesh, Smoothing};
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 /// An empty object.
 pub(super) fn object(name: &str) -> ObjectMesh {
@@ -11,7 +11,7 @@ pub(super) fn object(name: &str) -> ObjectMesh {
 /// Adds a patch of `cells[0] × cells[1]` cells, two triangles each, with vertices of its own.
 ///
 /// `surface(i, j)` is the position and texture coordinate of a grid point. The front is on the side of `∂i × ∂j`.
-/// Diagonals alternate, so that shading has no grain. Triangles that a pole collapses to a line are left out.
+/// Diagonals alternate, so that shading has no grain. Triangles that a pole collapses are left out.
 pub(super) fn add_grid(
     mesh: &mut ObjectMesh,
     material: MaterialId,
@@ -34,7 +34,7 @@ pub(super) fn add_grid(
             let halves = if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
             for vertices in halves {
                 let [p, q, r] = vertices.map(|v| mesh.positions[v as usize]);
-                if p != q && q != r && r != p {
+                if (q - p).cross(r - p) != Vec3::ZERO {
                     mesh.faces.push(Face { vertices, material, smoothing: Smoothing::Crease });
                 }
             }
@@ -60,4 +60,82 @@ pub(super) fn add_quad(mesh: &mut ObjectMesh, material: MaterialId, corners: [Ve
 pub(super) fn between(a: Vec3, b: Vec3, k: u32, n: u32) -> Vec3 {
     let sum = a.as_dvec3() * f64::from(n - k) + b.as_dvec3() * f64::from(k);
     (sum / f64::from(n)).as_vec3()
+}
+
+/// Adds a surface through polylines that may differ in their number of points: where a surface narrows it gets fewer
+/// triangles instead of thinner ones.
+///
+/// The front is on the side of `∂line × ∂point`.
+pub(super) fn add_strips(mesh: &mut ObjectMesh, material: MaterialId, lines: &[Vec<(Vec3, Vec2)>]) {
+    let mut first = mesh.positions.len() as u32;
+    for line in lines {
+        mesh.positions.extend(line.iter().map(|point| point.0));
+        mesh.uvs.extend(line.iter().map(|point| point.1));
+    }
+    for pair in lines.windows(2) {
+        let (left, right) = (pair[0].len() as u32, pair[1].len() as u32);
+        let (mut i, mut j) = (0, 0);
+        while i + 1 < left || j + 1 < right {
+            let [a, b] = [first + i, first + left + j];
+            // Advance on the side that lags behind, compared as fractions of the whole line.
+            let advance_left =
+                j + 1 >= right || (i + 1 < left && (i + 1) * (right - 1) <= (j + 1) * (left - 1));
+            let vertices = if advance_left { [a, b, a + 1] } else { [a, b, b + 1] };
+            mesh.faces.push(Face { vertices, material, smoothing: Smoothing::Crease });
+            if advance_left { i += 1 } else { j += 1 }
+        }
+        first += left;
+    }
+}
+
+/// A horizontal outline around an axis, at a height in metres along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Ring {
+    /// A circle: height and radius.
+    Round(f64, f64),
+    /// A square: height and half its side.
+    Square(f64, f64),
+}
+
+impl Ring {
+    /// Where the ring is in the direction `unit`, and at which height.
+    fn at(self, unit: DVec2) -> (DVec2, f64) {
+        match self {
+            Self::Round(height, radius) => (unit * radius, height),
+            Self::Square(height, half) => (unit * (half / unit.abs().max_element()), height),
+        }
+    }
+}
+
+/// Adds the surface between rings in the order given, upwards for a front that looks away from the axis.
+///
+/// `place` turns a point across the axis and a height into a position. Rows between rings are cut into `fine` parts.
+/// Texture coordinates are in units of `tile` metres.
+pub(super) fn add_loft(
+    mesh: &mut ObjectMesh,
+    material: MaterialId,
+    rings: &[Ring],
+    [segments, fine]: [u32; 2],
+    tile: f64,
+    place: impl Fn(DVec2, f64) -> Vec3,
+) {
+    let Some(&last) = rings.last() else { return };
+    let rows = (rings.len() as u32 - 1) * fine;
+    // Textures run along the profile, so that plates do not smear.
+    let mut along = vec![0.0];
+    for pair in rings.windows(2) {
+        let [(p, y), (q, z)] = [pair[0].at(DVec2::X), pair[1].at(DVec2::X)];
+        along.push(along[along.len() - 1] + (q - p).length().hypot(z - y));
+    }
+    let girth = 2.5 * rings.iter().map(|r| r.at(DVec2::X).0.x).fold(0.0, f64::max) / tile;
+    add_grid(mesh, material, [segments, rows], |i, j| {
+        let angle = (-360.0 * f64::from(i % segments) / f64::from(segments)).to_radians();
+        let unit = DVec2::new(angle.cos(), angle.sin());
+        let (k, t) = ((j / fine) as usize, f64::from(j % fine) / f64::from(fine));
+        let (from, to) = (rings[k].at(unit), rings.get(k + 1).unwrap_or(&last).at(unit));
+        let next = along.get(k + 1).unwrap_or(&along[k]);
+        let v = -(along[k] + (next - along[k]) * t) / tile;
+        let u = girth * f64::from(i) / f64::from(segments);
+        (place(from.0.lerp(to.0, t), from.1 + (to.1 - from.1) * t), DVec2::new(u, v).as_vec2())
+    });
 }
