@@ -7,13 +7,16 @@ use std::sync::Arc;
 const SEEDS: u64 = 4;
 
 /// Total irradiance of the valid vertices of the Cornell box, for each seed.
+///
+/// The sample count is part of the seed: one seed's points would begin with the same points for any count, and the
+/// errors of few and many samples would not be independent.
 fn bakes(baker_of: &dyn Fn(Settings) -> Baker, indirect_samples: u32) -> Vec<Vec<Vec3>> {
     let bake = |seed| {
         let settings = Settings {
             bounces: BounceLimit::Count(4),
             direct_samples: 64,
             indirect_samples,
-            seed,
+            seed: seed + 1000 * u64::from(indirect_samples),
             ..Settings::default()
         };
         let baker = baker_of(settings);
@@ -64,6 +67,6 @@ fn a_bake_of_the_cornell_box_is_off_by_its_own_noise_only() {
     let power: f64 = many_means.iter().map(|e| e.length_squared()).sum();
     let relative = (total(&many_variances) / power).sqrt();
     println!("slope {slope:.3}, ratio {ratio:.3}, relative noise at {many} rays {relative:.5}");
-    // Known from measurement: half a percent. Twice that means the estimator has lost what makes it good.
-    assert!(relative < 0.01, "relative noise {relative}");
+    // Measured: 0.93 %, known to a few percent of itself. Random points would give about twice that.
+    assert!(relative < 0.011, "relative noise {relative}");
 }
