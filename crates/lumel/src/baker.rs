@@ -5,8 +5,8 @@ use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
 use lumel_basis::{AreaVertexBasis, Basis, Field, NodeId, VertexBasis};
 use lumel_export::{Solution, SolutionError, SolutionMeta};
-use lumel_scene::Scene;
-use lumel_solve::{Energy, Observer, SolveError, SolveState, solve};
+use lumel_scene::{Scene, luminance};
+use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, solve};
 use lumel_transport::{Control, CpuTransport, Plan, Transport};
 use std::sync::Arc;
 
@@ -20,10 +20,10 @@ pub enum ResumeError {
     #[error("the solution was computed with other materials or lights; bake the scene anew")]
     Lighting,
     /// The settings would give other bounces.
-    #[error("the solution was computed with other settings ({found}); use the same or bake anew")]
+    #[error("the solution was computed with other settings ({differences}); use the same or bake anew")]
     Settings {
-        /// The settings of the solution.
-        found: String,
+        /// Which settings differ, and how.
+        differences: String,
     },
 }
 
@@ -89,6 +89,14 @@ impl Baker {
         self.energy.remainder(&state.bounces)
     }
 
+    /// The share that each bounce of `state` has of their sum, by luminance of the incident power.
+    pub fn shares(&self, state: &SolveState) -> Vec<f64> {
+        let power = |field| f64::from(luminance(self.energy.incident(field).as_vec3()));
+        let powers: Vec<f64> = state.bounces.iter().map(power).collect();
+        let all: f64 = powers.iter().sum();
+        powers.into_iter().map(|power| if all > 0.0 { power / all } else { 0.0 }).collect()
+    }
+
     /// Solves, going on from `state`: [`SolveState::new`] or what [`Self::resume`] returned.
     ///
     /// # Errors
@@ -126,6 +134,9 @@ impl Baker {
 
     /// The state from which to go on with a solution that was saved.
     ///
+    /// Bounces beyond those that these settings ask for are left out, so that the result does not depend on how far
+    /// the solution went.
+    ///
     /// # Errors
     /// When the solution is of another scene, other lights or other settings.
     pub fn resume(&self, solution: &Solution) -> Result<SolveState, ResumeError> {
@@ -134,17 +145,34 @@ impl Baker {
             return Err(ResumeError::Lighting);
         }
         let found: Option<Settings> = serde_json::from_value(solution.meta.settings.clone()).ok();
-        if !found.is_some_and(|found| found.same_bounces_as(&self.settings)) {
-            return Err(ResumeError::Settings { found: solution.meta.settings.to_string() });
+        let Some(found) = found else {
+            let differences = "they are unknown to this version".to_owned();
+            return Err(ResumeError::Settings { differences });
+        };
+        if !found.same_bounces_as(&self.settings) {
+            return Err(ResumeError::Settings { differences: self.settings.differences_of_bounces(&found) });
         }
         let first_vertices = self.first_vertices();
         let at_nodes =
             |values: &Vec<Vec3>| Field::from_values(first_vertices.iter().map(|&v| values[v]).collect());
-        Ok(SolveState {
-            valid: first_vertices.iter().map(|&v| solution.valid[v]).collect(),
-            bounces: solution.bounces.iter().map(at_nodes).collect(),
-            tail: None,
-        })
+        let mut bounces: Vec<Field> = solution.bounces.iter().map(at_nodes).collect();
+        bounces.truncate(self.bounces_wanted(&bounces));
+        let valid = first_vertices.iter().map(|&v| solution.valid[v]).collect();
+        Ok(SolveState { valid, bounces, tail: None })
+    }
+
+    /// How many of these bounces, direct light included, an uninterrupted solve computes.
+    fn bounces_wanted(&self, bounces: &[Field]) -> usize {
+        match self.settings.stop() {
+            Stop::Bounces(n) => bounces.len().min(n as usize + 1),
+            Stop::Remainder { fraction, at_most } => {
+                let enough = |n: &usize| {
+                    let left = self.energy.remainder(&bounces[..*n]);
+                    *n > at_most as usize || left.is_some_and(|left| left < f64::from(fraction))
+                };
+                (1..bounces.len()).find(enough).unwrap_or(bounces.len())
+            }
+        }
     }
 
     /// A vertex of each node.

@@ -142,6 +142,23 @@ impl Settings {
         let Self { bounces, remainder, tail, .. } = self.clone();
         *self == Self { bounces, remainder, tail, ..other.clone() }
     }
+
+    /// In which settings `found` differs from these so that bounces differ too, as a list for a message.
+    pub(crate) fn differences_of_bounces(&self, found: &Self) -> String {
+        let table = |settings: &Self| match serde_json::to_value(settings) {
+            Ok(serde_json::Value::Object(table)) => table,
+            _ => serde_json::Map::new(),
+        };
+        let (here, there) = (table(self), table(found));
+        let matters = |name: &str| !["bounces", "remainder", "tail"].contains(&name);
+        let differing = here.iter().filter(|(name, value)| matters(name) && there.get(*name) != Some(value));
+        let text = |value: &serde_json::Value| value.to_string().replace('"', "");
+        let phrases = differing.map(|(name, value)| {
+            let found = there.get(name).map_or_else(|| "none".to_owned(), text);
+            format!("{} {found}, not {}", name.replace('_', " "), text(value))
+        });
+        phrases.collect::<Vec<_>>().join("; ")
+    }
 }
 
 macro_rules! patch {
@@ -272,6 +289,14 @@ mod tests {
     fn unknown_settings_are_refused() {
         let error = serde_json::from_str::<SettingsPatch>(r#"{"bounce": 3}"#).unwrap_err();
         assert!(error.to_string().contains("unknown field `bounce`"), "{error}");
+    }
+
+    #[test]
+    fn differences_are_told_by_name() {
+        let here = Preset::Medium.settings();
+        let there =
+            Settings { seed: 7, basis: BasisKind::VertexArea, bounces: BounceLimit::All, ..here.clone() };
+        assert_eq!(here.differences_of_bounces(&there), "basis vertex-area, not vertex; seed 7, not 0");
     }
 
     #[test]

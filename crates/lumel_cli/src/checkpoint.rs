@@ -1,0 +1,100 @@
+//! The state of a bake on disk, so that hours of it survive whatever happens.
+
+use crate::console::Console;
+use crate::failure;
+use crate::outputs::folder_of;
+use lumel::{Baker, SolveState};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The checkpoint of a bake.
+pub(crate) struct Checkpoint {
+    path: PathBuf,
+    console: Arc<Console>,
+    on_disk: Mutex<OnDisk>,
+}
+
+/// What is known of the file.
+#[derive(Default)]
+struct OnDisk {
+    /// Whether it is there and holds the last finished bounce.
+    current: bool,
+    /// Whether this bake made it, or went on from it.
+    ours: bool,
+    /// Whether the user knows that it cannot be written.
+    failure_told: bool,
+}
+
+/// The checkpoint of a bake whose first output is this.
+pub(crate) fn path_for(first_output: &Path) -> PathBuf {
+    let stem = first_output.file_stem().unwrap_or_default().to_string_lossy();
+    first_output.with_file_name(format!("{stem}.checkpoint.npz"))
+}
+
+impl Checkpoint {
+    /// A checkpoint that is not written yet.
+    pub(crate) fn new(path: PathBuf, console: &Arc<Console>) -> Self {
+        Self { path, console: Arc::clone(console), on_disk: Mutex::default() }
+    }
+
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The bake goes on from this file, which may be the checkpoint itself.
+    pub(crate) fn resumed_from(&self, file: &Path) {
+        let same = file.canonicalize().ok().zip(self.path.canonicalize().ok()).is_some_and(|(a, b)| a == b);
+        if same {
+            self.lock().ours = true;
+            self.lock().current = true;
+        }
+    }
+
+    /// Keeps the bounces that are done. A disk that is full costs the checkpoint, not the bake.
+    pub(crate) fn save(&self, baker: &Baker, state: &SolveState) {
+        let mut solution = baker.solution(state);
+        solution.meta.complete = false;
+        let result = solution.save(&self.path);
+        let mut on_disk = self.lock();
+        on_disk.current = result.is_ok();
+        on_disk.ours |= result.is_ok();
+        if let Err(error) = result
+            && !std::mem::replace(&mut on_disk.failure_told, true)
+        {
+            let problem = failure::text(&error.into());
+            self.console.warning(&format!("no checkpoint, the bake goes on without: {problem}"));
+        }
+    }
+
+    /// Whether the last finished bounce is on disk.
+    pub(crate) fn is_current(&self) -> bool {
+        self.lock().current
+    }
+
+    /// Removes the file if it is that of this bake.
+    pub(crate) fn remove(&self) {
+        if self.lock().ours
+            && let Err(error) = fs::remove_file(&self.path)
+        {
+            let (path, folder) = (self.path.display(), folder_of(&self.path).display());
+            self.console.warning(&format!("cannot remove the checkpoint from {folder} ({error}): {path}"));
+        }
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, OnDisk> {
+        self.on_disk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_checkpoint_lies_beside_the_first_output() {
+        assert_eq!(path_for(Path::new("out/room.v2.glb")), Path::new("out/room.v2.checkpoint.npz"));
+        assert_eq!(path_for(Path::new("a.npz")), Path::new("a.checkpoint.npz"));
+    }
+}

@@ -1,0 +1,190 @@
+//! `lumel bake`
+
+use super::summary::{Step, Summary, Written};
+use crate::Outcome;
+use crate::args::BakeArgs;
+use crate::checkpoint::{self, Checkpoint};
+use crate::console::{self, Console};
+use crate::failure::with_hint;
+use crate::load::{self, Loaded};
+use crate::outputs::{self, Output};
+use crate::session::{Session, SolveLog, thread_pool};
+use anyhow::{Context, bail};
+use lumel::{Baker, ResumeError, Solution, SolveState};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Bakes.
+pub(crate) fn run(args: &BakeArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
+    let plan = Plan::new(args)?;
+    let pool = thread_pool(&args.run.threads)?;
+    let mut session = Session::start(args.run.progress, console)?;
+    let result = pool.install(|| bake(args, &plan, &session));
+    session.progress.finish();
+    match result? {
+        Some(mut summary) => {
+            summary.seconds.total = session.started.elapsed().as_secs_f64();
+            console::print(&if args.json { summary.json()? } else { summary.text() })?;
+            Ok(super::outcome(console, args.run.strict))
+        }
+        None => Ok(Outcome::Cancelled),
+    }
+}
+
+/// The files of a bake.
+struct Plan {
+    outputs: Vec<Output>,
+    checkpoint: PathBuf,
+}
+
+impl Plan {
+    /// Checks all that can be checked before the work begins.
+    fn new(args: &BakeArgs) -> anyhow::Result<Self> {
+        let mut outputs =
+            args.outputs.iter().map(|path| Output::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
+        if outputs.is_empty() {
+            outputs.push(Output::new(Path::new(&format!("{}.npz", load::file_stem(&args.scene.scene))))?);
+        }
+        let checkpoint = checkpoint::path_for(&outputs[0].path);
+        let mut paths: Vec<&Path> = outputs.iter().map(|output| output.path.as_path()).collect();
+        if paths.contains(&checkpoint.as_path()) {
+            bail!("this name is needed for the checkpoint; choose another: {}", checkpoint.display());
+        }
+        paths.push(&checkpoint);
+        outputs::check(&paths, &load::source_files(&args.scene.scene))?;
+        Ok(Self { outputs, checkpoint })
+    }
+}
+
+/// The bake on the threads of the pool. `None` when it was cancelled.
+fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Option<Summary>> {
+    let (loaded, load_seconds) = session.timed("load", || load::load_and_warn(&args.scene, &session.console));
+    let Loaded { scene, patch, .. } = loaded?;
+    let settings = load::settings(patch, &args.settings)?;
+    load::check_shines(&scene, settings.emitters)?;
+    let (baker, build_seconds) = session.timed("build", || Baker::new(scene, settings));
+    let mut state = match &args.resume {
+        Some(file) => resume(&baker, file)?,
+        None => SolveState::new(),
+    };
+    let first_bounce = state.bounces.len();
+    let checkpoint = Checkpoint::new(plan.checkpoint.clone(), &session.console);
+    match &args.resume {
+        Some(file) => checkpoint.resumed_from(file),
+        None => tell_of_old_checkpoint(checkpoint.path(), session),
+    }
+    let Some(log) = session.solve(&baker, &mut state, Some(&checkpoint))? else {
+        session.console.note(&after_cancel(args, &checkpoint, &state, first_bounce));
+        return Ok(None);
+    };
+    let solution = solution(&baker, &state, session, &log);
+    let (written, write_seconds) = session.timed("write", || write(plan, &baker, &solution, session));
+    let Some(written) = written? else {
+        session.console.note(&after_cancel(args, &checkpoint, &state, first_bounce));
+        return Ok(None);
+    };
+    checkpoint.remove();
+    let mut summary = Summary::new(&baker, &state, &solution, session.interrupt.control().rays(), &log);
+    summary.resumed_bounces = first_bounce;
+    summary.files = written;
+    summary.seconds.load = load_seconds;
+    summary.seconds.build = build_seconds;
+    summary.seconds.write = write_seconds;
+    summary.warnings = session.console.warning_count();
+    Ok(Some(summary))
+}
+
+/// The state to go on from.
+fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
+    let solution = Solution::load_for(file, baker.scene()).map_err(|error| match error {
+        error @ lumel_export::SolutionError::OtherScene { .. } => load::belongs_hint(error),
+        error => error.into(),
+    })?;
+    baker.resume(&solution).map_err(|error| {
+        let hint = match error {
+            ResumeError::Settings { .. } => "only --bounces, --remainder and --tail may differ",
+            ResumeError::Scene(_) | ResumeError::Lighting => "give the scene and lights it was baked with",
+        };
+        with_hint(anyhow::Error::new(error).context(format!("cannot go on from {}", file.display())), hint)
+    })
+}
+
+fn tell_of_old_checkpoint(path: &Path, session: &Session) {
+    if path.exists() {
+        let name = path.display();
+        session.console.note(&format!(
+            "this bake will replace the checkpoint of an earlier one; --resume {name} would go on with that"
+        ));
+    }
+}
+
+/// What a user who stopped a bake wants to know.
+fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, first_bounce: usize) -> String {
+    let n = state.bounces.len();
+    if let Some(file) = args.resume.as_ref().filter(|_| n == first_bounce) {
+        return format!(
+            "stopped; no bounce was finished, go on as before with the same command and --resume {}",
+            file.display()
+        );
+    }
+    match n {
+        0 => "stopped before any light was found; the same command begins anew".to_owned(),
+        _ if !checkpoint.is_current() => {
+            "stopped; there is no checkpoint, as it could not be written".to_owned()
+        }
+        _ => {
+            let done = if n == 1 {
+                "direct light is".into()
+            } else {
+                format!("direct light and {} are", bounces(n - 1))
+            };
+            let file = checkpoint.path().display();
+            format!("stopped; {done} in the checkpoint, go on with the same command and --resume {file}")
+        }
+    }
+}
+
+fn bounces(n: usize) -> String {
+    crate::report::counted(n, "bounce", "bounces")
+}
+
+/// The solution, with what it cost.
+fn solution(baker: &Baker, state: &SolveState, session: &Session, log: &SolveLog) -> Solution {
+    let mut solution = baker.solution(state);
+    solution.meta.statistics = serde_json::json!({
+        "seconds_solve": log.seconds,
+        "seconds_steps": log.steps.iter().map(|(step, seconds)| (Step::from(*step).key(), seconds)).collect::<Vec<_>>(),
+        "rays": session.interrupt.control().rays(),
+        "threads": rayon::current_num_threads(),
+        "remainder": baker.remainder(state),
+    });
+    solution
+}
+
+/// Writes all outputs, the first of them first. `None` when it was cancelled.
+fn write(
+    plan: &Plan,
+    baker: &Baker,
+    solution: &Solution,
+    session: &Session,
+) -> anyhow::Result<Option<Vec<Written>>> {
+    let _heeding = session.interrupt.heed();
+    let mut written = Vec::new();
+    for output in &plan.outputs {
+        if session.interrupt.is_requested() {
+            return Ok(None);
+        }
+        let result = output.write(baker, solution, session.interrupt.picture());
+        if result.is_err() && output.is_picture() && session.interrupt.is_requested() {
+            return Ok(None);
+        }
+        let bytes = result.with_context(|| {
+            format!(
+                "the bake is done, but not all files are written; go on with --resume {}",
+                plan.checkpoint.display()
+            )
+        })?;
+        written.push(Written { path: output.path.clone(), bytes });
+    }
+    Ok(Some(written))
+}

@@ -1,0 +1,7 @@
+use crate::Outcome;
+pub(crate) fn run(
+    _: &crate::args::InfoArgs,
+    _: &std::sync::Arc<crate::console::Console>,
+) -> anyhow::Result<Outcome> {
+    Ok(Outcome::Done)
+}

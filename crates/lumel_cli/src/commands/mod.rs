@@ -1,0 +1,32 @@
+//! One file for each command.
+
+mod bake;
+mod compare;
+mod info;
+mod man;
+mod measure;
+mod render;
+mod summary;
+
+use crate::Outcome;
+use crate::args::Command;
+use crate::console::Console;
+use std::sync::Arc;
+
+/// Runs a command.
+pub(crate) fn run(command: &Command, console: &Arc<Console>) -> anyhow::Result<Outcome> {
+    match command {
+        Command::Bake(args) => bake::run(args, console),
+        Command::Render(args) => render::run(args, console),
+        Command::Measure(args) => measure::run(args, console),
+        Command::Info(args) => info::run(args, console),
+        Command::Compare(args) => compare::run(args),
+        Command::Completions { shell } => man::completions(*shell),
+        Command::Man { dir } => man::run(dir.as_deref()),
+    }
+}
+
+/// The outcome of a command that is done.
+fn outcome(console: &Console, strict: bool) -> Outcome {
+    if strict && console.warning_count() > 0 { Outcome::Objected } else { Outcome::Done }
+}

@@ -1,0 +1,126 @@
+//! `lumel render`
+
+use crate::Outcome;
+use crate::args::{ProgressMode, RenderArgs};
+use crate::console::{self, Console};
+use crate::failure::hinted;
+use crate::light_file::LightFile;
+use crate::load::{self, Loaded};
+use crate::outputs::{self, Output};
+use crate::parse::CameraChoice;
+use crate::picture::{self, Subject};
+use crate::report;
+use crate::session::{Session, thread_pool};
+use anyhow::Context;
+use glam::Vec3;
+use lumel::{Bvh, Camera, RayTracer, Scene};
+use lumel_picture::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
+use std::sync::Arc;
+
+/// Draws.
+pub(crate) fn run(args: &RenderArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
+    let display = display(args)?;
+    if !Output::new(&args.output).is_ok_and(|output| output.is_picture()) {
+        let message = format!("pictures are written as .png: {}", args.output.display());
+        return Err(hinted(message, "use a name that ends in .png"));
+    }
+    outputs::check(&[&args.output], &load::source_files(&args.scene.scene))?;
+    let pool = thread_pool(&args.threads)?;
+    let session = Session::start(ProgressMode::None, console)?;
+    let Some(picture) = pool.install(|| render(args, &display, &session))? else {
+        return Ok(Outcome::Cancelled);
+    };
+    console::print(&summary(args, &picture)?)?;
+    Ok(super::outcome(console, args.strict))
+}
+
+/// How to show it. Options that would have no effect are refused.
+fn display(args: &RenderArgs) -> anyhow::Result<Display> {
+    let show = args.show;
+    let unused = |option: &str, of: &str| {
+        hinted(format!("{option} has no effect with --show {show}"), format!("it goes with --show {of}"))
+    };
+    if args.range.is_some() && show != Show::FalseColor {
+        return Err(unused("--range", "false-color"));
+    }
+    if args.exposure != Exposure::Auto && !show.is_exposed() {
+        return Err(unused("--exposure", "radiance or irradiance"));
+    }
+    if args.tone != ToneMapper::default() && !show.is_exposed() {
+        return Err(unused("--tone", "radiance or irradiance"));
+    }
+    if args.solution.is_none() && !matches!(show, Show::Albedo | Show::Normals) {
+        let message = format!("--show {show} needs light");
+        return Err(hinted(message, "give a solution of `lumel bake` with --solution FILE.npz"));
+    }
+    let false_color = FalseColor { range: args.range, ..FalseColor::default() };
+    Ok(Display { exposure: args.exposure, tone: args.tone, false_color, ..Display::of(show) })
+}
+
+/// The picture, written; `None` when it was cancelled.
+fn render(args: &RenderArgs, display: &Display, session: &Session) -> anyhow::Result<Option<Picture>> {
+    let Loaded { scene, .. } = load::load_and_warn(&args.scene, &session.console)?;
+    let light = light(args, &scene, &session.console)?;
+    let tracer = Bvh::build(&scene);
+    let camera = camera(args.camera.as_ref(), &scene, &tracer)?;
+    let [width, height] = args.size;
+    let resolution = Resolution { width, height, samples_per_pixel: args.samples };
+    let subject = Subject { scene: &scene, tracer: &tracer, light: &light, camera: &camera };
+    let _heeding = session.interrupt.heed();
+    let result = picture::write(&args.output, &subject, &resolution, display, session.interrupt.picture());
+    if result.is_err() && session.interrupt.is_requested() {
+        return Ok(None);
+    }
+    result.map(Some)
+}
+
+fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<Vec<Vec3>> {
+    let Some(path) = &args.solution else { return Ok(vec![Vec3::ZERO; scene.vertex_count()]) };
+    let fitting = LightFile::irradiance_for(path, scene, args.bounce)?;
+    if !fitting.same_lighting {
+        console.warning(&format!(
+            "materials or lights have changed since the bake of {}; the picture mixes old light with new materials",
+            path.display()
+        ));
+    }
+    if !fitting.complete {
+        console.warning(&format!("this is the checkpoint of a bake that is not done: {}", path.display()));
+    }
+    Ok(fitting.irradiance)
+}
+
+fn camera(choice: Option<&CameraChoice>, scene: &Scene, tracer: &dyn RayTracer) -> anyhow::Result<Camera> {
+    match choice {
+        None => Ok(camera_for(scene, tracer)),
+        Some(CameraChoice::Free(camera)) => Ok(camera.clone()),
+        Some(CameraChoice::Named(name)) => {
+            let found = scene.cameras().iter().find(|camera| camera.name == *name).cloned();
+            found.ok_or_else(|| {
+                let names: Vec<&str> = scene.cameras().iter().map(|camera| camera.name.as_str()).collect();
+                let hint = match names.as_slice() {
+                    [] => {
+                        "it has none; say where to look from: --camera 'position=x,y,z target=x,y,z fov=deg'"
+                            .into()
+                    }
+                    names => format!("its cameras are {}", names.join(", ")),
+                };
+                hinted(format!("scene \"{}\" has no camera \"{name}\"", scene.name()), hint)
+            })
+        }
+    }
+}
+
+fn summary(args: &RenderArgs, picture: &Picture) -> anyhow::Result<String> {
+    let path = &args.output;
+    let bytes = std::fs::metadata(path).with_context(|| format!("cannot find {}", path.display()))?.len();
+    let (width, height) = (picture.width(), picture.height());
+    let mut text = format!("wrote {}, {width}x{height}, {}", path.display(), report::bytes(bytes));
+    if let Some(stops) = picture.stops() {
+        text += &format!(", exposure {stops} EV");
+    }
+    if let Some(range) = picture.range() {
+        let [lo, hi] = range.map(|e| report::significant(f64::from(e)));
+        text += &format!(", colours from {lo} to {hi} W/m²");
+    }
+    Ok(text + "\n")
+}

@@ -1,0 +1,177 @@
+//! What a bake reports.
+
+use crate::report::{self, counted};
+use crate::session::SolveLog;
+use lumel::{Baker, Solution, SolveState};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// The result of a bake in numbers.
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    scene: String,
+    vertices: usize,
+    triangles: usize,
+    /// Vertices that could not be measured.
+    invalid_vertices: usize,
+    /// Direct light and all bounces.
+    steps: Vec<StepReport>,
+    /// Bounces that were there before, direct light included.
+    pub(crate) resumed_bounces: usize,
+    /// Share of all light that is in no bounce.
+    remainder: Option<f64>,
+    /// Whether an estimate of the remainder was added.
+    tail: bool,
+    rays: u64,
+    mrays_per_second: f64,
+    threads: usize,
+    pub(crate) seconds: Seconds,
+    pub(crate) files: Vec<Written>,
+    pub(crate) warnings: usize,
+}
+
+/// Where the time went.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) load: f64,
+    pub(crate) build: f64,
+    solve: f64,
+    checkpoints: f64,
+    pub(crate) write: f64,
+    pub(crate) total: f64,
+}
+
+/// A file that was written.
+#[derive(Debug, Serialize)]
+pub(crate) struct Written {
+    pub(crate) path: PathBuf,
+    pub(crate) bytes: u64,
+}
+
+/// A step of the solve by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// Looking for vertices inside geometry.
+    Probe,
+    /// A bounce; 0 is direct light.
+    Bounce(usize),
+}
+
+#[derive(Debug, Serialize)]
+struct StepReport {
+    step: String,
+    /// None if it was done before.
+    seconds: Option<f64>,
+    /// Share of the light of all bounces.
+    share: Option<f64>,
+}
+
+impl From<lumel::Step> for Step {
+    fn from(step: lumel::Step) -> Self {
+        match step {
+            lumel::Step::Probe => Self::Probe,
+            lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
+        }
+    }
+}
+
+impl Step {
+    /// The name in reports and files.
+    pub(crate) fn key(self) -> String {
+        match self {
+            Self::Probe => "probe".to_owned(),
+            Self::Bounce(0) => "direct".to_owned(),
+            Self::Bounce(k) => format!("bounce {k}"),
+        }
+    }
+}
+
+impl Summary {
+    /// The summary of a solve.
+    pub(crate) fn new(
+        baker: &Baker,
+        state: &SolveState,
+        solution: &Solution,
+        rays: u64,
+        log: &SolveLog,
+    ) -> Self {
+        let scene = baker.scene();
+        let seconds_of = |wanted: Step| {
+            log.steps.iter().find(|(step, _)| Step::from(*step) == wanted).map(|(_, seconds)| *seconds)
+        };
+        let report = |step: Step, share| StepReport { step: step.key(), seconds: seconds_of(step), share };
+        let probe = seconds_of(Step::Probe).map(|_| report(Step::Probe, None));
+        let shares = baker.shares(state).into_iter().enumerate();
+        let bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
+        Self {
+            scene: scene.name().to_owned(),
+            vertices: scene.vertex_count(),
+            triangles: scene.triangle_count(),
+            invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
+            steps: probe.into_iter().chain(bounces).collect(),
+            resumed_bounces: 0,
+            remainder: baker.remainder(state),
+            tail: solution.tail.is_some(),
+            rays,
+            mrays_per_second: 1e-6 * rays as f64 / log.seconds.max(1e-9),
+            threads: rayon::current_num_threads(),
+            seconds: Seconds {
+                solve: log.seconds,
+                checkpoints: log.checkpoint_seconds,
+                ..Seconds::default()
+            },
+            files: Vec::new(),
+            warnings: 0,
+        }
+    }
+
+    /// One JSON object on a line.
+    pub(crate) fn json(&self) -> anyhow::Result<String> {
+        Ok(serde_json::to_string(self)? + "\n")
+    }
+
+    /// Lines for people; one is exactly `solve 1.23 s`.
+    pub(crate) fn text(&self) -> String {
+        let vertices = counted(self.vertices, "vertex", "vertices");
+        let triangles = counted(self.triangles, "triangle", "triangles");
+        let mut lines = vec![format!("scene {}: {vertices}, {triangles}", self.scene)];
+        match self.invalid_vertices {
+            0 => {}
+            1 => lines.push("1 vertex lies inside geometry".to_owned()),
+            n => lines.push(format!("{n} vertices lie inside geometry")),
+        }
+        let Seconds { load, build, solve, checkpoints, write, total } = self.seconds;
+        lines.push(format!("load {load:.2} s"));
+        lines.push(format!("build {build:.2} s"));
+        lines.extend(self.steps.iter().map(StepReport::text));
+        lines.push(format!("solve {solve:.2} s"));
+        if checkpoints >= 0.005 {
+            lines.push(format!("checkpoints {checkpoints:.2} s"));
+        }
+        lines.push(format!("write {write:.2} s"));
+        lines.push(format!("total {total:.2} s"));
+        let threads = counted(self.threads, "thread", "threads");
+        lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
+        lines.push(self.remainder_text());
+        for Written { path, bytes } in &self.files {
+            lines.push(format!("wrote {}, {}", path.display(), report::bytes(*bytes)));
+        }
+        lines.join("\n") + "\n"
+    }
+
+    fn remainder_text(&self) -> String {
+        let Some(remainder) = self.remainder else { return "remainder unknown".to_owned() };
+        let fate = if self.tail { "estimated and added" } else { "left out" };
+        format!("remainder {} of the light, in further bounces, is {fate}", report::percent(remainder))
+    }
+}
+
+impl StepReport {
+    fn text(&self) -> String {
+        let time = self.seconds.map_or_else(|| "done before".to_owned(), |seconds| format!("{seconds:.2} s"));
+        match self.share {
+            Some(share) => format!("{} {time}, {} of the light", self.step, report::percent(share)),
+            None => format!("{} {time}", self.step),
+        }
+    }
+}

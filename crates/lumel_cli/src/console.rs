@@ -1,0 +1,120 @@
+//! Everything that is printed: results on stdout, the rest on stderr.
+
+use crate::failure;
+use anyhow::Context;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// How messages on stderr are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Messages {
+    /// Lines of text.
+    Text,
+    /// One JSON object a line.
+    Json,
+}
+
+/// Writes messages to stderr, around the progress bar if there is one.
+pub(crate) struct Console {
+    messages: Messages,
+    color: bool,
+    n_warnings: AtomicUsize,
+    bar: Mutex<Option<ProgressBar>>,
+}
+
+impl Console {
+    /// A console that writes messages in one way.
+    pub(crate) fn new(messages: Messages) -> Self {
+        let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+        let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        let color = io::stderr().is_terminal() && !no_color && !dumb;
+        Self { messages, color, n_warnings: AtomicUsize::new(0), bar: Mutex::new(None) }
+    }
+
+    /// Messages go above this bar from now on.
+    pub(crate) fn set_bar(&self, bar: Option<ProgressBar>) {
+        *self.bar.lock().unwrap_or_else(PoisonError::into_inner) = bar;
+    }
+
+    /// Something that lumel went on without.
+    pub(crate) fn warning(&self, message: &str) {
+        self.n_warnings.fetch_add(1, Ordering::Relaxed);
+        self.message("warning", "33", message, None);
+    }
+
+    /// How many warnings there were.
+    pub(crate) fn warning_count(&self) -> usize {
+        self.n_warnings.load(Ordering::Relaxed)
+    }
+
+    /// Something good to know.
+    pub(crate) fn note(&self, message: &str) {
+        self.message("note", "36", message, None);
+    }
+
+    /// Why the command failed.
+    pub(crate) fn error(&self, error: &anyhow::Error) {
+        self.message("error", "31", &failure::text(error), failure::hint(error));
+    }
+
+    fn message(&self, kind: &str, color: &str, message: &str, hint: Option<&str>) {
+        match self.messages {
+            Messages::Json => {
+                let mut event = json!({ "event": kind, "message": message });
+                if let Some(hint) = hint {
+                    event["hint"] = hint.into();
+                }
+                self.event(&event);
+            }
+            Messages::Text => {
+                let kind =
+                    if self.color { format!("\x1b[1;{color}m{kind}:\x1b[0m") } else { format!("{kind}:") };
+                let hint = hint.map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+                self.line(&format!("{kind} {message}{hint}"));
+            }
+        }
+    }
+
+    /// A JSON object on a line of its own.
+    pub(crate) fn event(&self, event: &Value) {
+        self.line(&event.to_string());
+    }
+
+    /// A line of text.
+    pub(crate) fn line(&self, line: &str) {
+        // Whoever closed stderr does not want to know.
+        let write = || {
+            let _ = writeln!(io::stderr().lock(), "{line}");
+        };
+        match &*self.bar.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(bar) => bar.suspend(write),
+            None => write(),
+        }
+    }
+}
+
+/// Writes a result to stdout. A reader that has seen enough is no error.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    print_bytes(text.as_bytes())
+}
+
+/// As [`print`], for what need not be UTF-8.
+pub(crate) fn print_bytes(bytes: &[u8]) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => result.context("cannot write to the standard output"),
+    }
+}
+
+/// Prints clap's help, version or usage error. Returns the exit code.
+pub(crate) fn print_usage(message: &clap::Error) -> u8 {
+    match message.print() {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => crate::FAILED,
+        _ if message.use_stderr() => crate::FAILED,
+        _ => 0,
+    }
+}

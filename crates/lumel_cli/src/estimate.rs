@@ -1,0 +1,120 @@
+//! How long a solve will still take.
+
+use lumel::{BasisKind, BounceLimit, Settings, Step};
+
+/// How much there is to do.
+#[derive(Clone, Debug)]
+pub(crate) struct Workload {
+    /// Elements measured per bounce.
+    elements: u64,
+    /// Rays for each of them in an indirect bounce.
+    rays_per_element: f64,
+    limit: BounceLimit,
+    remainder: f64,
+}
+
+/// How far the solve is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Position {
+    /// What is being measured.
+    pub(crate) step: Step,
+    /// Seconds since it began.
+    pub(crate) seconds: f64,
+    /// Elements measured since then.
+    pub(crate) elements: u64,
+    /// Rays traced since then.
+    pub(crate) rays: u64,
+}
+
+/// What is still missing after a bounce.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Remainder {
+    /// The bounce.
+    pub(crate) after: u32,
+    /// Share of all light.
+    pub(crate) share: f64,
+}
+
+impl Workload {
+    /// That of some settings.
+    pub(crate) fn new(elements: u64, settings: &Settings) -> Self {
+        let samples = f64::from(settings.indirect_samples);
+        // Per triangle half as many, of which there are twice as many as vertices.
+        let rays_per_element = match settings.basis {
+            BasisKind::Vertex => samples,
+            BasisKind::VertexArea => 0.5 * samples,
+        };
+        let remainder = f64::from(settings.remainder);
+        Self { elements, rays_per_element, limit: settings.bounces, remainder }
+    }
+
+    /// The last bounce, as far as it is known: from the remainders after the bounces so far.
+    pub(crate) fn last_bounce(&self, remainders: &[Remainder]) -> Option<u32> {
+        match self.limit {
+            BounceLimit::Count(n) => Some(n),
+            BounceLimit::All => {
+                let [.., before, last] = remainders else { return None };
+                let ratio = last.share / before.share;
+                let more = (self.remainder / last.share).ln() / ratio.ln();
+                let sensible = ratio > 0.0 && ratio < 1.0 && more.is_finite() && more < 1e4;
+                sensible.then(|| last.after + more.max(0.0).ceil() as u32)
+            }
+        }
+    }
+
+    /// Share of the current step that is done.
+    pub(crate) fn share(&self, at: &Position) -> f64 {
+        (at.elements as f64 / self.elements.max(1) as f64).min(1.0)
+    }
+
+    /// Seconds until the end of the solve; `None` while nobody can tell.
+    ///
+    /// Bounces to come are taken to trace rays as fast as the current step.
+    pub(crate) fn seconds_left(&self, at: &Position, remainders: &[Remainder]) -> Option<f64> {
+        let share = self.share(at);
+        if share < 0.02 || at.rays == 0 {
+            return None;
+        }
+        let last = self.last_bounce(remainders)?;
+        let to_come = match at.step {
+            Step::Probe => last + 1,
+            Step::Bounce(bounce) => last.saturating_sub(bounce),
+        };
+        let this_step = at.seconds * (1.0 - share) / share;
+        let rays_per_bounce = self.elements as f64 * self.rays_per_element;
+        Some(this_step + f64::from(to_come) * rays_per_bounce * at.seconds / at.rays as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn workload(bounces: BounceLimit) -> Workload {
+        let settings = Settings { bounces, indirect_samples: 100, ..Settings::default() };
+        Workload::new(1000, &settings)
+    }
+
+    #[test]
+    fn bounces_to_come_take_as_long_as_their_rays() {
+        let work = workload(BounceLimit::Count(3));
+        let at = Position { step: Step::Bounce(1), seconds: 2.0, elements: 500, rays: 50_000 };
+        // Half of bounce 1, then bounces 2 and 3 at 25000 rays a second.
+        assert_eq!(work.seconds_left(&at, &[]), Some(2.0 + 2.0 * 4.0));
+        assert_eq!(work.seconds_left(&Position { elements: 1, ..at }, &[]), None);
+    }
+
+    #[test]
+    fn the_last_of_all_bounces_is_foreseen_from_how_they_shrink() {
+        let work = workload(BounceLimit::All);
+        let after = |shares: [f64; 2]| {
+            let [first, second] = shares;
+            [Remainder { after: 1, share: first }, Remainder { after: 2, share: second }]
+        };
+        assert_eq!(work.last_bounce(&after([0.5, 0.25])[..1]), None);
+        // It halves each time: eight more until a thousandth.
+        assert_eq!(work.last_bounce(&after([0.5, 0.25])), Some(2 + 8));
+        assert_eq!(work.last_bounce(&after([0.5, 0.6])), None);
+        assert_eq!(work.last_bounce(&after([f64::NAN, 0.6])), None);
+    }
+}

@@ -1,0 +1,71 @@
+//! Ctrl-C and requests to terminate.
+
+use crate::Outcome;
+use crate::console::Console;
+use anyhow::Context;
+use lumel::Control;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What the user wants to be stopped.
+///
+/// Where there is something to save, the first signal only asks; elsewhere, and the second time, it ends the program.
+#[derive(Clone, Default)]
+pub(crate) struct Interrupt(Arc<Flags>);
+
+#[derive(Default)]
+struct Flags {
+    control: Control,
+    picture: AtomicBool,
+    requested: AtomicBool,
+    heeded: AtomicBool,
+}
+
+impl Interrupt {
+    /// Listens to the signals.
+    pub(crate) fn listen(console: &Arc<Console>) -> anyhow::Result<Self> {
+        let interrupt = Self::default();
+        let (flags, console) = (Arc::clone(&interrupt.0), Arc::clone(console));
+        let on_signal = move || {
+            let again = flags.requested.swap(true, Ordering::SeqCst);
+            if again || !flags.heeded.load(Ordering::SeqCst) {
+                std::process::exit(i32::from(Outcome::Cancelled.exit_code()));
+            }
+            flags.control.cancel();
+            flags.picture.store(true, Ordering::SeqCst);
+            console.note("stopping; once more stops at once");
+        };
+        ctrlc::set_handler(on_signal).context("cannot listen to Ctrl-C")?;
+        Ok(interrupt)
+    }
+
+    /// The way in and out of measurements.
+    pub(crate) fn control(&self) -> &Control {
+        &self.0.control
+    }
+
+    /// The flag that stops drawing.
+    pub(crate) fn picture(&self) -> &AtomicBool {
+        &self.0.picture
+    }
+
+    /// Whether to stop.
+    pub(crate) fn is_requested(&self) -> bool {
+        self.0.requested.load(Ordering::SeqCst)
+    }
+
+    /// From now until the result is dropped the caller looks at the flags.
+    pub(crate) fn heed(&self) -> Heeding<'_> {
+        self.0.heeded.store(true, Ordering::SeqCst);
+        Heeding(&self.0)
+    }
+}
+
+/// Someone looks at the flags.
+pub(crate) struct Heeding<'a>(&'a Flags);
+
+impl Drop for Heeding<'_> {
+    fn drop(&mut self) {
+        self.0.heeded.store(false, Ordering::SeqCst);
+    }
+}

@@ -1,0 +1,163 @@
+//! Scenes and settings from the command line.
+
+use crate::args::{SceneArgs, SettingsArgs};
+use crate::console::Console;
+use crate::failure::{hinted, with_hint};
+use glam::Vec3;
+use lumel::{EmitterSampling, Light, OpenError, Opened, Project, Scene, Settings, SettingsPatch, Warnings};
+use lumel_scene::{Radiance, TriId};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// More warnings than this are only counted: a broken file can have one for each of its faces.
+const MAX_WARNINGS: usize = 20;
+
+/// A scene with what came with it.
+pub(crate) struct Loaded {
+    /// The scene, changed as the command line asks.
+    pub(crate) scene: Arc<Scene>,
+    /// The bake settings of its project.
+    pub(crate) patch: SettingsPatch,
+    /// What had to be left out.
+    pub(crate) warnings: Warnings,
+}
+
+/// Opens and builds the scene.
+pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
+    let Opened { mut builder, mut warnings, settings: patch } = open(args)?;
+    if !args.lights.is_empty() {
+        builder.lights = args.lights.iter().copied().map(Light::Rect).collect();
+    }
+    if let Some(sky) = args.sky {
+        builder.sky = Radiance(sky);
+    }
+    if !builder.sky.0.is_finite() || builder.sky.0.min_element() < 0.0 {
+        anyhow::bail!("the radiance of the sky must be finite and not negative: {}", args.scene);
+    }
+    let (scene, more) = builder.build().map_err(|error| in_scene(error, args))?;
+    warnings.append(more);
+    Ok(Loaded { scene: Arc::new(scene), patch, warnings })
+}
+
+/// As [`load`], and tells the warnings.
+pub(crate) fn load_and_warn(args: &SceneArgs, console: &Console) -> anyhow::Result<Loaded> {
+    let loaded = load(args)?;
+    for warning in loaded.warnings.iter().take(MAX_WARNINGS) {
+        console.warning(&warning.to_string());
+    }
+    if let Some(more) = loaded.warnings.len().checked_sub(MAX_WARNINGS).filter(|&n| n > 0) {
+        console.warning(&format!("{more} more about this scene; see `lumel info {}`", args.scene));
+    }
+    Ok(loaded)
+}
+
+fn open(args: &SceneArgs) -> anyhow::Result<Opened> {
+    lumel::open(&args.scene, &args.open_options()).map_err(|error| match error {
+        OpenError::NotFound { name } => hinted(
+            format!("there is no file \"{name}\" and no built-in scene of that name"),
+            format!("built-in scenes are {}", lumel_scene::builtin::NAMES.join(", ")),
+        ),
+        OpenError::NotBuiltin(path) => hinted(
+            format!("only built-in scenes can be subdivided: {}", path.display()),
+            "split long edges with --max-edge",
+        ),
+        error => in_scene(error, args),
+    })
+}
+
+/// An error that names the scene.
+fn in_scene(error: impl Into<anyhow::Error>, args: &SceneArgs) -> anyhow::Error {
+    let error = error.into();
+    if crate::failure::text(&error).contains(&args.scene) {
+        return error;
+    }
+    error.context(format!("cannot use {}", args.scene))
+}
+
+/// The settings: those of the preset, replaced by the project's, replaced by the command line's.
+pub(crate) fn settings(project: SettingsPatch, args: &SettingsArgs) -> anyhow::Result<Settings> {
+    let settings = project.overridden_by(args.patch()).settings();
+    // The command line refuses them by itself, project files do not.
+    if !(settings.remainder > 0.0 && settings.remainder < 1.0) {
+        anyhow::bail!("`remainder` must lie between 0 and 1, not at {}", settings.remainder);
+    }
+    if settings.direct_samples == 0 || settings.indirect_samples == 0 {
+        anyhow::bail!("there must be at least one direct and one indirect sample");
+    }
+    Ok(settings)
+}
+
+/// Refuses a scene that would stay dark.
+pub(crate) fn check_shines(scene: &Scene, emitters: EmitterSampling) -> anyhow::Result<()> {
+    let emissive = (0..scene.triangle_count() as u32).any(|tri| scene.material(TriId(tri)).emits());
+    let surfaces = emissive && emitters != EmitterSampling::Off;
+    if surfaces || !scene.sky().is_zero() || scene.lights().iter().any(shines) {
+        return Ok(());
+    }
+    let but = if emissive { " once --no-emissive leaves out its emissive surfaces" } else { "" };
+    Err(hinted(
+        format!("nothing shines in scene \"{}\"{but}", scene.name()),
+        format!("add a light, for example --light '{}', or a sky, --sky 1,1,1", light_for(scene)),
+    ))
+}
+
+fn shines(light: &Light) -> bool {
+    let power = match light {
+        Light::Rect(light) => light.radiance.0,
+        Light::Point(light) => light.intensity,
+        Light::Spot(light) => light.point.intensity,
+        Light::Directional(light) => light.irradiance,
+    };
+    power != Vec3::ZERO
+}
+
+/// A light below the top of a scene, a fifth as wide as it is.
+fn light_for(scene: &Scene) -> String {
+    let bounds = scene.bounds();
+    let size = bounds.max - bounds.min;
+    let at = bounds.center().with_y(bounds.max.y - 0.05 * size.y);
+    let half = |extent: f32| (0.1 * extent).max(0.001);
+    format!(
+        "rect center={:.3},{:.3},{:.3} u={:.3},0,0 v=0,0,{:.3} radiance=10,10,10",
+        at.x,
+        at.y,
+        at.z,
+        half(size.x),
+        half(size.z)
+    )
+}
+
+/// The files that a scene is read from, as far as they are named on the command line or in the project.
+pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
+    let path = Path::new(scene);
+    let mut files = vec![path.to_owned()];
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+        && let Ok(Project { scene: Some(mesh), .. }) = Project::read(path)
+    {
+        files.push(path.parent().unwrap_or(Path::new("")).join(mesh));
+    }
+    files
+}
+
+/// The name of a scene for its files: that of the file it comes from, without extensions.
+pub(crate) fn file_stem(scene: &str) -> String {
+    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
+    let stem = stem.strip_suffix(".lumel").unwrap_or(&stem);
+    if stem.is_empty() { "scene".to_owned() } else { stem.to_owned() }
+}
+
+/// Advice for a solution that does not fit its scene.
+pub(crate) fn belongs_hint(error: impl Into<anyhow::Error>) -> anyhow::Error {
+    with_hint(error, "give the scene with the --max-edge and --subdivide of the bake")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_named_after_the_scene() {
+        let stems = ["room.glb", "a/b/room.lumel.toml", "cornell-box", "room.v2.obj", ".."].map(file_stem);
+        assert_eq!(stems, ["room", "room", "cornell-box", "room.v2", "scene"]);
+    }
+}

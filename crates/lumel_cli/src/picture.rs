@@ -1,0 +1,75 @@
+//! Pictures as PNG files.
+
+use anyhow::Context;
+use glam::Vec3;
+use lumel::{Camera, RayTracer, Scene};
+use lumel_export::write_png;
+use lumel_picture::{Display, Picture, Resolution, VertexLight, View, camera_for, draw};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// The size of pictures that are not told otherwise.
+const DEFAULT_SIZE: [u32; 2] = [960, 720];
+
+/// What to draw.
+pub(crate) struct Subject<'a> {
+    /// The surfaces.
+    pub(crate) scene: &'a Scene,
+    /// A tracer over them.
+    pub(crate) tracer: &'a dyn RayTracer,
+    /// Irradiance at the vertices, W·m⁻².
+    pub(crate) light: &'a [Vec3],
+    /// From where.
+    pub(crate) camera: &'a Camera,
+}
+
+/// Draws and writes a picture.
+pub(crate) fn write(
+    path: &Path,
+    subject: &Subject<'_>,
+    resolution: &Resolution,
+    display: &Display,
+    cancel: &AtomicBool,
+) -> anyhow::Result<Picture> {
+    let light = VertexLight::new(subject.scene, subject.light)?;
+    let view = View::new(subject.scene, subject.tracer, &light);
+    let picture = draw(&view, subject.camera, resolution, display, cancel)
+        .with_context(|| format!("cannot draw {}", path.display()))?;
+    let comment = describe(subject, display, &picture);
+    let texts = [
+        ("Title", subject.scene.name()),
+        ("Software", concat!("lumel ", env!("CARGO_PKG_VERSION"))),
+        ("Comment", &comment),
+    ];
+    // A PNG text ends at a zero.
+    let texts = texts.map(|(key, text)| (key, text.replace('\0', " ")));
+    let texts = texts.each_ref().map(|(key, text)| (*key, text.as_str()));
+    write_png(path, picture.width(), picture.height(), picture.pixels(), &texts)?;
+    Ok(picture)
+}
+
+/// Draws and writes the picture that comes with a bake.
+pub(crate) fn write_default(
+    path: &Path,
+    scene: &Scene,
+    tracer: &dyn RayTracer,
+    light: &[Vec3],
+    cancel: &AtomicBool,
+) -> anyhow::Result<()> {
+    let camera = camera_for(scene, tracer);
+    let subject = Subject { scene, tracer, light, camera: &camera };
+    let [width, height] = DEFAULT_SIZE;
+    write(path, &subject, &Resolution::new(width, height), &Display::default(), cancel)?;
+    Ok(())
+}
+
+fn describe(subject: &Subject<'_>, display: &Display, picture: &Picture) -> String {
+    let mut text = format!("{}, camera {}", display.show, subject.camera.name);
+    if let Some(stops) = picture.stops() {
+        text += &format!(", exposure {stops} EV, tone {}", display.tone);
+    }
+    if let Some([lo, hi]) = picture.range() {
+        text += &format!(", {lo} to {hi} W/m2");
+    }
+    text
+}
