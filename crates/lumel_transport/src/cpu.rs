@@ -8,7 +8,7 @@ use crate::plan::Plan;
 use glam::DVec3;
 use lumel_accel::RayTracer;
 use lumel_basis::{Basis, ElementId, Measure, NodeWeights, Receivers, Site};
-use lumel_sample::{Dim, StreamKey};
+use lumel_sample::{Dim, Sampler, StreamKey};
 use lumel_scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -22,6 +22,11 @@ const RAYS_PER_CHECK: u32 = 1024;
 
 /// Rays that decide whether an element lies inside geometry.
 const OPENNESS_RAYS: u32 = 64;
+
+/// Rays that decide whether an origin on an area lies inside geometry, and how many must meet the back of a surface:
+/// three quarters, which an origin that sees backs in a third of its hemisphere reaches once in fifty times.
+const INSIDE_RAYS: u32 = 8;
+const INSIDE_BACKS: usize = 6;
 
 /// Origins per triangle for each ray that a vertex would get: as there are about twice as many triangles as
 /// vertices, both bases trace the same number of rays.
@@ -192,35 +197,32 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
 
     /// A ray from each of many origins; a node's value is their mean by weight.
     ///
-    /// Position and direction are one 4-D point. An origin whose hemisphere ray meets the back of a surface lies
-    /// inside geometry and is left out, so that what is hidden does not darken what is not. In a scene of closed
-    /// solids that is exact; behind one-sided walls it counts darkness as unknown.
+    /// Position and direction are one 4-D point, and so are position and point on a light: what lights, sky and
+    /// surfaces send adds up under one integral, so all of them share the point. Points of another stream would not
+    /// be stratified together with the position. Origins inside geometry are left out, so that what is hidden does
+    /// not darken what is not.
     fn over_area(&mut self, element: ElementId, sums: &mut ChunkSums) -> Result<(), Cancelled> {
         let plan = &self.transport.plan;
         let direct = matches!(self.job.source, Source::Emitters);
         let requested = if direct { plan.direct_samples } else { plan.indirect_samples };
         let samples = plan.sampler.sample_count((requested / AREA_SHARE).max(MIN_AREA_SAMPLES));
-        let sampler = plan.sampler.for_count(samples);
         let key = self.key(element);
-        let stream = sampler.stream(key, Dim::Area);
-        let looks = sampler.stream(key, Dim::Hemisphere);
+        let stream = plan.sampler.for_count(samples).stream(key, Dim::Area);
         let mut nodes: Vec<NodeSum> = Vec::with_capacity(3);
         for i in 0..samples {
             if i % RAYS_PER_CHECK == RAYS_PER_CHECK - 1 {
                 self.control.check()?;
             }
-            let u = stream.sample_4d(i);
+            let [s, t, away @ ..] = stream.sample_4d(i);
             self.towards.clear();
-            let site = self.transport.receivers.receiver(element, [u[0], u[1]], &mut self.towards);
-            // Direct light uses the 4-D point for the light and needs another to learn whether it is inside.
-            let (mut value, inside) =
-                self.look(&site, if direct { looks.sample_2d(i) } else { [u[2], u[3]] });
-            if inside {
+            let site = self.transport.receivers.receiver(element, [s, t], &mut self.towards);
+            let (mut value, met_back) = self.look(&site, away);
+            if met_back && self.is_inside(&site, key.pass(i)) {
                 continue;
             }
             if direct {
                 let mut tally = Tally::default();
-                self.direct().one_sample(&site, key, i, [u[2], u[3]], &mut tally);
+                self.direct().one_sample(&site, key, i, away, &mut tally);
                 value += tally.sum;
                 self.n_rays += tally.n_rays;
             }
@@ -230,6 +232,16 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         }
         sums.sums.append(&mut nodes);
         Ok(())
+    }
+
+    /// Whether a site of which one ray has met the back of a surface lies inside geometry.
+    ///
+    /// Inside a closed solid all rays do. One ray alone must not decide: in front of a one-sided wall that shows its
+    /// back, leaving out what is dark would make the rest too bright.
+    fn is_inside(&mut self, site: &Site, key: StreamKey) -> bool {
+        let stream = Sampler::Sobol.stream(key, Dim::Validity);
+        let met_back = |i: &u32| self.look(site, stream.sample_2d(*i)).1;
+        (0..INSIDE_RAYS).filter(met_back).count() >= INSIDE_BACKS
     }
 
     fn direct(&self) -> Direct<'_> {

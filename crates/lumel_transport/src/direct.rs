@@ -6,7 +6,7 @@ use crate::plan::{LightSampling, Plan};
 use glam::{DVec3, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_basis::Site;
-use lumel_sample::{Dim, Stream, StreamKey};
+use lumel_sample::{Dim, Sampler, Stream, StreamKey};
 use lumel_scene::{Irradiance, Scene};
 
 /// Shadow rays of the pilot that sets the weight of the closed form: at most this many, and a quarter of the samples.
@@ -54,8 +54,9 @@ impl Direct<'_> {
             let stream = sampler.stream(key, Dim::Light(l as u32));
             match (self.plan.light_sampling, view.unblocked) {
                 (LightSampling::Analytic, Some(unblocked)) => {
-                    let pilot = sampler.stream(key, Dim::LightPilot(l as u32));
-                    self.minus_blocked(site, &view, unblocked, [pilot, stream], samples, tally);
+                    let beta =
+                        self.visible_share(site, &view, (key, Dim::LightPilot(l as u32)), samples / 4, tally);
+                    self.minus_blocked(site, &view, unblocked, beta, (stream, samples), tally);
                 }
                 _ => self.plain(site, &view, stream, samples, tally),
             }
@@ -64,31 +65,30 @@ impl Direct<'_> {
 
     /// One sample of the irradiance at a site that is itself one sample of an area.
     ///
-    /// `u` places the point on the first light; the others use streams of their own.
+    /// `u` places the point on each light.
     pub(crate) fn one_sample(&self, site: &Site, key: StreamKey, index: u32, u: [f32; 2], tally: &mut Tally) {
         self.pointlike(site, tally);
-        let samples = self.plan.sampler.sample_count(self.plan.direct_samples);
-        let sampler = self.plan.sampler.for_count(samples);
-        if self.lights.by_power.is_some() {
-            let select = sampler.sample_2d(key, index, Dim::LightSelect)[0];
-            return self.chosen_by_power(site, select, u, tally);
+        if let Some(by_power) = &self.lights.by_power {
+            // What is left of the coordinate within its light is uniform again.
+            let (_, offset, _) = by_power.sample(u[0]);
+            return self.chosen_by_power(site, u[0], [offset, u[1]], tally);
         }
         for (l, light) in self.lights.area.iter().enumerate() {
             let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
                 continue;
             };
-            let u = if l == 0 { u } else { sampler.sample_2d(key, index, Dim::Light(l as u32)) };
-            let sample = view.sample(u);
             match (self.plan.light_sampling, view.unblocked) {
                 (LightSampling::Analytic, Some(unblocked)) => {
-                    tally.sum += unblocked.0.as_dvec3();
-                    if let Some(sample) = sample
-                        && self.blocked(site, sample.target, tally)
-                    {
-                        tally.sum -= sample.unblocked.0.as_dvec3();
-                    }
+                    // A weight need not be stratified, only independent.
+                    let pilot = view.sample(Sampler::Random.sample_2d(key, index, Dim::LightPilot(l as u32)));
+                    let beta = pilot.map_or(1.0, |pilot| self.visibility(site, &pilot, &mut *tally));
+                    let sample = view.sample(u);
+                    let rest = sample.map_or(DVec3::ZERO, |sample| {
+                        sample.unblocked.0.as_dvec3() * (self.visibility(site, &sample, &mut *tally) - beta)
+                    });
+                    tally.sum += unblocked.0.as_dvec3() * beta + rest;
                 }
-                _ => self.add_if_seen(site, sample, 1.0, tally),
+                _ => self.add_if_seen(site, view.sample(u), 1.0, tally),
             }
         }
     }
@@ -114,24 +114,36 @@ impl Direct<'_> {
         site: &Site,
         view: &LightView<'_>,
         unblocked: Irradiance,
-        [pilot, stream]: [Stream; 2],
-        samples: u32,
+        beta: f64,
+        (stream, samples): (Stream, u32),
         tally: &mut Tally,
     ) {
-        let n_pilot = (samples / 4).clamp(1, MAX_PILOT);
-        let targets = (0..n_pilot).filter_map(|i| view.sample(pilot.sample_2d(i)));
-        let (mut n_seen, mut n_tried) = (0u32, 0u32);
-        for sample in targets {
-            n_tried += 1;
-            n_seen += u32::from(!self.blocked(site, sample.target, tally));
-        }
-        let beta = if n_tried == 0 { 1.0 } else { f64::from(n_seen) / f64::from(n_tried) };
         let mut sum = DVec3::ZERO;
         for sample in (0..samples).filter_map(|i| view.sample(stream.sample_2d(i))) {
-            let visible = if self.blocked(site, sample.target, tally) { 0.0 } else { 1.0 };
-            sum += sample.unblocked.0.as_dvec3() * (visible - beta);
+            sum += sample.unblocked.0.as_dvec3() * (self.visibility(site, &sample, tally) - beta);
         }
         tally.sum += unblocked.0.as_dvec3() * beta + sum / f64::from(samples);
+    }
+
+    /// The share of a pilot's points on the light that is seen; 1 if none lies above the horizon.
+    ///
+    /// The pilot is a whole set of points of its own: the first points of a larger one need not cover the light.
+    fn visible_share(
+        &self,
+        site: &Site,
+        view: &LightView<'_>,
+        (key, dim): (StreamKey, Dim),
+        requested: u32,
+        tally: &mut Tally,
+    ) -> f64 {
+        let samples = self.plan.sampler.sample_count(requested.clamp(1, MAX_PILOT));
+        let stream = self.plan.sampler.for_count(samples).stream(key, dim);
+        let (mut seen, mut tried) = (0.0, 0.0);
+        for sample in (0..samples).filter_map(|i| view.sample(stream.sample_2d(i))) {
+            seen += self.visibility(site, &sample, tally);
+            tried += 1.0;
+        }
+        if tried > 0.0 { seen / tried } else { 1.0 }
     }
 
     /// One sample of one area light that is chosen with a probability in proportion to its power.
@@ -150,6 +162,11 @@ impl Direct<'_> {
         {
             tally.sum += (sample.unblocked.0 * weight).as_dvec3();
         }
+    }
+
+    /// 1 if a point of a light is seen, 0 if not.
+    fn visibility(&self, site: &Site, sample: &LightSample, tally: &mut Tally) -> f64 {
+        if self.blocked(site, sample.target, tally) { 0.0 } else { 1.0 }
     }
 
     fn blocked(&self, site: &Site, target: Vec3, tally: &mut Tally) -> bool {
