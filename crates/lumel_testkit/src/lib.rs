@@ -18,4 +18,4 @@ mod statistics;
 pub use combination::{Combination, Estimator, Storage};
 pub use quadrature::{hat_average, triangle_integral};
 pub use stage::{Operator, Stage, measure, replicates};
-pub use statistics::{Estimate, ROUNDING, assert_nodes_near, correlation, fitted_slope, rms};
+pub use statistics::{Estimate, ROUNDING, assert_nodes_near, correlation, fitted_slope, ratio_bias, rms};

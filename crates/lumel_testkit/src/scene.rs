@@ -24,6 +24,17 @@ pub fn scene(objects: Vec<ObjectMesh>, materials: Vec<Material>, lights: Vec<Lig
     SceneBuilder { name: "test".to_owned(), objects, materials, lights, ..SceneBuilder::default() }
 }
 
+/// A black square far below everything: a scene must have a surface.
+pub fn backdrop() -> ObjectMesh {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| Vec3::new(x, y, -1000.0));
+    mesh::quad(corners, [1, 1], 0)
+}
+
+/// Lights in empty space above the black [`backdrop`].
+pub fn lights_only(lights: Vec<Light>) -> SceneBuilder {
+    scene(vec![backdrop()], vec![grey(0.0, 0.0)], lights)
+}
+
 /// A closed cube `[0, 1]³` whose walls −x, +x, −y, +y, −z, +z have given materials.
 pub fn cube(cells: u32, walls: [Material; 6]) -> SceneBuilder {
     let meshes = mesh::cuboid(Vec3::ZERO, Vec3::ONE, cells, Facing::Inward, [0, 1, 2, 3, 4, 5]);

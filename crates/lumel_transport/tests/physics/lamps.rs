@@ -1,0 +1,222 @@
+//! Lights of every kind, alone and together.
+
+use glam::{DVec3, Vec2, Vec3};
+use lumel_scene::{
+    DirectionalLight, Light, ObjectMesh, PointLight, RectLight, SceneBuilder, SpotLight, Texture, TextureId,
+    TextureRef, Wrap,
+};
+use lumel_testkit::mesh::quad;
+use lumel_testkit::scene::{ceiling_light, grey, lights_only, scene};
+use lumel_testkit::{
+    Combination, Estimate, Estimator, ROUNDING, Stage, Storage, assert_nodes_near, form_factor, measure,
+    ratio_bias, replicates,
+};
+use lumel_transport::{EmitterSampling, Plan, Source};
+use std::f64::consts::PI;
+
+/// Irradiance at a point for lights that need no random numbers.
+fn lit(light: Light, point: Vec3, normal: Vec3) -> f64 {
+    let stage = Stage::new(lights_only(vec![light]));
+    let transport = stage.points(&[(point, normal)], Plan::default());
+    f64::from(measure(&*transport, Source::Emitters, 0).field.values()[0].x)
+}
+
+/// `[0, 1]²` in the xy plane, facing up.
+fn floor(cells: u32) -> ObjectMesh {
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    quad(corners, [cells; 2], 0)
+}
+
+#[test]
+fn directional_lights_fall_with_the_cosine() {
+    let direction = Vec3::new(0.6, 0.0, -0.8);
+    let sun = Light::Directional(DirectionalLight { direction, irradiance: Vec3::splat(5.0) });
+    assert!((lit(sun, Vec3::ZERO, Vec3::Z) / 4.0 - 1.0).abs() < ROUNDING);
+    assert!((lit(sun, Vec3::ZERO, -Vec3::X) / 3.0 - 1.0).abs() < ROUNDING);
+    assert_eq!(lit(sun, Vec3::ZERO, Vec3::X), 0.0, "turned away");
+}
+
+#[test]
+fn spot_lights_fade_between_their_cones() {
+    let point = PointLight { position: Vec3::Z * 2.0, intensity: Vec3::splat(8.0), range: f32::INFINITY };
+    let (cos_inner, cos_outer) = (0.95, 0.7);
+    let spot = Light::Spot(SpotLight { point, direction: -Vec3::Z, cos_inner, cos_outer });
+    // The origin is pushed up by 2^-16.
+    let height = 2.0 - f64::from(2f32.powi(-16));
+    for x in [0.0f64, 0.5, 1.0, 1.5, 1.9, 2.2, 5.0] {
+        let squared = x * x + height * height;
+        let cos = height / squared.sqrt();
+        let share =
+            ((cos - f64::from(cos_outer)) / (f64::from(cos_inner) - f64::from(cos_outer))).clamp(0.0, 1.0);
+        let truth = 8.0 * share * share * cos / squared;
+        let e = lit(spot, Vec3::X * x as f32, Vec3::Z);
+        // Where the cone has almost faded, the rounding of a cosine near 0.72 counts 80 times: 6e-8 / (cos - 0.7).
+        assert!((e - truth).abs() <= 2e-5 * truth, "x = {x}: {e} {truth}");
+    }
+}
+
+#[test]
+fn point_lights_end_at_their_range() {
+    let light =
+        |range| Light::Point(PointLight { position: Vec3::Z * 2.0, intensity: Vec3::splat(4.0), range });
+    assert!((lit(light(f32::INFINITY), Vec3::ZERO, Vec3::Z) - 1.0).abs() < 1e-4);
+    assert_eq!(lit(light(1.9), Vec3::ZERO, Vec3::Z), 0.0);
+    // glTF's window at half the range: 1 - (1/2)^4.
+    assert!((lit(light(4.0), Vec3::ZERO, Vec3::Z) - 15.0 / 16.0).abs() < 1e-4);
+}
+
+#[test]
+fn lights_without_area_throw_sharp_shadows_in_every_basis() {
+    let screen = quad(
+        [[-1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [-1.0, 2.0]].map(|[x, y]| Vec3::new(x, y, 1.0)),
+        [1, 1],
+        0,
+    );
+    let point = PointLight { position: Vec3::new(0.5, 0.5, 3.0), intensity: Vec3::ONE, range: f32::INFINITY };
+    let lights = [
+        Light::Point(point),
+        Light::Spot(SpotLight { point, direction: -Vec3::Z, cos_inner: 0.9, cos_outer: 0.5 }),
+        Light::Directional(DirectionalLight { direction: -Vec3::Z, irradiance: Vec3::ONE }),
+    ];
+    for light in lights {
+        for storage in Storage::ALL {
+            let dark = |objects| {
+                let stage = Stage::new(scene(objects, vec![grey(0.0, 0.0)], vec![light]));
+                let operator = stage.operator(storage, Plan { direct_samples: 16, ..Plan::default() });
+                let field = measure(&*operator.transport, Source::Emitters, 0).field;
+                stage
+                    .nodes()
+                    .iter()
+                    .zip(field.values())
+                    .filter(|((p, _), _)| p.z < 0.5)
+                    .all(|(_, e)| *e == Vec3::ZERO)
+            };
+            assert!(!dark(vec![floor(2)]), "{storage:?}: nothing is in the way");
+            assert!(dark(vec![floor(2), screen.clone()]), "{storage:?}, {light:?}");
+        }
+    }
+}
+
+/// Irradiance of radiance one from a rectangle that faces down.
+fn rect_truth(rect: &RectLight, point: DVec3, normal: DVec3) -> f64 {
+    PI * form_factor::polygon(&rect.corners().map(|p| p.as_dvec3()), point, normal)
+}
+
+#[test]
+fn several_lights_add_up_in_every_combination() {
+    // Large and close, so that it matters where on each of them samples lie.
+    let rects = [
+        ceiling_light(Vec3::new(-0.3, 0.4, 0.4), 0.8, 1.2, 1.0),
+        ceiling_light(Vec3::new(1.2, 0.9, 0.5), 1.0, 0.7, 3.0),
+        ceiling_light(Vec3::new(0.5, 0.2, 0.3), 0.3, 0.3, 2.0),
+    ];
+    let stage = Stage::new(scene(vec![floor(2)], vec![grey(0.0, 0.0)], rects.map(Light::Rect).into()));
+    for combination in Combination::all() {
+        let operator = stage.operator(combination.storage, combination.estimator.plan(128, 1));
+        let truth =
+            |p: DVec3, n: DVec3| rects.iter().map(|r| f64::from(r.radiance.0.x) * rect_truth(r, p, n)).sum();
+        let expected = stage.expected(&operator, &truth);
+        let fields = replicates(&*operator.transport, Source::Emitters, 48);
+        let bound = if combination.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
+        assert_nodes_near(&fields, &expected, bound, combination);
+    }
+}
+
+#[test]
+fn sky_and_lights_add_up_in_every_combination() {
+    let rect = ceiling_light(Vec3::new(0.2, 0.4, 0.4), 0.8, 1.2, 1.0);
+    let mut builder = scene(vec![floor(2)], vec![grey(0.0, 0.0)], vec![Light::Rect(rect)]);
+    builder.sky = lumel_scene::Radiance::splat(0.5);
+    let stage = Stage::new(builder);
+    for combination in Combination::all() {
+        let operator = stage.operator(combination.storage, combination.estimator.plan(128, 16));
+        let expected = stage.expected(&operator, &|p, n| 0.5 * PI + rect_truth(&rect, p, n));
+        let fields = replicates(&*operator.transport, Source::Emitters, 32);
+        let bound = if combination.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
+        assert_nodes_near(&fields, &expected, bound, combination);
+    }
+}
+
+#[test]
+fn many_lights_are_chosen_by_power_without_bias() {
+    // Nine that shine, of very different power, and one that does not.
+    let rect = |i: u32| {
+        let (x, y) = ((i % 3) as f32 * 0.5, (i / 3) as f32 * 0.5);
+        ceiling_light(Vec3::new(x, y, 0.7), 0.2, 0.3, (i * i) as f32)
+    };
+    let rects: Vec<RectLight> = (0..10).map(rect).collect();
+    let lights = rects.iter().copied().map(Light::Rect).collect();
+    let stage = Stage::new(scene(vec![floor(2)], vec![grey(0.0, 0.0)], lights));
+    for combination in Combination::all() {
+        let operator = stage.operator(combination.storage, combination.estimator.plan(128, 1));
+        let truth =
+            |p: DVec3, n: DVec3| rects.iter().map(|r| f64::from(r.radiance.0.x) * rect_truth(r, p, n)).sum();
+        let expected = stage.expected(&operator, &truth);
+        let fields = replicates(&*operator.transport, Source::Emitters, 48);
+        let bound = if combination.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
+        assert_nodes_near(&fields, &expected, bound, combination);
+    }
+}
+
+/// Four by four texels, some black, without any symmetry.
+fn picture() -> Texture {
+    let texels = [0.0, 0.0, 3.0, 1.0, 0.2, 0.0, 0.0, 5.0, 1.0, 0.0, 2.0, 0.0, 0.0, 4.0, 0.0, 0.5];
+    let mut texture = Texture::from_floats("picture", 4, 4, texels.map(|t| [t; 3]).into()).unwrap();
+    (texture.wrap_u, texture.wrap_v) = (Wrap::Clamp, Wrap::Clamp);
+    texture
+}
+
+/// Irradiance from a rectangle whose radiance is a picture, cut into constant pieces.
+///
+/// The image's right is +u, its top +v. Pieces of 1/64 leave an error of some 1e-4.
+fn picture_truth(rect: &RectLight, picture: &Texture, point: DVec3, normal: DVec3) -> f64 {
+    const PIECES: u32 = 64;
+    let cell = |i: u32, j: u32| {
+        let at = |di: u32, dj: u32| rect.point([i + di, j + dj].map(|k| k as f32 / PIECES as f32)).as_dvec3();
+        let corners = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+        let [s, t] = [i, j].map(|k| (k as f32 + 0.5) / PIECES as f32);
+        let radiance = f64::from(rect.radiance.0.x * picture.sample(Vec2::new(s, 1.0 - t)).x);
+        if radiance == 0.0 { 0.0 } else { radiance * PI * form_factor::polygon(&corners, point, normal) }
+    };
+    (0..PIECES * PIECES).map(|k| cell(k % PIECES, k / PIECES)).sum()
+}
+
+#[test]
+fn a_textured_light_equals_the_sum_of_its_constant_pieces() {
+    let rect =
+        RectLight { texture: Some(TextureId(0)), ..ceiling_light(Vec3::new(0.3, 0.6, 0.5), 1.0, 1.5, 2.0) };
+    let points =
+        [(Vec3::ZERO, Vec3::Z), (Vec3::new(1.0, 0.5, 0.0), Vec3::Z), (Vec3::new(0.0, 1.0, 0.1), Vec3::X)];
+    let lights = vec![Light::Rect(rect)];
+    let stage = Stage::new(SceneBuilder { textures: vec![picture()], ..lights_only(lights) });
+    for estimator in Estimator::all() {
+        let fields = replicates(&*stage.points(&points, estimator.plan(256, 1)), Source::Emitters, 64);
+        for (i, (point, normal)) in points.into_iter().enumerate() {
+            let truth = picture_truth(&rect, &picture(), point.as_dvec3(), normal.as_dvec3());
+            Estimate::of_node(&fields, i).assert_near(truth, 1e-3 * truth, format!("point {i}, {estimator}"));
+        }
+    }
+}
+
+#[test]
+fn a_textured_mesh_light_equals_the_textured_rectangle() {
+    let rect = ceiling_light(Vec3::new(0.5, 0.5, 0.5), 1.0, 1.0, 1.0);
+    let mut material = grey(0.0, PI as f32);
+    material.emission_texture = Some(TextureRef::plain(TextureId(0)));
+    let panel = quad(rect.corners(), [1, 1], 1);
+    let builder = scene(vec![floor(1), panel], vec![grey(0.0, 0.0), material], vec![]);
+    let stage = Stage::new(SceneBuilder { textures: vec![picture()], ..builder });
+    let point = (Vec3::new(0.2, 0.1, 0.0), Vec3::Z);
+    let truth = picture_truth(&rect, &picture(), point.0.as_dvec3(), DVec3::Z);
+    for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
+        for estimator in Estimator::all() {
+            let plan = Plan { emitters, ..estimator.plan(256, 256) };
+            let fields = replicates(&*stage.points(&[point], plan), Source::Emitters, 64);
+            Estimate::of_node(&fields, 0).assert_near(
+                truth,
+                1e-3 * truth,
+                format!("{emitters:?}, {estimator}"),
+            );
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! One application of the transport operator against closed forms.
+
+mod classic_bugs;
+mod convergence;
+mod elements;
+mod gather;
+mod lamps;
+mod patches;
+mod shadows;
