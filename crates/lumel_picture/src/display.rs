@@ -45,7 +45,7 @@ impl Display {
     pub(crate) fn check(&self) -> Result<(), PictureError> {
         let refuse = |what, expected, value: String| Err(PictureError::Setting { what, expected, value });
         if let Exposure::Stops(stops) = self.exposure
-            && !(stops.abs() <= Exposure::MAX_STOPS)
+            && !(-Exposure::MAX_STOPS..=Exposure::MAX_STOPS).contains(&stops)
         {
             return refuse("the exposure", "between -100 and 100 stops", stops.to_string());
         }

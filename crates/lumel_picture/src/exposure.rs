@@ -111,9 +111,10 @@ mod tests {
     #[test]
     fn twice_the_light_is_one_stop_less() {
         let light: Vec<f32> = (1..500).map(|i| 0.37 / i as f32).collect();
-        let once = stops_for(light.clone());
-        assert_eq!(stops_for(light.iter().map(|y| 2.0 * y).collect()), once - 1.0);
-        assert_eq!(stops_for(light.iter().map(|y| 0.125 * y).collect()), once + 3.0);
+        let hundredths =
+            |factor: f32| (100.0 * stops_for(light.iter().map(|y| factor * y).collect())).round() as i32;
+        assert_eq!(hundredths(2.0), hundredths(1.0) - 100);
+        assert_eq!(hundredths(0.125), hundredths(1.0) + 300);
     }
 
     #[test]

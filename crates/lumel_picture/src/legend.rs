@@ -137,11 +137,76 @@ fn number(value: f64, step: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Picture, false_color_map};
 
     fn labels(range: [f32; 2], scale: Scale) -> String {
         let ticks = ticks(range, scale);
         assert!(ticks.iter().all(|t| (-1e-3..=1.001).contains(&t.position)), "{ticks:?}");
         ticks.into_iter().map(|tick| tick.label).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Whether a text stands somewhere on the picture, every dot of it and nothing in between.
+    fn shows(picture: &Picture, dot: u32, text: &str) -> bool {
+        let [width, height] = Canvas::text_size(text, dot);
+        let mut wanted = Picture::new(width, height, vec![[0; 3]; (width * height) as usize]).unwrap();
+        wanted.canvas().text([0, 0], dot, text);
+        let is_ink = |picture: &Picture, x, y| picture.pixel(x, y) == Some(INK);
+        let stands_at = |left: u32, top: u32| {
+            (0..height)
+                .all(|y| (0..width).all(|x| is_ink(picture, left + x, top + y) == is_ink(&wanted, x, y)))
+        };
+        (0..=picture.height() - height).any(|y| (0..=picture.width() - width).any(|x| stands_at(x, y)))
+    }
+
+    fn index_of(color: [u8; 3]) -> usize {
+        false_color_map().iter().position(|c| *c == color).unwrap()
+    }
+
+    #[test]
+    fn the_legend_contains_its_unit_and_its_numbers() {
+        for (width, height, dot) in [(320, 240, 1), (640, 480, 2)] {
+            let pixels = vec![[40, 90, 60]; (width * height) as usize];
+            let mut picture = Picture::new(width, height, pixels).unwrap();
+            draw_legend(&mut picture.canvas(), [0.13, 0.86], Scale::Linear);
+            for text in ["W/m²", "0.2", "0.4", "0.6", "0.8"] {
+                assert!(shows(&picture, dot, text), "{text} at {width} x {height}");
+            }
+            assert!(!shows(&picture, dot, "0.9") && !shows(&picture, dot, "1.0"));
+            // The bar has the ends of the map, the brighter one on top.
+            let layout = Layout::fitting(&picture.canvas(), [0.13, 0.86], Scale::Linear).unwrap();
+            let [left, top] = layout.bar.map(|v| v as u32);
+            let bottom = top + layout.bar_size[1] as u32 - 1;
+            let ends = [top, bottom].map(|y| index_of(picture.pixel(left, y).unwrap()));
+            assert!(ends[0] >= 253 && ends[1] <= 2, "{ends:?}");
+            assert_eq!(picture.pixel(width / 2, height / 2), Some([40, 90, 60]));
+        }
+    }
+
+    #[test]
+    fn ticks_point_at_the_colour_of_their_value() {
+        let mut picture = Picture::new(640, 480, vec![[0; 3]; 640 * 480]).unwrap();
+        draw_legend(&mut picture.canvas(), [0.0, 10.0], Scale::Linear);
+        let layout = Layout::fitting(&picture.canvas(), [0.0, 10.0], Scale::Linear).unwrap();
+        let [left, top] = layout.bar.map(|v| v as u32);
+        let right = left + layout.bar_size[0] as u32 + 2 * layout.dot as u32;
+        let rows: Vec<u32> = (top - 2..480).filter(|&y| picture.pixel(right, y) == Some(INK)).collect();
+        // Ticks are two pixels thick; the second row of a tick lies below its place.
+        let mid_tick = rows.chunks(2).nth(2).unwrap()[1];
+        let expected = top + (layout.bar_size[1] as f32 * 0.4) as u32;
+        assert!(mid_tick.abs_diff(expected) <= 1, "{rows:?} {expected}");
+        let color = picture.pixel(left + 1, mid_tick).unwrap();
+        let index = index_of(color);
+        assert!(index.abs_diff(153) <= 2, "{index}");
+    }
+
+    #[test]
+    fn pictures_too_small_for_a_legend_stay_as_they_are() {
+        for (width, height) in [(1, 1), (60, 300), (300, 60)] {
+            let pixels = vec![[9; 3]; (width * height) as usize];
+            let mut picture = Picture::new(width, height, pixels.clone()).unwrap();
+            draw_legend(&mut picture.canvas(), [0.0, 1.0], Scale::Linear);
+            assert_eq!(picture.pixels(), pixels);
+        }
     }
 
     #[test]
