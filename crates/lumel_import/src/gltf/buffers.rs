@@ -5,10 +5,10 @@ use super::fault::Fault;
 use super::uri;
 use crate::ImportError;
 use crate::paths::Resolver;
-use std::borrow::Cow;
-use std::cell::OnceCell;
-use std::fs::File;
-use std::io::Read;
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::rc::Rc;
 
 /// The buffers of a document, each loaded when it is first used.
 ///
@@ -18,13 +18,35 @@ pub(super) struct Buffers<'a> {
     /// The binary chunk of a GLB.
     bin: Option<&'a [u8]>,
     resolver: &'a Resolver,
-    loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+    loaded: Vec<OnceCell<Bytes<'a>>>,
+    /// Many buffers may be of one file.
+    files: RefCell<BTreeMap<PathBuf, Rc<[u8]>>>,
+}
+
+enum Bytes<'a> {
+    Chunk(&'a [u8]),
+    Inline(Vec<u8>),
+    File(Rc<[u8]>),
+}
+
+impl Bytes<'_> {
+    /// At most `length` bytes: GLB chunks are padded, and what a buffer does not claim is not its own.
+    ///
+    /// Fewer are accepted: what does not reach the missing end can be read.
+    fn first(&self, length: u64) -> &[u8] {
+        let all = match self {
+            Self::Chunk(bytes) => bytes,
+            Self::Inline(bytes) => bytes.as_slice(),
+            Self::File(bytes) => bytes,
+        };
+        &all[..usize::try_from(length).map_or(all.len(), |length| length.min(all.len()))]
+    }
 }
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(document: &'a Document, bin: Option<&'a [u8]>, resolver: &'a Resolver) -> Self {
         let loaded = document.buffers.iter().map(|_| OnceCell::new()).collect();
-        Self { document, bin, resolver, loaded }
+        Self { document, bin, resolver, loaded, files: RefCell::default() }
     }
 
     /// The bytes of a buffer view.
@@ -50,36 +72,32 @@ impl<'a> Buffers<'a> {
     fn buffer(&self, index: usize, user: &str) -> Result<&[u8], Fault> {
         let cell =
             self.loaded.get(index).ok_or_else(|| Fault::absent(user, "buffer", index, self.loaded.len()))?;
+        let length = self.document.buffers[index].byte_length.0;
         if let Some(bytes) = cell.get() {
-            return Ok(bytes);
+            return Ok(bytes.first(length));
         }
         let bytes = self.load(index)?;
-        Ok(cell.get_or_init(|| bytes))
+        Ok(cell.get_or_init(|| bytes).first(length))
     }
 
-    /// At most `byteLength` bytes: GLB chunks are padded, and nobody may make us read more of a file than it says.
-    ///
-    /// Fewer are accepted: what does not reach the missing end can be read.
-    fn load(&self, index: usize) -> Result<Cow<'a, [u8]>, Fault> {
-        let buffer = &self.document.buffers[index];
+    fn load(&self, index: usize) -> Result<Bytes<'a>, Fault> {
         let place = format!("buffer {index}");
-        let length = buffer.byte_length.0;
-        let Some(uri) = &buffer.uri else {
-            let bin = self.bin.filter(|_| index == 0);
-            let bin = bin.ok_or_else(|| Fault::at(place, "it has neither a URI nor a binary chunk"))?;
-            return Ok(Cow::Borrowed(&bin[..bin.len().min(usize::try_from(length).unwrap_or(usize::MAX))]));
+        let Some(uri) = &self.document.buffers[index].uri else {
+            let bin = self.bin.filter(|_| index == 0).map(Bytes::Chunk);
+            return bin.ok_or_else(|| Fault::at(place, "it has neither a URI nor a binary chunk"));
         };
         if let Some(data) = uri::inline_data(uri, &place) {
-            let mut data = data?;
-            data.truncate(usize::try_from(length).unwrap_or(usize::MAX));
-            return Ok(Cow::Owned(data));
+            return data.map(Bytes::Inline);
         }
         let path = uri::find_file(uri, self.resolver).map_err(Fault::Reference)?;
-        let mut bytes = Vec::new();
-        File::open(&path)
-            .and_then(|file| file.take(length).read_to_end(&mut bytes))
-            .map_err(|source| Fault::File(ImportError::Io { path, source }))?;
-        Ok(Cow::Owned(bytes))
+        if let Some(bytes) = self.files.borrow().get(&path) {
+            return Ok(Bytes::File(bytes.clone()));
+        }
+        let read = std::fs::read(&path);
+        let bytes: Rc<[u8]> =
+            read.map_err(|source| Fault::File(ImportError::Io { path: path.clone(), source }))?.into();
+        self.files.borrow_mut().insert(path, bytes.clone());
+        Ok(Bytes::File(bytes))
     }
 }
 
@@ -125,6 +143,26 @@ mod tests {
         }
         assert!(view(0, 4, 1).is_err(), "byteLength counts, not what is there");
         assert_eq!(view(0, 1, 9).unwrap_err(), "scene.glb: bufferView 0: refers to buffer 9 of 4");
+    }
+
+    #[test]
+    fn a_file_is_read_once_however_it_is_spelled() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a b.bin"), b"abcdef").unwrap();
+        let buffer = |uri| json!({ "byteLength": 4, "uri": uri });
+        let view = |buffer| json!({ "buffer": buffer, "byteLength": 4 });
+        let document = json!({
+            "asset": { "version": "2.0" },
+            "buffers": [buffer("a b.bin"), buffer("./a%20b.bin")],
+            "bufferViews": [view(0), view(1)],
+        });
+        let json = serde_json::to_vec(&document).unwrap();
+        let document = Document::parse(&json, &mut Warnings::default()).unwrap();
+        let resolver = Resolver::new(&folder.path().join("scene.gltf"), PathPolicy::WithinFolder).unwrap();
+        let buffers = Buffers::new(&document, None, &resolver);
+        let [first, second] = [0, 1].map(|index| buffers.view(index, "test").unwrap());
+        assert_eq!(first, b"abcd");
+        assert!(std::ptr::eq(first, second));
     }
 
     #[test]

@@ -134,7 +134,7 @@ mod tests {
         let mut model = Model::empty();
         model.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
         let node = json!({
-            "name": "Lamp", "translation": [1, 2, 3], "scale": [5, 5, 5], "rotation": [0, 0.70710678, 0, 0.70710678],
+            "name": "Lamp", "translation": [1, 2, 3], "scale": [5, 5, 5], "rotation": [0, 1, 0, 1],
             "extensions": { "KHR_lights_punctual": { "light": 0 } },
         });
         model.push("nodes", node);
@@ -215,7 +215,7 @@ mod tests {
         let mut model = Model::empty();
         model.push("cameras", camera);
         let turned = json!({
-            "name": "View", "camera": 0, "translation": [1, 2, 3], "rotation": [0, 0.70710678, 0, 0.70710678],
+            "name": "View", "camera": 0, "translation": [1, 2, 3], "rotation": [0, 1, 0, 1],
         });
         model.push("nodes", turned);
         let imported = model.read().unwrap();

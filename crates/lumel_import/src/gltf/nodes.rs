@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn transforms_apply_from_the_child_outwards() {
         let nodes = json!([
-            { "children": [1], "translation": [1, 0, 0], "rotation": [0, 0, 0.70710678, 0.70710678] },
+            { "children": [1], "translation": [1, 0, 0], "rotation": [0, 0, 1, 1] },
             { "scale": [2, 3, 4] },
         ]);
         let (placed, _) = place(nodes, json!([])).unwrap();
