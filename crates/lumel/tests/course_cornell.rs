@@ -13,7 +13,8 @@ fn light_2024_1() -> RectLight {
     let towards = Vec3::new(0.508_129_656_314_849_9, -0.577_200_233_936_309_8, -0.639_252_841_472_625_7);
     // The course's light shines towards minus its z axis: turn the x axis round so that u × v points there.
     let u = -half_size * Vec3::new(0.782_819_867_134_094_2, 0.0, 0.622_248_291_969_299_3);
-    let v = half_size * Vec3::new(0.359_161_883_592_605_6, 0.816_602_706_909_179_7, -0.451_843_857_765_197_75);
+    let v =
+        half_size * Vec3::new(0.359_161_883_592_605_6, 0.816_602_706_909_179_7, -0.451_843_857_765_197_75);
     let center = Vec3::new(-0.664_146_363_735_199, 0.720_128_476_619_720_5, 0.722_028_017_044_067_4);
     let light = RectLight { center, u, v, radiance: Radiance::splat(100.0), texture: None };
     assert!((light.normal().unwrap() - towards).length() < 1e-5);
@@ -79,7 +80,12 @@ fn two_bounces_agree_with_the_solution_of_the_course() {
     let (ours, theirs) = (measured(&solution.irradiance), measured(&theirs.irradiance()));
     assert!(n_hidden < scene.vertex_count() / 20, "{n_hidden} hidden vertices");
     let ratio = mean(&ours) / mean(&theirs);
-    println!("{n_hidden} hidden, means {} and {}, ratio {ratio}, correlation {}", mean(&ours), mean(&theirs), correlation(&ours, &theirs));
+    println!(
+        "{n_hidden} hidden, means {} and {}, ratio {ratio}, correlation {}",
+        mean(&ours),
+        mean(&theirs),
+        correlation(&ours, &theirs)
+    );
     assert!((ratio - DVec3::ONE).abs().max_element() < 0.005, "ratio of means {ratio}");
     assert!(correlation(&ours, &theirs) > 0.99, "{}", correlation(&ours, &theirs));
 }

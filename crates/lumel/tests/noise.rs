@@ -23,7 +23,13 @@ fn bakes(baker_of: &dyn Fn(Settings) -> Baker, indirect_samples: u32) -> Vec<Vec
         let mut state = SolveState::new();
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
         let solution = baker.solution(&state);
-        solution.irradiance.iter().zip(&solution.valid).filter(|(_, valid)| **valid).map(|(e, _)| *e).collect()
+        solution
+            .irradiance
+            .iter()
+            .zip(&solution.valid)
+            .filter(|(_, valid)| **valid)
+            .map(|(e, _)| *e)
+            .collect()
     };
     (0..SEEDS).map(bake).collect()
 }
@@ -52,7 +58,8 @@ fn a_bake_of_the_cornell_box_is_off_by_its_own_noise_only() {
     // Noise falls with the slope of Owen-scrambled Sobol points on integrands with edges, -0.65 or steeper. With
     // thousands of vertices the variances are known to a percent; random points have -0.5.
     let total = |variances: &[f64]| variances.iter().sum::<f64>();
-    let slope = 0.5 * (total(&many_variances) / total(&few_variances)).ln() / (f64::from(many) / f64::from(few)).ln();
+    let slope =
+        0.5 * (total(&many_variances) / total(&few_variances)).ln() / (f64::from(many) / f64::from(few)).ln();
     assert!(slope < -0.65, "slope {slope}");
 
     // If both aim at the same answer, the means differ by their noise: the expected square of the difference is

@@ -26,58 +26,114 @@ impl fmt::Display for SceneHash {
 }
 
 fn geometry(scene: &Scene) -> blake3::Hash {
-    let mut hasher = blake3::Hasher::new();
+    let mut bytes = Bytes::default();
     for v in scene.positions().iter().chain(scene.normals()) {
-        update_floats(&mut hasher, &v.to_array());
+        bytes.floats(v.to_array());
     }
     for triangle in scene.triangles() {
         for index in triangle {
-            hasher.update(&index.to_le_bytes());
+            bytes.push(&index.to_le_bytes());
         }
     }
-    hasher.finalize()
+    bytes.finish()
 }
 
 fn lighting(scene: &Scene) -> blake3::Hash {
-    let mut hasher = blake3::Hasher::new();
+    let mut bytes = Bytes::default();
     for tri in 0..scene.triangle_count() {
-        hasher.update(&scene.material_id(TriId(tri as u32)).0.to_le_bytes());
+        bytes.push(&scene.material_id(TriId(tri as u32)).0.to_le_bytes());
     }
     for material in scene.materials() {
         // Debug output is a complete and stable rendering of these plain numbers; names do not matter.
         let anonymous = Material { name: String::new(), ..material.clone() };
-        hasher.update(format!("{anonymous:?}").as_bytes());
+        bytes.push(format!("{anonymous:?}").as_bytes());
     }
     for texture in scene.textures() {
-        update_texture(&mut hasher, texture);
+        push_texture(&mut bytes, texture);
     }
     for uv in scene.uvs() {
-        update_floats(&mut hasher, &uv.to_array());
+        bytes.floats(uv.to_array());
     }
     for tint in scene.tints() {
-        update_floats(&mut hasher, &tint.to_array());
+        bytes.floats(tint.to_array());
     }
-    hasher.update(format!("{:?} {:?}", scene.lights(), scene.sky()).as_bytes());
-    hasher.finalize()
+    bytes.push(format!("{:?} {:?}", scene.lights(), scene.sky()).as_bytes());
+    bytes.finish()
 }
 
-fn update_texture(hasher: &mut blake3::Hasher, texture: &Texture) {
+fn push_texture(bytes: &mut Bytes, texture: &Texture) {
     let (width, height) = texture.size();
-    hasher.update(format!("{width} {height} {:?} {:?}", texture.wrap_u, texture.wrap_v).as_bytes());
+    bytes.push(format!("{width} {height} {:?} {:?}", texture.wrap_u, texture.wrap_v).as_bytes());
     if let Some((rgba, encoding)) = texture.bytes() {
-        hasher.update(format!("{encoding:?}").as_bytes());
-        hasher.update(rgba.as_flattened());
+        bytes.push(format!("{encoding:?}").as_bytes());
+        bytes.push(rgba.as_flattened());
     } else {
         for y in 0..height {
             for x in 0..width {
-                update_floats(hasher, &texture.texel(x, y).to_array());
+                bytes.floats(texture.texel(x, y).to_array());
             }
         }
     }
 }
 
-fn update_floats(hasher: &mut blake3::Hasher, values: &[f32]) {
-    for value in values {
-        hasher.update(&value.to_le_bytes());
+/// Feeds the hasher in large portions: it is several times as fast as with a few bytes at a time.
+#[derive(Default)]
+struct Bytes {
+    hasher: blake3::Hasher,
+    pending: Vec<u8>,
+}
+
+impl Bytes {
+    const PORTION: usize = 1 << 16;
+
+    fn push(&mut self, bytes: &[u8]) {
+        self.pending.extend_from_slice(bytes);
+        if self.pending.len() >= Self::PORTION {
+            self.hasher.update(&self.pending);
+            self.pending.clear();
+        }
+    }
+
+    fn floats<const N: usize>(&mut self, values: [f32; N]) {
+        for value in values {
+            self.push(&value.to_le_bytes());
+        }
+    }
+
+    fn finish(mut self) -> blake3::Hash {
+        self.hasher.update(&self.pending);
+        self.hasher.finalize()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Light, Radiance, RectLight, SceneBuilder, builtin};
+    use glam::Vec3;
+
+    fn hash_of(change: impl Fn(&mut SceneBuilder)) -> SceneHash {
+        let mut builder = builtin::scene("furnace", 0).unwrap();
+        change(&mut builder);
+        builder.build().unwrap().0.hash()
+    }
+
+    #[test]
+    fn moving_a_vertex_changes_the_geometry_and_a_light_only_the_lighting() {
+        let original = hash_of(|_| ());
+        assert_eq!(original, hash_of(|b| b.name = "other".into()));
+        let moved = hash_of(|b| b.objects[0].positions[0].x += 1e-3);
+        assert_ne!(original.geometry, moved.geometry);
+        let light = RectLight {
+            center: Vec3::ZERO,
+            u: Vec3::X,
+            v: Vec3::Y,
+            radiance: Radiance::splat(1.0),
+            texture: None,
+        };
+        let lit = hash_of(|b| b.lights.push(Light::Rect(light)));
+        assert_eq!((original.geometry, false), (lit.geometry, original.lighting == lit.lighting));
+        let repainted = hash_of(|b| b.materials[0].albedo *= 0.9);
+        assert_eq!((original.geometry, false), (repainted.geometry, original.lighting == repainted.lighting));
     }
 }
