@@ -115,6 +115,20 @@ pub enum SceneError {
         /// What is wrong with it.
         problem: &'static str,
     },
+    /// A length for tessellation that would take more memory than anybody has.
+    #[error(
+        "edges of at most {max_edge} m would give scene \"{scene}\" at least {triangles} triangles; the limit is {limit}: choose a longer edge"
+    )]
+    TooFine {
+        /// The scene's name.
+        scene: String,
+        /// The length, metres.
+        max_edge: f32,
+        /// How many triangles it takes at the least.
+        triangles: u64,
+        /// How many are allowed.
+        limit: u64,
+    },
     /// A length for tessellation that is not a positive number.
     #[error("the longest edge must be a positive length, not {0}")]
     BadEdgeLength(f32),

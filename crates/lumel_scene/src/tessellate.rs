@@ -28,12 +28,17 @@ impl SceneBuilder {
         if !(max_edge > 0.0 && max_edge.is_finite()) {
             return Err(SceneError::BadEdgeLength(max_edge));
         }
-        let too_large = |triangles| SceneError::TooLarge { scene: self.name.clone(), triangles };
+        let too_fine = |triangles| SceneError::TooFine {
+            scene: self.name.clone(),
+            max_edge,
+            triangles,
+            limit: MAX_RESULT,
+        };
         let smallest_area = 1e-12 * f64::from(self.diagonal_squared());
         let rule = Rule { max_edge: f64::from(max_edge), smallest_area };
         let bound: f64 = self.objects.iter().map(|o| rule.fewest_triangles(o)).sum();
         if bound > MAX_RESULT as f64 {
-            return Err(too_large(bound as u64));
+            return Err(too_fine(bound as u64));
         }
         let mut warnings = Warnings::default();
         let mut triangles = 0;
@@ -42,7 +47,7 @@ impl SceneBuilder {
             rule.split(object, MAX_RESULT - triangles, &mut warnings);
             triangles += object.faces.len() as u64;
             if triangles > MAX_RESULT {
-                return Err(too_large(triangles));
+                return Err(too_fine(triangles));
             }
         }
         self.objects = objects;
@@ -367,7 +372,7 @@ mod tests {
         for length in [1e-9, f32::MIN_POSITIVE, 1e-4] {
             let mut b = builder(vec![cube()]);
             let result = b.tessellate(length);
-            assert!(matches!(result, Err(SceneError::TooLarge { triangles, .. }) if triangles > MAX_RESULT));
+            assert!(matches!(result, Err(SceneError::TooFine { triangles, .. }) if triangles > MAX_RESULT));
             assert_eq!(b.objects, vec![cube()]);
         }
         let needle = mesh("needle", &[[0.0; 3], [1e9, 0.0, 0.0], [1e9, 1.0, 0.0]], &[[0, 1, 2]]);
