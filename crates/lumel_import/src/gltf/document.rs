@@ -39,10 +39,8 @@ impl Document {
     pub(super) fn parse(json: &[u8], warnings: &mut Warnings) -> Result<Self, Fault> {
         let mut root: Value = serde_json::from_slice(json)
             .map_err(|error| Fault::Malformed(format!("not a glTF document: {error}")))?;
-        let mut odd_names = 0;
-        tidy(&mut root, "", &mut odd_names);
-        if odd_names > 0 {
-            warnings.push("", format!("{odd_names} names are not text and are ignored"));
+        if !tidy(&mut root, "") {
+            warnings.push("", "names that are not text are ignored");
         }
         let Value::Object(mut root) = root else {
             return Err(Fault::Malformed("not a glTF document: it is no JSON object".into()));
@@ -97,17 +95,20 @@ pub(super) fn label(what: &str, index: usize, name: Option<&str>) -> String {
 /// - Whole numbers may be written `3.0`.
 /// - The types keep only 32 bits of an index, so 4294967296 would pass for 0. Numbers that large become floats, which
 ///   are refused where an index is expected. Sizes have 64 bits.
-fn tidy(value: &mut Value, key: &str, odd_names: &mut usize) {
+///
+/// Returns whether all names were text.
+fn tidy(value: &mut Value, key: &str) -> bool {
+    let mut all_text = true;
     match value {
         Value::Object(map) => {
             map.remove("extras");
             if map.get("name").is_some_and(|name| !name.is_string()) {
                 map.remove("name");
-                *odd_names += 1;
+                all_text = false;
             }
-            map.iter_mut().for_each(|(key, value)| tidy(value, key, odd_names));
+            map.iter_mut().for_each(|(key, value)| all_text &= tidy(value, key));
         }
-        Value::Array(items) => items.iter_mut().for_each(|item| tidy(item, key, odd_names)),
+        Value::Array(items) => items.iter_mut().for_each(|item| all_text &= tidy(item, key)),
         Value::String(text) if key == "name" => {
             if let Some((end, _)) = text.char_indices().nth(MAX_NAME) {
                 text.truncate(end);
@@ -129,6 +130,7 @@ fn tidy(value: &mut Value, key: &str, odd_names: &mut usize) {
         }
         _ => {}
     }
+    all_text
 }
 
 fn check_version(root: &Map<String, Value>) -> Result<(), Fault> {
