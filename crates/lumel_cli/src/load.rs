@@ -75,14 +75,20 @@ fn in_scene(error: impl Into<anyhow::Error>, args: &SceneArgs) -> anyhow::Error 
 }
 
 /// The settings: those of the preset, replaced by the project's, replaced by the command line's.
-pub(crate) fn settings(project: SettingsPatch, args: &SettingsArgs) -> anyhow::Result<Settings> {
+pub(crate) fn settings(
+    project: SettingsPatch,
+    args: &SettingsArgs,
+    scene: &SceneArgs,
+) -> anyhow::Result<Settings> {
     let settings = project.overridden_by(args.patch()).settings();
     // The command line refuses them by itself, project files do not.
     if !(settings.remainder > 0.0 && settings.remainder < 1.0) {
-        anyhow::bail!("`remainder` must lie between 0 and 1, not at {}", settings.remainder);
+        let problem = format!("`remainder` must lie between 0 and 1, not at {}", settings.remainder);
+        return Err(in_scene(anyhow::Error::msg(problem), scene));
     }
     if settings.direct_samples == 0 || settings.indirect_samples == 0 {
-        anyhow::bail!("there must be at least one direct and one indirect sample");
+        let problem = "there must be at least one direct and one indirect sample";
+        return Err(in_scene(anyhow::Error::msg(problem), scene));
     }
     Ok(settings)
 }

@@ -7,6 +7,7 @@ mod args;
 mod checkpoint;
 mod commands;
 mod console;
+mod difference;
 mod estimate;
 mod failure;
 mod interrupt;
@@ -15,8 +16,10 @@ mod load;
 mod outputs;
 mod parse;
 mod picture;
+mod points;
 mod progress;
 mod report;
+mod scene_report;
 mod session;
 mod spec;
 

@@ -48,6 +48,8 @@ struct State {
     rays_before: u64,
     workload: Option<Workload>,
     remainders: Vec<Remainder>,
+    /// The last phase that was told of by its name alone.
+    told: Option<String>,
 }
 
 impl Progress {
@@ -74,6 +76,7 @@ impl Progress {
             rays_before: 0,
             workload: None,
             remainders: Vec::new(),
+            told: None,
         };
         let shared = Arc::new(Shared {
             display,
@@ -168,7 +171,7 @@ fn add_step(event: &mut Value, step: Step) {
 impl State {
     fn name_of(&self, step: Step) -> String {
         match step {
-            Step::Probe => "looking for walls".to_owned(),
+            Step::Probe => "looking inside geometry".to_owned(),
             Step::Bounce(0) => "direct light".to_owned(),
             Step::Bounce(bounce) => {
                 let last = self.workload.as_ref().and_then(|work| work.last_bounce(&self.remainders));
@@ -253,8 +256,14 @@ impl Shared {
             Display::Lines => {
                 let share = moment.share.map(|share| format!("{:.0} %", 100.0 * share));
                 let details: Vec<String> = share.into_iter().chain(moment.details()).collect();
-                let colon = if details.is_empty() { " ..." } else { ": " };
-                self.console.line(&format!("{}{colon}{}", moment.phase, details.join(", ")));
+                if details.is_empty() {
+                    // There is nothing new to say about it.
+                    if self.lock().told.replace(moment.phase.clone()).as_ref() != Some(&moment.phase) {
+                        self.console.line(&format!("{} ...", moment.phase));
+                    }
+                } else {
+                    self.console.line(&format!("{}: {}", moment.phase, details.join(", ")));
+                }
             }
             Display::Json => {
                 let mut event = json!({

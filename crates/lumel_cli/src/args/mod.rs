@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// Results go to the standard output, messages to the standard error stream. Exit codes: 0 done; 1 done, but with
 /// warnings under --strict or a difference above --max-error; 2 failed; 130 cancelled.
 #[derive(Debug, Parser)]
-#[command(name = "lumel", version, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "lumel", version, max_term_width = 100, args_override_self = true, after_help = EXAMPLES)]
 pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -139,6 +139,7 @@ pub(crate) struct RenderArgs {
 
     /// Rays per pixel; powers of two are spread best.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = parse::count(1..=MAX_SAMPLES))]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) samples: u32,
 
     /// Where to look from: a camera of the scene by name, or 'position=x,y,z target=x,y,z fov=deg'.

@@ -18,10 +18,7 @@ const MAX_THREADS: u32 = 1024;
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
     /// A mesh file (.obj, .gltf, .glb, .ply), a project file (.lumel.toml) or a built-in scene.
-    ///
-    /// Built-in scenes: cornell-box, cornell-leather, furnace, sphere; a file of that name goes first. A project file
-    /// names a scene, its lights, cameras and bake settings.
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", long_help = scene_help())]
     pub(crate) scene: String,
 
     /// A rectangle light 'rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b', any number of times.
@@ -43,12 +40,24 @@ pub(crate) struct SceneArgs {
 
     /// Halve the edges of a built-in scene this often, 0 to 5.
     #[arg(long, value_name = "N", help_heading = "Scene")]
-    #[arg(value_parser = parse::count(0..=lumel_scene::builtin::MAX_SUBDIVIDE))]
+    #[arg(value_parser = parse::count(0..=lumel_scene::builtin::MAX_SUBDIVIDE), allow_negative_numbers = true)]
     pub(crate) subdivide: Option<u32>,
 
     /// Let scene and project files refer to files outside their folder.
     #[arg(long, help_heading = "Scene")]
     pub(crate) allow_outside_paths: bool,
+}
+
+fn scene_help() -> String {
+    let mut help = "A mesh file (.obj, .gltf, .glb, .ply), a project file (.lumel.toml) or a built-in scene.\n\n\
+        A project file names a scene, its lights, cameras and bake settings. Built-in scenes, unless there is a file \
+        of that name:"
+        .to_owned();
+    for name in lumel_scene::builtin::NAMES {
+        let about = lumel_scene::builtin::describe(name).unwrap_or_default();
+        help += &format!("\n- {name}: {about}");
+    }
+    help
 }
 
 impl SceneArgs {
@@ -79,7 +88,7 @@ pub(crate) struct SettingsArgs {
     pub(crate) basis: Option<BasisKind>,
 
     /// Number of reflections after the direct light, or all: until the rest is negligible.
-    #[arg(long, value_name = "N|all", value_parser = parse::bounces)]
+    #[arg(long, value_name = "N|all", value_parser = parse::bounces, allow_negative_numbers = true)]
     pub(crate) bounces: Option<BounceLimit>,
 
     /// With --bounces all: the share of all light that may be missing. [default: 0.001]
@@ -94,11 +103,11 @@ pub(crate) struct SettingsArgs {
     pub(crate) tail: Option<Tail>,
 
     /// Shadow rays per vertex and light.
-    #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_SAMPLES))]
+    #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_SAMPLES), allow_negative_numbers = true)]
     pub(crate) direct_samples: Option<u32>,
 
     /// Rays into the hemisphere per vertex and bounce.
-    #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_SAMPLES))]
+    #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_SAMPLES), allow_negative_numbers = true)]
     pub(crate) indirect_samples: Option<u32>,
 
     /// Where sample points come from. [default: sobol]
@@ -122,7 +131,7 @@ pub(crate) struct SettingsArgs {
     pub(crate) no_emissive: bool,
 
     /// Changes all random choices. [default: 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
 }
 
@@ -150,6 +159,7 @@ impl SettingsArgs {
 pub(crate) struct ThreadArgs {
     /// Number of threads; the result does not depend on it. [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_THREADS), help_heading = "Run")]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) threads: Option<u32>,
 }
 

@@ -60,7 +60,7 @@ impl Plan {
 fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Option<Summary>> {
     let (loaded, load_seconds) = session.timed("load", || load::load_and_warn(&args.scene, &session.console));
     let Loaded { scene, patch, .. } = loaded?;
-    let settings = load::settings(patch, &args.settings)?;
+    let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
     let (baker, build_seconds) = session.timed("build", || Baker::new(scene, settings));
     let mut state = match &args.resume {

@@ -1,7 +1,23 @@
+//! `lumel info`
+
 use crate::Outcome;
-pub(crate) fn run(
-    _: &crate::args::InfoArgs,
-    _: &std::sync::Arc<crate::console::Console>,
-) -> anyhow::Result<Outcome> {
-    Ok(Outcome::Done)
+use crate::args::InfoArgs;
+use crate::console::{self, Console};
+use crate::load::{self, Loaded};
+use crate::scene_report::SceneReport;
+use std::sync::Arc;
+
+/// Says what is in a scene.
+pub(crate) fn run(args: &InfoArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
+    let Loaded { scene, warnings, .. } = load::load(&args.scene)?;
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let any = !warnings.is_empty();
+    let report = SceneReport::new(&scene, warnings);
+    if args.json {
+        console::print(&(serde_json::to_string(&report)? + "\n"))?;
+    } else {
+        console::print(&report.text())?;
+        report.warnings().iter().for_each(|warning| console.warning(warning));
+    }
+    Ok(if args.strict && any { Outcome::Objected } else { Outcome::Done })
 }

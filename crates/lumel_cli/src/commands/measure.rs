@@ -1,7 +1,209 @@
+//! `lumel measure`
+
 use crate::Outcome;
-pub(crate) fn run(
-    _: &crate::args::MeasureArgs,
-    _: &std::sync::Arc<crate::console::Console>,
-) -> anyhow::Result<Outcome> {
-    Ok(Outcome::Done)
+use crate::args::MeasureArgs;
+use crate::console::{self, Console};
+use crate::failure::{hinted, with_hint};
+use crate::load::{self, Loaded};
+use crate::outputs;
+use crate::points::Points;
+use crate::report;
+use crate::session::{Session, thread_pool};
+use anyhow::Context;
+use glam::Vec3;
+use lumel::{
+    Baker, BounceLimit, PointMeasurement, Scene, Settings, SettingsPatch, Solution, SolveState, Tail,
+    measure_points,
+};
+use lumel_export::{Array, ArrayData, SolutionError, write_npz};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Measures.
+pub(crate) fn run(args: &MeasureArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
+    if let Some(output) = &args.output {
+        check_output(args, output)?;
+    }
+    let points = Points::from_args(args)?;
+    let pool = thread_pool(&args.run.threads)?;
+    let mut session = Session::start(args.run.progress, console)?;
+    let result = pool.install(|| measure(args, &points, &session));
+    session.progress.finish();
+    let Some(measured) = result? else {
+        console.note("stopped; nothing was measured");
+        return Ok(Outcome::Cancelled);
+    };
+    if let Some(output) = &args.output {
+        save(output, &points, &measured)?;
+    }
+    console::print(&match (&args.output, args.json) {
+        (_, true) => json(&points, &measured),
+        (Some(output), false) => written(output, &points)?,
+        (None, false) => table(&points, &measured),
+    })?;
+    Ok(super::outcome(console, args.run.strict))
+}
+
+fn check_output(args: &MeasureArgs, output: &Path) -> anyhow::Result<()> {
+    if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
+        let message = format!("measurements are written as .npz: {}", output.display());
+        return Err(hinted(message, "use a name that ends in .npz"));
+    }
+    let mut sources = load::source_files(&args.scene.scene);
+    sources.extend(args.solution.clone());
+    outputs::check(&[output], &sources)
+}
+
+/// The measurement on the threads of the pool. `None` when it was cancelled.
+fn measure(
+    args: &MeasureArgs,
+    points: &Points,
+    session: &Session,
+) -> anyhow::Result<Option<PointMeasurement>> {
+    let (loaded, _) = session.timed("load", || load::load_and_warn(&args.scene, &session.console));
+    let Loaded { scene, patch, .. } = loaded?;
+    let receivers = points.receivers()?;
+    let light = match &args.solution {
+        Some(file) => reuse(args, file, &scene, session)?,
+        None => solve(args, patch, scene, session)?,
+    };
+    let Some((baker, state)) = light else { return Ok(None) };
+    session.progress.phase("measure");
+    let _heeding = session.interrupt.heed();
+    Ok(measure_points(&baker, &state, &receivers, session.interrupt.control()).ok())
+}
+
+/// Light that is solved now. `None` when it was cancelled.
+fn solve(
+    args: &MeasureArgs,
+    patch: SettingsPatch,
+    scene: Arc<Scene>,
+    session: &Session,
+) -> anyhow::Result<Option<(Baker, SolveState)>> {
+    let settings = load::settings(patch, &args.settings, &args.scene)?;
+    load::check_shines(&scene, settings.emitters)?;
+    let (baker, _) = session.timed("build", || Baker::new(scene, settings));
+    let mut state = SolveState::new();
+    Ok(session.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
+}
+
+/// The light of a solution, to be gathered with the samples that the command line asks for.
+fn reuse(
+    args: &MeasureArgs,
+    file: &Path,
+    scene: &Arc<Scene>,
+    session: &Session,
+) -> anyhow::Result<Option<(Baker, SolveState)>> {
+    let solution = Solution::load_for(file, scene).map_err(|error| match error {
+        error @ SolutionError::OtherScene { .. } => load::belongs_hint(error),
+        error => error.into(),
+    })?;
+    if !solution.meta.complete {
+        session
+            .console
+            .warning(&format!("this is the checkpoint of a bake that is not done: {}", file.display()));
+    }
+    let settings = stored_settings(&solution)
+        .with_context(|| format!("the settings of this solution are unknown: {}", file.display()))?;
+    let stored = settings_patch(&settings);
+    let (baker, _) = session.timed("build", || Baker::new(Arc::clone(scene), settings));
+    let mut state = baker.resume(&solution).map_err(|error| {
+        let error = anyhow::Error::new(error).context(format!("cannot use {}", file.display()));
+        with_hint(error, "give the scene and lights it was baked with, or leave out --solution")
+    })?;
+    // All bounces are there: this only makes the tail.
+    if session.solve(&baker, &mut state, None)?.is_none() {
+        return Ok(None);
+    }
+    let wanted = load::settings(stored, &args.settings, &args.scene)?;
+    if wanted == *baker.settings() {
+        return Ok(Some((baker, state)));
+    }
+    let gather = Baker::with_tracer(Arc::clone(scene), Arc::clone(baker.tracer()), wanted);
+    Ok(Some((gather, state)))
+}
+
+/// The settings of a solution that ask for what it holds, neither more nor less.
+fn stored_settings(solution: &Solution) -> anyhow::Result<Settings> {
+    let settings: Settings = serde_json::from_value(solution.meta.settings.clone())?;
+    let last = solution.bounces.len().checked_sub(1).context("it holds no light")?;
+    let tail = if solution.tail.is_some() { settings.tail } else { Tail::Off };
+    Ok(Settings { bounces: BounceLimit::Count(last as u32), tail, ..settings })
+}
+
+/// Settings as a patch that leaves nothing open.
+fn settings_patch(settings: &Settings) -> SettingsPatch {
+    let Settings {
+        basis,
+        bounces,
+        remainder,
+        tail,
+        direct_samples,
+        indirect_samples,
+        sampler,
+        light_sampling,
+        emitters,
+        seed,
+    } = settings.clone();
+    SettingsPatch {
+        preset: None,
+        basis: Some(basis),
+        bounces: Some(bounces),
+        remainder: Some(remainder),
+        tail: Some(tail),
+        direct_samples: Some(direct_samples),
+        indirect_samples: Some(indirect_samples),
+        sampler: Some(sampler),
+        light_sampling: Some(light_sampling),
+        emitters: Some(emitters),
+        seed: Some(seed),
+    }
+}
+
+fn save(path: &Path, points: &Points, measured: &PointMeasurement) -> anyhow::Result<()> {
+    let n = points.positions.len();
+    let bounces = measured.bounces.iter().flatten().flat_map(|e| e.to_array()).collect();
+    let shape = vec![measured.bounces.len(), n, 3];
+    write_npz(path, |npz| {
+        npz.array("points", &Array::from_vectors(&points.positions))?;
+        npz.array("normals", &Array::from_vectors(&points.normals))?;
+        npz.array("irradiance", &Array::from_vectors(&measured.irradiance))?;
+        npz.array("bounces", &Array { shape, data: ArrayData::F32(bounces) })?;
+        npz.array("standard_error", &Array::from_vectors(&measured.standard_error))
+    })?;
+    Ok(())
+}
+
+fn written(path: &Path, points: &Points) -> anyhow::Result<String> {
+    let bytes = std::fs::metadata(path).with_context(|| format!("cannot find {}", path.display()))?.len();
+    let n = report::counted(points.positions.len(), "point", "points");
+    Ok(format!("measured {n}\nwrote {}, {}\n", path.display(), report::bytes(bytes)))
+}
+
+fn json(points: &Points, measured: &PointMeasurement) -> String {
+    let arrays = |vectors: &[Vec3]| vectors.iter().map(|v| json!(v.to_array())).collect::<Vec<_>>();
+    let bounces: Vec<_> = measured.bounces.iter().map(|bounce| arrays(bounce)).collect();
+    let object = json!({
+        "unit": "W/m^2",
+        "points": arrays(&points.positions),
+        "normals": arrays(&points.normals),
+        "irradiance": arrays(&measured.irradiance),
+        "bounces": bounces,
+        "standard_error": arrays(&measured.standard_error),
+    });
+    object.to_string() + "\n"
+}
+
+fn table(points: &Points, measured: &PointMeasurement) -> String {
+    let mut text =
+        format!("{:<32} {:<32} {:<32}\n", "point (m)", "irradiance r g b (W/m²)", "standard error");
+    for (i, position) in points.positions.iter().enumerate() {
+        let columns = [*position, measured.irradiance[i], measured.standard_error[i]];
+        let [at, e, error] = columns.map(|v| report::triple(v.to_array()));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{at:<32} {e:<32} {error}");
+    }
+    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }

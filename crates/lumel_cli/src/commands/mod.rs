@@ -20,7 +20,7 @@ pub(crate) fn run(command: &Command, console: &Arc<Console>) -> anyhow::Result<O
         Command::Render(args) => render::run(args, console),
         Command::Measure(args) => measure::run(args, console),
         Command::Info(args) => info::run(args, console),
-        Command::Compare(args) => compare::run(args),
+        Command::Compare(args) => compare::run(args, console),
         Command::Completions { shell } => man::completions(*shell),
         Command::Man { dir } => man::run(dir.as_deref()),
     }

@@ -1,0 +1,67 @@
+//! Points to measure at.
+
+use crate::args::MeasureArgs;
+use crate::failure::hinted;
+use anyhow::bail;
+use glam::Vec3;
+use lumel_basis::PointReceivers;
+use lumel_export::{ArrayData, NpzReader};
+use std::path::Path;
+
+/// Points and the directions they look in.
+#[derive(Debug)]
+pub(crate) struct Points {
+    /// Metres.
+    pub(crate) positions: Vec<Vec3>,
+    /// Of any length but zero.
+    pub(crate) normals: Vec<Vec3>,
+}
+
+impl Points {
+    /// The points of the command line or of the file it names.
+    pub(crate) fn from_args(args: &MeasureArgs) -> anyhow::Result<Self> {
+        if let Some(file) = &args.points_file {
+            return Self::read(file);
+        }
+        let (positions, normals) = (args.points.clone(), args.normals.clone());
+        if positions.len() != normals.len() {
+            let message = format!("{} --point and {} --normal are given", positions.len(), normals.len());
+            return Err(hinted(message, "give a --normal for each --point, in the same order"));
+        }
+        Ok(Self { positions, normals })
+    }
+
+    fn read(path: &Path) -> anyhow::Result<Self> {
+        let mut npz = NpzReader::open(path)?;
+        let (positions, normals) = (vectors(&mut npz, "points")?, vectors(&mut npz, "normals")?);
+        let (n, m) = (positions.len(), normals.len());
+        if n != m {
+            bail!("there are {n} points and {m} normals: {}", path.display());
+        }
+        if n == 0 {
+            bail!("there are no points: {}", path.display());
+        }
+        Ok(Self { positions, normals })
+    }
+
+    /// The receivers there.
+    pub(crate) fn receivers(&self) -> anyhow::Result<PointReceivers> {
+        let pairs = self.positions.iter().copied().zip(self.normals.iter().copied());
+        PointReceivers::new(pairs)
+            .map_err(|i| anyhow::anyhow!("point {i} is not finite or its normal has no direction"))
+    }
+}
+
+fn vectors(npz: &mut NpzReader, name: &str) -> anyhow::Result<Vec<Vec3>> {
+    let array = npz.array(name)?;
+    let numbers: Vec<f32> = match (&array.shape[..], array.data) {
+        ([_, 3], ArrayData::F32(values)) => values,
+        ([_, 3], ArrayData::F64(values)) => values.into_iter().map(|value| value as f32).collect(),
+        (shape, data) => bail!(
+            "\"{name}\" has the shape {shape:?} of {}, not (n, 3) of <f4 or <f8: {}",
+            data.descr(),
+            npz.path().display()
+        ),
+    };
+    Ok(numbers.chunks_exact(3).map(Vec3::from_slice).collect())
+}

@@ -1,0 +1,201 @@
+//! What is in a scene, for people and for programs.
+
+mod text;
+
+use lumel::{Light, Scene};
+use lumel_scene::{Barycentrics, MaterialId, Sides, SurfacePoint, TextureRef, TriId};
+use serde::Serialize;
+
+/// The content of a scene. Lengths in metres, light in W and W·m⁻²·sr⁻¹ (lumen and nits if it is photometric).
+#[derive(Debug, Serialize)]
+pub(crate) struct SceneReport {
+    name: String,
+    triangles: Triangles,
+    vertices: usize,
+    objects: Vec<String>,
+    materials: Vec<MaterialReport>,
+    bounds: [[f32; 3]; 2],
+    size: [f32; 3],
+    /// All lit sides, m².
+    area: f64,
+    lights: Vec<LightReport>,
+    emissive: Emissive,
+    sky: [f32; 3],
+    cameras: Vec<CameraReport>,
+    warnings: Vec<String>,
+}
+
+/// How many triangles.
+#[derive(Debug, Serialize)]
+struct Triangles {
+    total: usize,
+    /// Those that rays meet.
+    traced: usize,
+    /// Second sides of two-sided ones.
+    back_sides: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct MaterialReport {
+    name: String,
+    /// Before textures.
+    albedo: [f32; 3],
+    /// Radiance before textures.
+    emission: [f32; 3],
+    two_sided: bool,
+    textures: Vec<TextureReport>,
+    triangles: usize,
+    area: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct TextureReport {
+    role: &'static str,
+    name: String,
+    size: [u32; 2],
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+enum LightReport {
+    Rect { center: [f32; 3], size: [f32; 2], normal: [f32; 3], radiance: [f32; 3], power: [f32; 3] },
+    Point { position: [f32; 3], intensity: [f32; 3], power: [f32; 3] },
+    Spot { position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], outer_angle_deg: f32 },
+    Directional { direction: [f32; 3], irradiance: [f32; 3] },
+}
+
+/// Surfaces that shine.
+#[derive(Debug, Serialize)]
+struct Emissive {
+    triangles: usize,
+    area: f64,
+    power: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct CameraReport {
+    name: String,
+    position: [f32; 3],
+    forward: [f32; 3],
+    fov_deg: f32,
+}
+
+impl SceneReport {
+    /// Looks through a scene.
+    pub(crate) fn new(scene: &Scene, warnings: Vec<String>) -> Self {
+        let tris = || (0..scene.triangle_count() as u32).map(TriId);
+        let bounds = scene.bounds();
+        let traced = scene.traced_count();
+        Self {
+            name: scene.name().to_owned(),
+            triangles: Triangles {
+                total: scene.triangle_count(),
+                traced,
+                back_sides: scene.triangle_count() - traced,
+            },
+            vertices: scene.vertex_count(),
+            objects: scene.object_names().to_vec(),
+            materials: materials(scene),
+            bounds: [bounds.min.to_array(), bounds.max.to_array()],
+            size: (bounds.max - bounds.min).to_array(),
+            area: tris().map(|tri| f64::from(scene.area(tri))).sum(),
+            lights: scene.lights().iter().map(light).collect(),
+            emissive: Emissive::of(scene),
+            sky: scene.sky().0.to_array(),
+            cameras: scene.cameras().iter().map(camera).collect(),
+            warnings,
+        }
+    }
+
+    /// What had to be left out.
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+fn materials(scene: &Scene) -> Vec<MaterialReport> {
+    let mut reports: Vec<MaterialReport> = scene
+        .materials()
+        .iter()
+        .map(|material| {
+            let texture = |role, texture: Option<TextureRef>| {
+                let texture = &scene.textures()[texture?.texture.index()];
+                let (width, height) = texture.size();
+                Some(TextureReport { role, name: texture.name.clone(), size: [width, height] })
+            };
+            let textures = [
+                texture("albedo", material.albedo_texture),
+                texture("emission", material.emission_texture),
+                texture("normal", material.normal_texture),
+            ];
+            MaterialReport {
+                name: material.name.clone(),
+                albedo: material.albedo.to_array(),
+                emission: material.emission.0.to_array(),
+                two_sided: material.sides == Sides::Both,
+                textures: textures.into_iter().flatten().collect(),
+                triangles: 0,
+                area: 0.0,
+            }
+        })
+        .collect();
+    for tri in (0..scene.triangle_count() as u32).map(TriId) {
+        let MaterialId(id) = scene.material_id(tri);
+        let report = &mut reports[id as usize];
+        report.triangles += 1;
+        report.area += f64::from(scene.area(tri));
+    }
+    reports
+}
+
+impl Emissive {
+    fn of(scene: &Scene) -> Self {
+        let mut all = Self { triangles: 0, area: 0.0, power: [0.0; 3] };
+        for tri in (0..scene.triangle_count() as u32).map(TriId).filter(|&tri| scene.material(tri).emits()) {
+            let middle = SurfacePoint { tri, bary: Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 } };
+            all.triangles += 1;
+            all.area += f64::from(scene.area(tri));
+            let power = scene.emission(middle).power(scene.area(tri));
+            for (sum, channel) in all.power.iter_mut().zip(power.to_array()) {
+                *sum += f64::from(channel);
+            }
+        }
+        all
+    }
+}
+
+fn light(light: &Light) -> LightReport {
+    match light {
+        Light::Rect(rect) => LightReport::Rect {
+            center: rect.center.to_array(),
+            size: [2.0 * rect.u.length(), 2.0 * rect.v.length()],
+            normal: rect.normal().unwrap_or_default().to_array(),
+            radiance: rect.radiance.0.to_array(),
+            power: rect.radiance.power(rect.area()).to_array(),
+        },
+        Light::Point(point) => LightReport::Point {
+            position: point.position.to_array(),
+            intensity: point.intensity.to_array(),
+            power: lumel_scene::Radiance(4.0 * point.intensity).radiosity().0.to_array(),
+        },
+        Light::Spot(spot) => LightReport::Spot {
+            position: spot.point.position.to_array(),
+            direction: spot.direction.to_array(),
+            intensity: spot.point.intensity.to_array(),
+            outer_angle_deg: spot.cos_outer.acos().to_degrees(),
+        },
+        Light::Directional(sun) => LightReport::Directional {
+            direction: sun.direction.to_array(),
+            irradiance: sun.irradiance.to_array(),
+        },
+    }
+}
+
+fn camera(camera: &lumel::Camera) -> CameraReport {
+    CameraReport {
+        name: camera.name.clone(),
+        position: camera.position.to_array(),
+        forward: camera.forward.normalize_or_zero().to_array(),
+        fov_deg: camera.fov_y.to_degrees(),
+    }
+}

@@ -1,0 +1,132 @@
+//! A scene in lines of text.
+
+use super::{Emissive, LightReport, MaterialReport, SceneReport, TextureReport};
+use crate::report::{counted, significant, triple};
+
+/// Objects beyond these are only counted.
+const MAX_OBJECTS: usize = 12;
+/// Width of the names at the left.
+const LABEL: usize = 12;
+
+impl SceneReport {
+    /// Aligned lines.
+    pub(crate) fn text(&self) -> String {
+        let mut page = Page::default();
+        page.row("scene", &self.name);
+        let triangles = &self.triangles;
+        page.row(
+            "triangles",
+            &match triangles.back_sides {
+                0 => triangles.total.to_string(),
+                n => format!("{}: {} that rays meet and {n} back sides", triangles.total, triangles.traced),
+            },
+        );
+        page.row("vertices", &self.vertices.to_string());
+        page.row("bounds", &format!("{} to {} m", triple(self.bounds[0]), triple(self.bounds[1])));
+        page.row("size", &format!("{} m", self.size.map(|side| significant(f64::from(side))).join(" x ")));
+        page.row("area", &format!("{} m²", significant(self.area)));
+        page.row("objects", &self.objects_line());
+        page.list("materials", self.materials.iter().map(MaterialReport::line));
+        page.list("lights", self.lights.iter().map(LightReport::line));
+        page.row("emissive", &self.emissive.line());
+        page.row(
+            "sky",
+            &match self.sky {
+                [0.0, 0.0, 0.0] => "none".to_owned(),
+                sky => format!("{} W/(m² sr)", triple(sky)),
+            },
+        );
+        let cameras = self.cameras.iter().map(|camera| {
+            let (position, forward) = (triple(camera.position), triple(camera.forward));
+            let fov = significant(f64::from(camera.fov_deg));
+            format!("\"{}\" at {position}, looks along {forward}, {fov}° high", camera.name)
+        });
+        page.list("cameras", cameras);
+        page.row("warnings", &self.warnings.len().to_string());
+        page.0
+    }
+
+    fn objects_line(&self) -> String {
+        let shown: Vec<String> =
+            self.objects.iter().take(MAX_OBJECTS).map(|name| format!("\"{name}\"")).collect();
+        let more = self.objects.len() - shown.len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("{}: {}{more}", self.objects.len(), shown.join(", "))
+    }
+}
+
+impl MaterialReport {
+    fn line(&self) -> String {
+        let mut line = format!("\"{}\" albedo {}", self.name, triple(self.albedo));
+        for TextureReport { role, name, size: [width, height] } in &self.textures {
+            line += &format!(", {role} texture \"{name}\" {width}x{height}");
+        }
+        if self.emission != [0.0; 3] {
+            line += &format!(", emits {} W/(m² sr)", triple(self.emission));
+        }
+        if self.two_sided {
+            line += ", two-sided";
+        }
+        let triangles = counted(self.triangles, "triangle", "triangles");
+        line + &format!(", {triangles}, {} m²", significant(self.area))
+    }
+}
+
+impl LightReport {
+    fn line(&self) -> String {
+        match self {
+            Self::Rect { center, size, normal, radiance, power } => {
+                let [width, height] = size.map(|side| significant(f64::from(side)));
+                format!(
+                    "rectangle {width} x {height} m at {}, faces {}, {} W/(m² sr), {} W",
+                    triple(*center),
+                    triple(*normal),
+                    triple(*radiance),
+                    triple(*power)
+                )
+            }
+            Self::Point { position, intensity, power } => {
+                format!("point at {}, {} W/sr, {} W", triple(*position), triple(*intensity), triple(*power))
+            }
+            Self::Spot { position, direction, intensity, outer_angle_deg } => format!(
+                "spot at {}, along {}, {}° around, {} W/sr",
+                triple(*position),
+                triple(*direction),
+                significant(f64::from(*outer_angle_deg)),
+                triple(*intensity)
+            ),
+            Self::Directional { direction, irradiance } => {
+                format!("sun along {}, {} W/m²", triple(*direction), triple(*irradiance))
+            }
+        }
+    }
+}
+
+impl Emissive {
+    fn line(&self) -> String {
+        if self.triangles == 0 {
+            return "none".to_owned();
+        }
+        let triangles = counted(self.triangles, "triangle", "triangles");
+        format!("{triangles}, {} m², {} W", significant(self.area), self.power.map(significant).join(" "))
+    }
+}
+
+/// Names at the left, what they mean beside them.
+#[derive(Default)]
+struct Page(String);
+
+impl Page {
+    fn row(&mut self, label: &str, text: &str) {
+        self.0 += &format!("{label:LABEL$}{text}\n");
+    }
+
+    fn list(&mut self, label: &str, lines: impl ExactSizeIterator<Item = String>) {
+        if lines.len() == 0 {
+            self.row(label, "none");
+        }
+        for (i, line) in lines.enumerate() {
+            self.row(if i == 0 { label } else { "" }, &line);
+        }
+    }
+}

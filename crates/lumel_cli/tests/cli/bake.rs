@@ -1,0 +1,145 @@
+use crate::common::{Place, TINY, assert_same_light, run};
+use serde_json::Value;
+
+#[test]
+fn every_kind_of_output_is_written_and_can_be_read() {
+    let place = Place::new();
+    let run = place.bake_furnace("-o a.npz -o b.GLB -o c.ply -o d.rad -o e.png").done();
+    assert_eq!(place.files(), ["a.npz", "b.GLB", "c.ply", "d.rad", "e.png"]);
+    let solution = place.solution("a.npz");
+    assert_eq!(solution.bounces.len(), 3);
+    assert!(solution.meta.complete && solution.meta.statistics["rays"].as_u64().unwrap() > 1000);
+    assert_eq!(&std::fs::read(place.path("b.GLB")).unwrap()[..4], b"glTF");
+    assert!(std::fs::read(place.path("c.ply")).unwrap().starts_with(b"ply\n"));
+    let rad = lumel_export::RadFile::read(&place.path("d.rad")).unwrap();
+    assert_eq!(rad.values.len(), solution.vertex_count());
+    let picture = image::open(place.path("e.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (960, 720));
+    assert!(picture.to_rgb8().pixels().any(|pixel| pixel.0 != [0; 3]));
+    for file in ["a.npz", "b.GLB", "c.ply", "d.rad", "e.png"] {
+        assert!(run.stdout.contains(&format!("wrote {file}, ")), "{}", run.stdout);
+    }
+}
+
+#[test]
+fn the_summary_says_what_happened() {
+    let place = Place::new();
+    let run = place.bake_furnace("--bounces 1").done();
+    assert_eq!(place.files(), ["furnace.npz"], "the default output, and no checkpoint");
+    assert_eq!(run.stderr, "");
+    let solve = run.stdout.lines().find_map(|line| line.strip_prefix("solve ")).unwrap();
+    let (seconds, unit) = solve.split_once(' ').unwrap();
+    assert!(seconds.parse::<f64>().unwrap() >= 0.0 && unit == "s", "{solve}");
+    for part in
+        ["scene furnace: ", " vertices, ", "load ", "build ", "direct ", "bounce 1 ", "Mrays/s", "total "]
+    {
+        assert!(run.stdout.contains(part), "no {part} in {}", run.stdout);
+    }
+}
+
+#[test]
+fn the_summary_can_be_json() {
+    let place = Place::new();
+    let run = place.bake_furnace("--bounces 1 --json").done();
+    let summary: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(summary["scene"], "furnace");
+    assert_eq!(summary["steps"].as_array().unwrap().last().unwrap()["step"], "bounce 1");
+    let shares: f64 = summary["steps"].as_array().unwrap().iter().filter_map(|s| s["share"].as_f64()).sum();
+    assert!((shares - 1.0).abs() < 1e-9);
+    assert_eq!(summary["files"][0]["path"], "furnace.npz");
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit() {
+    let place = Place::new();
+    for basis in ["vertex", "vertex-area"] {
+        for threads in [1, 2, 7] {
+            place
+                .bake_furnace(&format!("--basis {basis} --threads {threads} -o {basis}{threads}.npz"))
+                .done();
+        }
+        let one = place.solution(&format!("{basis}1.npz"));
+        assert_same_light(&one, &place.solution(&format!("{basis}2.npz")));
+        assert_same_light(&one, &place.solution(&format!("{basis}7.npz")));
+    }
+}
+
+#[test]
+fn settings_reach_the_solution() {
+    let place = Place::new();
+    place
+        .bake_furnace(
+            "--sampler halton --seed 9 --light-sampling area --bounces all --remainder 0.2 --tail geometric \
+             --sky 0.1,0.2,0.3 --subdivide 0 -o a.npz",
+        )
+        .done();
+    let solution = place.solution("a.npz");
+    let settings = &solution.meta.settings;
+    assert_eq!(settings["sampler"], "halton");
+    assert_eq!(settings["seed"], 9);
+    assert_eq!(settings["light_sampling"], "area");
+    assert_eq!(settings["bounces"], "all");
+    assert_eq!(settings["indirect_samples"], 8);
+    assert!(solution.tail.is_some());
+}
+
+#[test]
+fn lights_on_the_command_line_replace_those_of_the_scene() {
+    let place = Place::new();
+    let light = "rect center=0.278,0.5,0.28 u=0.05,0,0 v=0,0,0.05 radiance=1,0,0";
+    let words = ["--light", light, "--max-edge", "0.2", "--bounces", "0", "-o", "a.npz"];
+    run(place.lumel("bake cornell-box").args(TINY).args(words)).done();
+    let sum: glam::Vec3 = place.solution("a.npz").irradiance.iter().sum();
+    assert!(sum.x > 0.0 && sum.y == 0.0 && sum.z == 0.0, "{sum}");
+}
+
+#[test]
+fn progress_as_json_is_one_object_a_line() {
+    let place = Place::new();
+    let run = place.bake_furnace("--progress json").done();
+    let events: Vec<Value> = run.stderr.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let bounces: Vec<&Value> =
+        events.iter().filter(|e| e["event"] == "step_done" && e["step"] == "bounce").collect();
+    assert_eq!(bounces.len(), 3);
+    assert!(bounces.iter().enumerate().all(|(k, e)| e["bounce"] == k && e["seconds"].is_number()));
+    let failed = place.bake_furnace("--progress json --resume missing.npz");
+    assert_eq!(failed.code, 2);
+    let last: Value = serde_json::from_str(failed.stderr.lines().last().unwrap()).unwrap();
+    assert_eq!(last["event"], "error");
+    assert!(last["message"].as_str().unwrap().contains("missing.npz"));
+}
+
+#[test]
+fn a_checkpoint_that_cannot_be_written_is_told_once_and_costs_nothing_else() {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    let place = Place::new();
+    let full = place.bake_furnace("-o full.npz").done();
+    assert_eq!(full.stderr, "");
+    // Large enough for the .rad file, too small for any checkpoint.
+    let size = std::fs::metadata(place.path("full.npz")).unwrap().len();
+    let vertices = place.solution("full.npz").vertex_count() as u64;
+    let (rad, blocks) = (36 + 12 * vertices, (36 + 12 * vertices) / 512 + 2);
+    assert!(rad < blocks * 512 && 2 * blocks * 1024 < size, "{rad} {size}");
+    let script = format!(
+        "trap '' XFSZ; ulimit -f {blocks}; exec {} bake furnace {} -o a.rad",
+        crate::common::LUMEL,
+        TINY.join(" ")
+    );
+    let run = run(assert_cmd::Command::new("sh").args(["-c", &script]).current_dir(place.folder())).done();
+    assert_eq!(run.stderr.matches("warning: no checkpoint").count(), 1, "{}", run.stderr);
+    assert_eq!(place.files(), ["a.rad", "full.npz"]);
+}
+
+#[test]
+fn strict_turns_warnings_into_exit_code_1() {
+    let place = Place::new();
+    place.write("a.obj", "mtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\n");
+    let words = ["--sky", "1,1,1", "-o", "a.npz"];
+    let relaxed = run(place.lumel("bake a.obj").args(TINY).args(words)).done();
+    assert!(relaxed.stderr.starts_with("warning: "), "{}", relaxed.stderr);
+    let strict = run(place.lumel("bake a.obj --strict").args(TINY).args(words));
+    assert_eq!(strict.code, 1);
+    assert!(place.path("a.npz").exists());
+}

@@ -1,0 +1,86 @@
+use crate::common::{Place, run};
+use image::RgbImage;
+
+fn picture(place: &Place, name: &str) -> RgbImage {
+    image::open(place.path(name)).unwrap().to_rgb8()
+}
+
+#[test]
+fn pictures_of_everything_that_can_be_shown() {
+    let place = Place::new();
+    place.bake_furnace("-o a.npz -o a.rad").done();
+    for show in ["radiance", "irradiance", "albedo", "normals", "false-color"] {
+        let line =
+            format!("render furnace --solution a.npz -o {show}.png --size 40x30 --samples 2 --show {show}");
+        let run = run(&mut place.lumel(&line)).done();
+        assert!(run.stdout.starts_with(&format!("wrote {show}.png, 40x30, ")), "{}", run.stdout);
+        assert_eq!(picture(&place, &format!("{show}.png")).dimensions(), (40, 30));
+    }
+    run(&mut place.lumel("render furnace -o albedo2.png --size 40x30 --samples 2 --show albedo")).done();
+    assert_eq!(picture(&place, "albedo.png"), picture(&place, "albedo2.png"), "albedo needs no light");
+}
+
+#[test]
+fn bounces_exposure_tone_and_camera_change_the_picture() {
+    let place = Place::new();
+    place.bake_furnace("-o a.npz").done();
+    let base = "render furnace --solution a.npz --size 24x18 --samples 1 --exposure 0 -o";
+    let draw = |name: &str, more: &[&str]| {
+        run(place.lumel(base).arg(name).args(more)).done();
+        picture(&place, name)
+    };
+    let all = draw("all.png", &[]);
+    assert_eq!(all, draw("sum.png", &["--bounce", "sum"]));
+    assert_ne!(all, draw("direct.png", &["--bounce", "0"]));
+    assert_ne!(all, draw("tone.png", &["--tone", "none"]));
+    let view = "position=0.1,0,0 target=0.4,0.3,0.4 fov=80";
+    assert_ne!(
+        draw("here.png", &["--show", "normals", "--exposure", "auto", "--camera", view]),
+        draw("there.png", &["--show", "normals", "--exposure", "auto"])
+    );
+    let brighter = run(place.lumel(base).args(["b.png", "--exposure", "-2.5"]));
+    assert!(brighter.done().stdout.contains("exposure -2.5 EV"));
+}
+
+#[test]
+fn the_courses_files_light_a_picture_too() {
+    let place = Place::new();
+    place.bake_furnace("-o a.npz -o a.rad").done();
+    for file in ["a.npz", "a.rad"] {
+        let line = format!("render furnace --solution {file} -o {file}.png --size 24x18 --samples 1");
+        run(&mut place.lumel(&line)).done();
+    }
+    assert_eq!(picture(&place, "a.npz.png"), picture(&place, "a.rad.png"));
+    run(&mut place.lumel("render furnace --solution a.rad -o x.png --bounce 1")).failed("sum of all bounces");
+    run(&mut place.lumel("render sphere --solution a.rad -o x.png")).failed("other positions");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let place = Place::new();
+    place.bake_furnace("-o a.npz").done();
+    let refused = |line: &str, words: &str| {
+        run(&mut place.lumel(&format!("render {line}"))).failed(words);
+    };
+    refused("furnace --solution a.npz -o x.jpg", ".png");
+    refused("furnace --solution a.npz -o x.png --bounce 9", "no bounce 9");
+    refused("furnace --solution a.npz -o x.png --camera nobody", "its cameras are");
+    refused("furnace --solution a.npz -o x.png --size 0x10", "pixels");
+    refused("furnace --solution a.npz -o x.png --size 99999x99999", "limit");
+    refused("furnace --solution a.npz -o x.png --range 0,1", "--show false-color");
+    refused("furnace --solution a.npz -o x.png --exposure nan", "exposure");
+    refused("furnace -o x.png", "--solution");
+    refused("furnace -o x.png --show radiance", "needs light");
+    refused("sphere --solution a.npz -o x.png", "\"furnace\"");
+    assert_eq!(place.files(), ["a.npz"]);
+}
+
+#[test]
+fn old_light_on_new_materials_is_told() {
+    let place = Place::new();
+    place.bake_furnace("-o a.npz").done();
+    let line = "render furnace --solution a.npz -o x.png --size 8x8 --samples 1 --sky 1,1,1";
+    let changed = run(&mut place.lumel(line)).done();
+    assert!(changed.stderr.contains("materials or lights have changed"), "{}", changed.stderr);
+    assert_eq!(run(place.lumel(line).arg("--strict")).code, 1);
+}
