@@ -36,7 +36,6 @@ struct Ring {
     area: f64,
     weighted_centroid: DVec3,
     weighted_normal: DVec3,
-    first_triangle: Option<TriId>,
 }
 
 impl VertexBasis {
@@ -90,7 +89,6 @@ fn rings(scene: &Scene, node_of_vertex: &[NodeId], first_vertex: &[u32]) -> Vec<
         area: 0.0,
         weighted_centroid: DVec3::ZERO,
         weighted_normal: DVec3::ZERO,
-        first_triangle: None,
     };
     let mut rings: Vec<Ring> = first_vertex.iter().map(zero).collect();
     for tri in (0..scene.triangle_count() as u32).map(TriId) {
@@ -102,7 +100,6 @@ fn rings(scene: &Scene, node_of_vertex: &[NodeId], first_vertex: &[u32]) -> Vec<
             ring.area += area;
             ring.weighted_centroid += (a + b + c) * (area / 3.0);
             ring.weighted_normal += normal;
-            ring.first_triangle.get_or_insert(tri);
         }
     }
     rings
@@ -121,7 +118,8 @@ impl Ring {
         Site {
             origin: offset_along(lifted.as_vec3(), normal),
             frame: Frame::from_normal(normal),
-            skip: self.first_triangle.map(|tri| scene.traced(tri)),
+            // Around a concave vertex the ring's triangles rise above the origin and are seen from it.
+            skip: None,
         }
     }
 }
