@@ -17,9 +17,6 @@ use std::sync::Arc;
 /// Elements per chunk: few enough to spread over cores and to stop quickly, enough to make a chunk worth its lock.
 const CHUNK: usize = 16;
 
-/// Rays between two looks at the cancel flag.
-const RAYS_PER_CHECK: u32 = 1024;
-
 /// Rays that decide whether an element lies inside geometry.
 const OPENNESS_RAYS: u32 = 64;
 
@@ -141,7 +138,7 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         let mut value = DVec3::ZERO;
         if matches!(self.job.source, Source::Emitters) {
             let mut tally = Tally::default();
-            self.direct().at_point(&site, key, &mut tally);
+            self.direct().at_point(&site, key, &mut tally)?;
             value += tally.sum;
             self.n_rays += tally.n_rays;
         }
@@ -169,9 +166,7 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         let stream = plan.sampler.for_count(samples).stream(key, dim);
         let mut sum = DVec3::ZERO;
         for i in 0..samples {
-            if i % RAYS_PER_CHECK == RAYS_PER_CHECK - 1 {
-                self.control.check()?;
-            }
+            self.control.check_at(i)?;
             sum += self.look(site, stream.sample_2d(i)).0;
         }
         Ok(sum / f64::from(samples))
@@ -210,9 +205,7 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         let stream = plan.sampler.for_count(samples).stream(key, Dim::Area);
         let mut nodes: Vec<NodeSum> = Vec::with_capacity(3);
         for i in 0..samples {
-            if i % RAYS_PER_CHECK == RAYS_PER_CHECK - 1 {
-                self.control.check()?;
-            }
+            self.control.check_at(i)?;
             let [s, t, away @ ..] = stream.sample_4d(i);
             self.towards.clear();
             let site = self.transport.receivers.receiver(element, [s, t], &mut self.towards);
@@ -246,7 +239,8 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
 
     fn direct(&self) -> Direct<'_> {
         let t = self.transport;
-        Direct { scene: &t.scene, tracer: &*t.tracer, lights: &t.lights, plan: &t.plan }
+        let control = self.control;
+        Direct { scene: &t.scene, tracer: &*t.tracer, lights: &t.lights, plan: &t.plan, control }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The area form: light that arrives from lights.
 
+use crate::job::{Cancelled, Control};
 use crate::light_view::{LightSample, LightView};
 use crate::lights::{AreaLight, LightSet, PointlikeLight};
 use crate::plan::{LightSampling, Plan};
@@ -21,6 +22,7 @@ pub(crate) struct Direct<'a> {
     pub(crate) tracer: &'a dyn RayTracer,
     pub(crate) lights: &'a LightSet,
     pub(crate) plan: &'a Plan,
+    pub(crate) control: &'a Control,
 }
 
 /// A sum of irradiance and the rays it took.
@@ -32,7 +34,7 @@ pub(crate) struct Tally {
 
 impl Direct<'_> {
     /// Irradiance at a site from all lights, each by `direct_samples` shadow rays.
-    pub(crate) fn at_point(&self, site: &Site, key: StreamKey, tally: &mut Tally) {
+    pub(crate) fn at_point(&self, site: &Site, key: StreamKey, tally: &mut Tally) -> Result<(), Cancelled> {
         self.pointlike(site, tally);
         let samples = self.plan.sampler.sample_count(self.plan.direct_samples);
         let sampler = self.plan.sampler.for_count(samples);
@@ -40,12 +42,13 @@ impl Direct<'_> {
             let stream = sampler.stream(key, Dim::LightSelect);
             let mut total = Tally::default();
             for i in 0..samples {
+                self.control.check_at(i)?;
                 let u = stream.sample_4d(i);
                 self.chosen_by_power(site, u[2], [u[0], u[1]], &mut total);
             }
             tally.sum += total.sum / f64::from(samples);
             tally.n_rays += total.n_rays;
-            return;
+            return Ok(());
         }
         for (l, light) in self.lights.area.iter().enumerate() {
             let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
@@ -56,11 +59,12 @@ impl Direct<'_> {
                 (LightSampling::Analytic, Some(unblocked)) => {
                     let beta =
                         self.visible_share(site, &view, (key, Dim::LightPilot(l as u32)), samples / 4, tally);
-                    self.minus_blocked(site, &view, unblocked, beta, (stream, samples), tally);
+                    self.minus_blocked(site, &view, unblocked, beta, (stream, samples), tally)?;
                 }
-                _ => self.plain(site, &view, stream, samples, tally),
+                _ => self.plain(site, &view, stream, samples, tally)?,
             }
         }
+        Ok(())
     }
 
     /// One sample of the irradiance at a site that is itself one sample of an area.
@@ -94,13 +98,22 @@ impl Direct<'_> {
     }
 
     /// The textbook estimator: the mean of `L cos θ V / p`. Unbiased.
-    fn plain(&self, site: &Site, view: &LightView<'_>, stream: Stream, samples: u32, tally: &mut Tally) {
+    fn plain(
+        &self,
+        site: &Site,
+        view: &LightView<'_>,
+        stream: Stream,
+        samples: u32,
+        tally: &mut Tally,
+    ) -> Result<(), Cancelled> {
         let mut total = Tally::default();
         for i in 0..samples {
+            self.control.check_at(i)?;
             self.add_if_seen(site, view.sample(stream.sample_2d(i)), 1.0, &mut total);
         }
         tally.sum += total.sum / f64::from(samples);
         tally.n_rays += total.n_rays;
+        Ok(())
     }
 
     /// The closed form as a control variate: `βE + mean of (V − β) L cos θ / p`, where `β` is the share of an
@@ -117,12 +130,16 @@ impl Direct<'_> {
         beta: f64,
         (stream, samples): (Stream, u32),
         tally: &mut Tally,
-    ) {
+    ) -> Result<(), Cancelled> {
         let mut sum = DVec3::ZERO;
-        for sample in (0..samples).filter_map(|i| view.sample(stream.sample_2d(i))) {
-            sum += sample.unblocked.0.as_dvec3() * (self.visibility(site, &sample, tally) - beta);
+        for i in 0..samples {
+            self.control.check_at(i)?;
+            if let Some(sample) = view.sample(stream.sample_2d(i)) {
+                sum += sample.unblocked.0.as_dvec3() * (self.visibility(site, &sample, tally) - beta);
+            }
         }
         tally.sum += unblocked.0.as_dvec3() * beta + sum / f64::from(samples);
+        Ok(())
     }
 
     /// The share of a pilot's points on the light that is seen; 1 if none lies above the horizon.

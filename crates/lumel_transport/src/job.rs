@@ -5,6 +5,9 @@ use lumel_basis::{Field, Measure, NodeId};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+/// Rays between two looks at the cancel flag: a millisecond.
+const RAYS_PER_CHECK: u32 = 1024;
+
 /// What shines in one application of the operator.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
@@ -104,6 +107,12 @@ impl Control {
     /// `Err` once it was asked to stop.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// [`check`](Self::check), now and then: `i` numbers the samples of a loop.
+    #[inline]
+    pub(crate) fn check_at(&self, i: u32) -> Result<(), Cancelled> {
+        if i % RAYS_PER_CHECK == RAYS_PER_CHECK - 1 { self.check() } else { Ok(()) }
     }
 
     pub(crate) fn count(&self, elements: u64, rays: u64) {
