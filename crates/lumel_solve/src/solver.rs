@@ -77,7 +77,7 @@ pub fn solve(
             let source = state.unshot().map_or(Source::Emitters, Source::Field);
             let active = (transport.shape().measure == Measure::AtPoint).then_some(state.valid.as_slice());
             let job = Job { source, bounce, pass: 0, active };
-            let live = Live { nodes: expected, step, state, observer };
+            let live = Live { basis, step, state, observer };
             accumulate(transport, &job, control, Some(&live))?
         };
         if bounce == 0 {
@@ -124,7 +124,7 @@ fn probe(
 
 /// Makes snapshots of a bounce under way.
 struct Live<'a> {
-    nodes: usize,
+    basis: &'a dyn Basis,
     step: Step,
     state: &'a SolveState,
     observer: &'a dyn Observer,
@@ -133,8 +133,12 @@ struct Live<'a> {
 impl PartialField for Live<'_> {
     fn chunk_done(&self, chunks: &[Option<ChunkSums>]) {
         if self.observer.wants_snapshot() {
-            let current = Measured::from_chunks(self.nodes, chunks).field;
-            let total = Field::sum(self.nodes, self.state.bounces.iter().chain([&current]));
+            let nodes = self.state.valid.len();
+            let Measured { field: mut current, mut known } = Measured::from_chunks(nodes, chunks);
+            // Hidden nodes follow their neighbours; what is not measured yet stays dark.
+            known.iter_mut().zip(&self.state.valid).for_each(|(known, valid)| *known |= valid);
+            self.basis.fill(&mut current, &known);
+            let total = Field::sum(nodes, self.state.bounces.iter().chain([&current]));
             self.observer.snapshot(Snapshot { total: Arc::new(total), step: self.step });
         }
     }
