@@ -1,0 +1,40 @@
+//! Solutions for all bounces against what they must be.
+
+mod determinism;
+mod energy;
+mod furnace;
+mod hidden;
+mod metamorphic;
+mod spheres;
+mod watching;
+
+use lumel_basis::Field;
+use lumel_solve::{Energy, Silent, SolveState, Stop, solve};
+use lumel_testkit::{Operator, Stage, Storage};
+use lumel_transport::{Control, Plan};
+
+/// Solves from scratch.
+fn solved(stage: &Stage, storage: Storage, plan: Plan, stop: Stop) -> SolveState {
+    solved_by(&stage.operator(storage, plan), stage, stop)
+}
+
+fn solved_by(operator: &Operator, stage: &Stage, stop: Stop) -> SolveState {
+    let mut state = SolveState::new();
+    go_on(operator, stage, stop, &mut state);
+    state
+}
+
+/// Goes on solving.
+fn go_on(operator: &Operator, stage: &Stage, stop: Stop, state: &mut SolveState) {
+    let energy = Energy::new(stage.scene(), &*operator.basis);
+    let control = Control::default();
+    solve(&*operator.transport, &*operator.basis, &energy, stop, state, &control, &Silent)
+        .expect("nobody cancels");
+}
+
+/// The mean of the first channel by area.
+fn mean(operator: &Operator, field: &Field) -> f64 {
+    let areas = operator.basis.node_areas();
+    let sum: f64 = field.values().iter().zip(&areas).map(|(e, a)| f64::from(e.x) * f64::from(*a)).sum();
+    sum / areas.iter().map(|&a| f64::from(a)).sum::<f64>()
+}

@@ -1,0 +1,153 @@
+//! Cancelling a solve and looking at it while it runs.
+
+use crate::determinism::furnished;
+use crate::{go_on, solved_by};
+use glam::Vec3;
+use lumel_basis::Field;
+use lumel_scene::Light;
+use lumel_solve::{Energy, Observer, Silent, Snapshot, SolveError, SolveState, Step, Stop, solve};
+use lumel_testkit::scene::ceiling_light;
+use lumel_testkit::{Operator, Stage, Storage};
+use lumel_transport::{Cancelled, Control, LightSampling, Plan};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+fn plan(n_rays: u32) -> Plan {
+    Plan { direct_samples: n_rays, indirect_samples: n_rays, ..Plan::default() }
+}
+
+/// Cancels 50 ms after `work` has begun and returns how long it took to stop after that.
+fn time_to_cancel(work: impl FnOnce(&Control) -> Result<(), SolveError> + Send) -> Duration {
+    let control = Control::default();
+    std::thread::scope(|threads| {
+        let worker = threads.spawn(|| work(&control));
+        std::thread::sleep(Duration::from_millis(50));
+        let asked = Instant::now();
+        control.cancel();
+        let result = worker.join().expect("no panic");
+        assert_eq!(result, Err(SolveError::Cancelled(Cancelled)), "it was still at work");
+        asked.elapsed()
+    })
+}
+
+#[test]
+fn cancelling_returns_soon_and_keeps_the_finished_bounces() {
+    let stage = Stage::new(furnished());
+    for storage in Storage::ALL {
+        let quick = stage.operator(storage, plan(16));
+        let mut state = solved_by(&quick, &stage, Stop::Bounces(1));
+        let finished = state.clone();
+        let slow = stage.operator(storage, plan(65_536));
+        let energy = Energy::new(stage.scene(), &*slow.basis);
+        let delay = time_to_cancel(|control| {
+            let (transport, basis) = (&*slow.transport, &*slow.basis);
+            solve(transport, basis, &energy, Stop::Bounces(9), &mut state, control, &Silent)
+        });
+        println!("{storage:?}: stopped after {delay:?}");
+        assert!(delay < Duration::from_secs(1), "{storage:?}: {delay:?}");
+        assert!(state == finished, "{storage:?}: finished bounces stay as they were");
+        go_on(&quick, &stage, Stop::Bounces(2), &mut state);
+        assert!(state == solved_by(&quick, &stage, Stop::Bounces(2)), "{storage:?}: and can be gone on from");
+    }
+}
+
+#[test]
+fn cancelling_direct_light_of_many_samples_and_lights_returns_soon() {
+    let mut builder = furnished();
+    let lamp = |i: u32| Light::Rect(ceiling_light(Vec3::new(0.1 * i as f32, 0.5, 0.9), 0.3, 0.3, 1.0));
+    builder.lights = (0..8).map(lamp).collect();
+    let stage = Stage::new(builder);
+    for light_sampling in [LightSampling::Area, LightSampling::Analytic] {
+        for storage in Storage::ALL {
+            let operator = stage.operator(storage, Plan { light_sampling, ..plan(1 << 20) });
+            let energy = Energy::new(stage.scene(), &*operator.basis);
+            let mut state = SolveState::new();
+            let delay = time_to_cancel(|control| {
+                let (transport, basis) = (&*operator.transport, &*operator.basis);
+                solve(transport, basis, &energy, Stop::Bounces(0), &mut state, control, &Silent)
+            });
+            println!("{storage:?}, {light_sampling:?}: stopped after {delay:?}");
+            // One element alone would take several seconds.
+            assert!(delay < Duration::from_secs(1), "{storage:?}, {light_sampling:?}: {delay:?}");
+            assert!(state.bounces.is_empty());
+        }
+    }
+}
+
+/// Keeps all it is shown.
+#[derive(Default)]
+struct Album {
+    snapshots: Mutex<Vec<Snapshot>>,
+    steps: Mutex<Vec<Step>>,
+}
+
+impl Observer for Album {
+    fn step_done(&self, step: Step, _state: &SolveState) {
+        self.steps.lock().unwrap().push(step);
+    }
+
+    fn wants_snapshot(&self) -> bool {
+        true
+    }
+
+    fn snapshot(&self, snapshot: Snapshot) {
+        self.snapshots.lock().unwrap().push(snapshot);
+    }
+}
+
+fn watched(operator: &Operator, stage: &Stage, bounces: u32) -> (SolveState, Album) {
+    let (mut state, album) = (SolveState::new(), Album::default());
+    let energy = Energy::new(stage.scene(), &*operator.basis);
+    let control = Control::default();
+    let stop = Stop::Bounces(bounces);
+    solve(&*operator.transport, &*operator.basis, &energy, stop, &mut state, &control, &album).unwrap();
+    (state, album)
+}
+
+#[test]
+fn the_last_snapshot_of_a_bounce_is_the_total_after_it() {
+    let stage = Stage::new(furnished());
+    for storage in Storage::ALL {
+        let (state, album) = watched(&stage.operator(storage, plan(16)), &stage, 2);
+        let snapshots = album.snapshots.into_inner().unwrap();
+        for bounce in 0..3 {
+            let last = snapshots.iter().rev().find(|s| s.step == Step::Bounce(bounce)).unwrap();
+            let total = Field::sum(state.valid.len(), &state.bounces[..=bounce as usize]);
+            let same = last.total.values().iter().zip(total.values()).all(|(a, b)| a == b);
+            assert!(same, "{storage:?}, bounce {bounce}");
+        }
+        assert_eq!(Arc::strong_count(&snapshots[0].total), 1, "nobody else holds on to a snapshot");
+    }
+}
+
+#[test]
+fn snapshots_only_ever_gain_light() {
+    let stage = Stage::new(furnished());
+    let (_, album) = watched(&stage.operator(Storage::Vertex, plan(16)), &stage, 2);
+    let snapshots = album.snapshots.into_inner().unwrap();
+    assert!(snapshots.len() > 20, "one per chunk");
+    let power = |s: &Snapshot| s.total.values().iter().map(|e| f64::from(e.x)).sum::<f64>();
+    assert!(snapshots.windows(2).all(|pair| power(&pair[1]) >= power(&pair[0])));
+}
+
+#[test]
+fn steps_are_told_in_order() {
+    let stage = Stage::new(furnished());
+    let (_, album) = watched(&stage.operator(Storage::Vertex, plan(4)), &stage, 2);
+    let expected = [Step::Probe, Step::Bounce(0), Step::Bounce(1), Step::Bounce(2)];
+    assert_eq!(*album.steps.lock().unwrap(), expected);
+}
+
+#[test]
+fn a_state_of_another_scene_is_refused() {
+    let stage = Stage::new(furnished());
+    let operator = stage.operator(Storage::Vertex, plan(4));
+    let energy = Energy::new(stage.scene(), &*operator.basis);
+    let mut state = SolveState { bounces: vec![Field::zeros(3)], ..SolveState::new() };
+    let control = Control::default();
+    let (transport, basis) = (&*operator.transport, &*operator.basis);
+    let error =
+        solve(transport, basis, &energy, Stop::Bounces(1), &mut state, &control, &Silent).unwrap_err();
+    let expected = transport.shape().nodes;
+    assert_eq!(error, SolveError::WrongState { found: 3, expected });
+}
