@@ -83,7 +83,7 @@ struct Album {
 
 impl Observer for Album {
     fn step_done(&self, step: Step, _state: &SolveState) {
-        self.steps.lock().unwrap().push(step);
+        self.steps.lock().expect("no panic").push(step);
     }
 
     fn wants_snapshot(&self) -> bool {
@@ -91,7 +91,7 @@ impl Observer for Album {
     }
 
     fn snapshot(&self, snapshot: Snapshot) {
-        self.snapshots.lock().unwrap().push(snapshot);
+        self.snapshots.lock().expect("no panic").push(snapshot);
     }
 }
 
@@ -100,7 +100,8 @@ fn watched(operator: &Operator, stage: &Stage, bounces: u32) -> (SolveState, Alb
     let energy = Energy::new(stage.scene(), &*operator.basis);
     let control = Control::default();
     let stop = Stop::Bounces(bounces);
-    solve(&*operator.transport, &*operator.basis, &energy, stop, &mut state, &control, &album).unwrap();
+    solve(&*operator.transport, &*operator.basis, &energy, stop, &mut state, &control, &album)
+        .expect("nobody cancels");
     (state, album)
 }
 

@@ -161,7 +161,8 @@ fn many_lights_are_chosen_by_power_without_bias() {
 /// Four by four texels, some black, without any symmetry.
 fn picture() -> Texture {
     let texels = [0.0, 0.0, 3.0, 1.0, 0.2, 0.0, 0.0, 5.0, 1.0, 0.0, 2.0, 0.0, 0.0, 4.0, 0.0, 0.5];
-    let mut texture = Texture::from_floats("picture", 4, 4, texels.map(|t| [t; 3]).into()).unwrap();
+    let mut texture =
+        Texture::from_floats("picture", 4, 4, texels.map(|t| [t; 3]).into()).expect("sixteen texels");
     (texture.wrap_u, texture.wrap_v) = (Wrap::Clamp, Wrap::Clamp);
     texture
 }
