@@ -238,6 +238,8 @@ impl SceneBuilder {
     }
 
     fn clamp_albedo(&mut self, warnings: &mut Warnings) {
+        let mut clamped: Vec<&str> = Vec::new();
+        let mut highest: f32 = 0.0;
         for material in &mut self.materials {
             let subject = format!("material \"{}\"", material.name);
             if !material.albedo.is_finite() || !material.emission.0.is_finite() {
@@ -250,8 +252,18 @@ impl SceneBuilder {
                 material.albedo_texture.map_or(Vec3::ONE, |t| self.textures[t.texture.index()].max());
             let brightest = (material.albedo * texture).max_element();
             if brightest > MAX_ALBEDO {
-                warnings.push(&subject, format!("albedo {brightest:.3} is clamped to {MAX_ALBEDO}"));
+                highest = highest.max(brightest);
+                clamped.push(&material.name);
             }
+        }
+        // One warning for all: exporters leave white as the default of every material.
+        if let [first, others @ ..] = clamped.as_slice() {
+            let subject = match others {
+                [] => format!("material \"{first}\""),
+                [second] => format!("materials \"{first}\" and \"{second}\""),
+                [second, rest @ ..] => format!("materials \"{first}\", \"{second}\" and {} more", rest.len()),
+            };
+            warnings.push(subject, format!("albedo of up to {highest:.3} is clamped to {MAX_ALBEDO}"));
         }
     }
 }
@@ -449,7 +461,7 @@ mod tests {
         assert_eq!(scene.albedo(crate::SurfacePoint::default()).0, Vec3::splat(MAX_ALBEDO));
         assert_eq!(
             warnings.iter().next().unwrap().to_string(),
-            "material \"default\": albedo 1.000 is clamped to 0.98"
+            "material \"default\": albedo of up to 1.000 is clamped to 0.98"
         );
     }
 

@@ -1,6 +1,6 @@
 //! Building the tree: binned surface area heuristic, top down.
 
-use super::{Aabb, Bvh, Child, LeafTriangle, Node};
+use super::{Bvh, Child, LeafTriangle, Node, WIDTH};
 use glam::Vec3;
 use lumel_scene::TriId;
 
@@ -49,7 +49,7 @@ pub(super) fn build(corners: &[[Vec3; 3]]) -> Bvh {
     let mut items: Vec<Item> =
         corners.iter().enumerate().filter_map(|(i, c)| item(i as u32, c, padding)).collect();
     if items.is_empty() {
-        return Bvh { nodes: Vec::new(), root: Child { first: 0, count: 0 }, triangles: Vec::new() };
+        return Bvh { nodes: Vec::new(), root: Child::default(), triangles: Vec::new() };
     }
     let tree = subtree(&mut items, 0, 0);
     let mut nodes = Vec::with_capacity(items.len());
@@ -184,19 +184,58 @@ fn partition(items: &mut [Item], goes_left: impl Fn(&Item) -> bool) -> usize {
     n_left
 }
 
+/// Collapses the binary tree into nodes of four and puts them into one list.
 fn flatten(tree: &Tree, nodes: &mut Vec<Node>) -> Child {
     match tree {
         Tree::Leaf { first, count, .. } => Child { first: *first as u32, count: *count as u32 },
         Tree::Inner { children, .. } => {
+            let children = widest(children);
             let index = nodes.len();
-            let none = Child { first: 0, count: 0 };
-            nodes.push(Node { bounds: [children[0].bounds(), children[1].bounds()], children: [none; 2] });
-            for side in 0..2 {
-                nodes[index].children[side] = flatten(&children[side], nodes);
+            nodes.push(Node::EMPTY);
+            for (lane, child) in children.iter().enumerate() {
+                nodes[index].set_bounds(lane, child.bounds());
+                nodes[index].children[lane] = flatten(child, nodes);
             }
             Child { first: index as u32, count: 0 }
         }
     }
+}
+
+/// Replaces the largest inner child by its own two children until there are enough.
+///
+/// What a ray is most likely to meet is what is worth testing a level earlier.
+fn widest(children: &[Tree; 2]) -> Vec<&Tree> {
+    let mut wide: Vec<&Tree> = children.iter().collect();
+    while wide.len() < WIDTH {
+        let inner = wide.iter().enumerate().filter(|(_, tree)| matches!(tree, Tree::Inner { .. }));
+        let largest = inner.max_by(|a, b| a.1.bounds().half_area().total_cmp(&b.1.bounds().half_area()));
+        let Some((lane, Tree::Inner { children, .. })) = largest else { break };
+        wide[lane] = &children[0];
+        wide.push(&children[1]);
+    }
+    wide
+}
+
+impl Node {
+    /// Boxes turned inside out far away: finite, so that no slab distance is NaN.
+    const EMPTY: Self = Self {
+        min: [[1e30; WIDTH]; 3],
+        max: [[-1e30; WIDTH]; 3],
+        children: [Child { first: 0, count: 0 }; WIDTH],
+    };
+
+    fn set_bounds(&mut self, lane: usize, bounds: Aabb) {
+        for axis in 0..3 {
+            self.min[axis][lane] = bounds.min[axis];
+            self.max[axis][lane] = bounds.max[axis];
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Aabb {
+    min: Vec3,
+    max: Vec3,
 }
 
 impl Aabb {

@@ -7,11 +7,14 @@ use crate::triangle::ShearedRay;
 use glam::Vec3;
 use lumel_scene::{Scene, SurfacePoint, TriId};
 
-/// A binary tree of boxes in one flat array; immutable after it is built.
+/// Children of a node: as many boxes as the smallest vector registers of any machine test at once.
+const WIDTH: usize = 4;
+
+/// A tree of boxes in one flat array; immutable after it is built.
 ///
-/// A node holds the boxes of both children, so that a step down the tree touches one cache line. Built by the
-/// surface area heuristic over binned centroids: Wald, *On fast Construction of SAH-based Bounding Volume
-/// Hierarchies*, 2007.
+/// A node holds the boxes of its four children by coordinate, so that the compiler tests them side by side. Built
+/// as a binary tree by the surface area heuristic over binned centroids (Wald, *On fast Construction of SAH-based
+/// Bounding Volume Hierarchies*, 2007) and then collapsed.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     nodes: Vec<Node>,
@@ -19,22 +22,17 @@ pub struct Bvh {
     triangles: Vec<LeafTriangle>,
 }
 
-/// The two children of an inner node.
+/// The boxes of four children, by axis, and the children. Missing ones have boxes that no ray meets.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct Node {
-    bounds: [Aabb; 2],
-    children: [Child; 2],
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Aabb {
-    min: Vec3,
-    max: Vec3,
+    min: [[f32; WIDTH]; 3],
+    max: [[f32; WIDTH]; 3],
+    children: [Child; WIDTH],
 }
 
 /// An inner node (`count == 0`) or a run of leaf triangles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Child {
     first: u32,
     count: u32,
@@ -53,6 +51,9 @@ const UNIT_ROUNDOFF: f32 = f32::EPSILON * 0.5;
 
 /// Components of directions are kept this far from zero, so that no slab distance is 0 · ∞.
 const SMALLEST_DIRECTION: f32 = 1e-18;
+
+/// A step down leaves at most this many siblings behind.
+const MAX_STACK: usize = (WIDTH - 1) * build::MAX_DEPTH;
 
 impl Bvh {
     /// Builds the tree over the traced triangles of a scene, on the threads of the caller's rayon pool.
@@ -86,75 +87,109 @@ impl Bvh {
     fn traverse(&self, ray: &Ray, mut visit: impl FnMut(&[LeafTriangle], f32) -> f32) {
         let slabs = Slabs::new(ray);
         let mut t_max = ray.t_max;
-        let mut stack = [(Child { first: 0, count: 0 }, 0.0f32); build::MAX_DEPTH];
-        let mut depth = 0;
+        let mut stack = Stack { entries: [(Child::default(), 0.0); MAX_STACK], len: 0 };
         let mut current = self.root;
         loop {
             if current.count > 0 {
                 let first = current.first as usize;
                 t_max = visit(&self.triangles[first..first + current.count as usize], t_max);
             } else if let Some(node) = self.nodes.get(current.first as usize) {
-                let near = [slabs.enter(&node.bounds[0], t_max), slabs.enter(&node.bounds[1], t_max)];
-                match near {
-                    [Some(a), Some(b)] => {
-                        let (first, second, t) = if a <= b { (0, 1, b) } else { (1, 0, a) };
-                        stack[depth] = (node.children[second], t);
-                        depth += 1;
-                        current = node.children[first];
-                        continue;
+                let near = slabs.enter(node, t_max);
+                let bottom = stack.len;
+                for (child, t) in node.children.iter().zip(near) {
+                    if t < f32::INFINITY {
+                        stack.push_above(bottom, *child, t);
                     }
-                    [Some(_), None] => {
-                        current = node.children[0];
-                        continue;
-                    }
-                    [None, Some(_)] => {
-                        current = node.children[1];
-                        continue;
-                    }
-                    [None, None] => {}
                 }
             }
             // What lies exactly at t_max is still visited: a tie may be won by a lower triangle.
-            loop {
-                if depth == 0 {
-                    return;
+            current = loop {
+                match stack.pop() {
+                    None => return,
+                    Some((child, t)) if t <= t_max => break child,
+                    Some(_) => {}
                 }
-                depth -= 1;
-                let (child, t) = stack[depth];
-                if t <= t_max {
-                    current = child;
-                    break;
-                }
-            }
+            };
         }
+    }
+}
+
+/// Nodes still to be visited, and where the ray enters them.
+struct Stack {
+    entries: [(Child, f32); MAX_STACK],
+    len: usize,
+}
+
+impl Stack {
+    /// Pushes a child so that those above `bottom` come off the nearest first.
+    #[inline]
+    fn push_above(&mut self, bottom: usize, child: Child, t: f32) {
+        let mut slot = self.len;
+        while slot > bottom && self.entries[slot - 1].1 < t {
+            self.entries[slot] = self.entries[slot - 1];
+            slot -= 1;
+        }
+        self.entries[slot] = (child, t);
+        self.len += 1;
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<(Child, f32)> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.entries[self.len])
     }
 }
 
 /// A ray prepared for box tests.
 struct Slabs {
-    origin: Vec3,
-    inverse: Vec3,
+    origin: [f32; 3],
+    inverse: [f32; 3],
 }
 
 impl Slabs {
     fn new(ray: &Ray) -> Self {
         let away_from_zero =
             |d: f32| if d.abs() < SMALLEST_DIRECTION { SMALLEST_DIRECTION.copysign(d) } else { d };
-        let d = ray.direction;
-        let clamped = Vec3::new(away_from_zero(d.x), away_from_zero(d.y), away_from_zero(d.z));
-        Self { origin: ray.origin, inverse: clamped.recip() }
+        Self {
+            origin: ray.origin.to_array(),
+            inverse: ray.direction.to_array().map(|d| 1.0 / away_from_zero(d)),
+        }
     }
 
-    /// Where the ray enters a box, if it does before `t_max`.
+    /// Where the ray enters each child's box; infinity where it does not before `t_max`.
     #[inline]
-    fn enter(&self, bounds: &Aabb, t_max: f32) -> Option<f32> {
-        // Subtract first: a fused lo * inverse - o * inverse loses rays far from the origin.
-        let a = (bounds.min - self.origin) * self.inverse;
-        let b = (bounds.max - self.origin) * self.inverse;
-        let near = a.min(b).max_element().max(0.0);
-        let far = (a.max(b).min_element() * FAR_PADDING).min(t_max);
-        (near <= far).then_some(near)
+    fn enter(&self, node: &Node, t_max: f32) -> [f32; WIDTH] {
+        let (mut near, mut far) = ([0.0f32; WIDTH], [f32::INFINITY; WIDTH]);
+        for axis in 0..3 {
+            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+            // The side that the ray meets first, by its sign.
+            let (first, last) = if inverse < 0.0 { (&node.max, &node.min) } else { (&node.min, &node.max) };
+            for i in 0..WIDTH {
+                // Subtract first: a fused lo * inverse - o * inverse loses rays far from the origin.
+                near[i] = larger((first[axis][i] - origin) * inverse, near[i]);
+                far[i] = smaller((last[axis][i] - origin) * inverse, far[i]);
+            }
+        }
+        let mut entered = [f32::INFINITY; WIDTH];
+        for i in 0..WIDTH {
+            if near[i] <= smaller(far[i] * FAR_PADDING, t_max) {
+                entered[i] = near[i];
+            }
+        }
+        entered
     }
+}
+
+/// The larger of two numbers that are not NaN: one instruction, where `f32::max` takes several.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers that are not NaN.
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 impl RayTracer for Bvh {
