@@ -29,6 +29,7 @@ impl Interrupt {
         let on_signal = move || {
             let again = flags.requested.swap(true, Ordering::SeqCst);
             if again || !flags.heeded.load(Ordering::SeqCst) {
+                console.note("stopped");
                 std::process::exit(i32::from(Outcome::Cancelled.exit_code()));
             }
             flags.control.cancel();

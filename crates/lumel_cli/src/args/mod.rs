@@ -28,7 +28,7 @@ pub(crate) struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  lumel bake cornell-box -o cornell.glb -o cornell.png
+  lumel bake cornell-box -o cornell.npz -o cornell.glb -o cornell.png
   lumel render cornell-box --solution cornell.npz -o bounce1.png --bounce 1
   lumel info room.glb
   lumel compare a.npz b.npz";
@@ -36,15 +36,10 @@ Examples:
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Compute the light in a scene and write it to files
     Bake(BakeArgs),
-    /// Draw a scene in the light of a solution
     Render(RenderArgs),
-    /// Measure the irradiance at points
     Measure(MeasureArgs),
-    /// Say what is in a scene
     Info(InfoArgs),
-    /// Say how much two solutions differ
     Compare(CompareArgs),
     /// Print a script that completes lumel's command lines in a shell
     #[command(
@@ -73,9 +68,10 @@ pub(crate) enum Command {
 #[command(after_help = "\
 Examples:
   lumel bake cornell-box -o cornell.glb -o cornell.png
-  lumel bake room.lumel.toml --preset production -o room.npz
-  lumel bake room.glb --max-edge 0.1 --light 'rect center=0,2.4,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10'
-  lumel bake room.lumel.toml --preset production -o room.npz --resume room.checkpoint.npz")]
+  lumel bake room.lumel.toml --basis vertex-area -o room.npz -o room.glb
+  lumel bake room.glb --max-edge 0.1 \\
+      --light 'rect center=0,2.4,0 u=0.5,0,0 v=0,0,0.5 radiance=9,9,8'
+  lumel bake room.lumel.toml --resume room.checkpoint.npz")]
 pub(crate) struct BakeArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -116,9 +112,10 @@ pub(crate) struct BakeArgs {
 #[command(after_help = "\
 Examples:
   lumel render cornell-box --solution cornell.npz -o cornell.png
-  lumel render cornell-box --solution cornell.npz -o direct.png --bounce 0 --size 1920x1080
+  lumel render cornell-box --solution cornell.npz -o direct.png --bounce 0
   lumel render room.glb --solution room.npz -o lux.png --show false-color --range 0,500
-  lumel render room.glb --solution room.npz -o door.png --camera 'position=0,1.6,3 target=0,1,0 fov=60'")]
+  lumel render room.glb --solution room.npz -o door.png \\
+      --camera 'position=0,1.6,3 target=0,1,0 fov=60'")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -188,8 +185,8 @@ pub(crate) struct RenderArgs {
 Examples:
   lumel measure cornell-box --point 0.278,0,0.28 --normal 0,1,0
   lumel measure room.glb --solution room.npz --points desks.npz -o desks-light.npz
-  lumel measure furnace --no-emissive --light 'rect center=0.5,0.9,0.5 u=0.2,0,0 v=0,0,0.2 radiance=1,1,1' \\
-      --bounces 0 --point 0.5,0,0.5 --normal 0,1,0")]
+  lumel measure furnace --no-emissive --bounces 0 --point 0,-0.5,0 --normal 0,1,0 \\
+      --light 'rect center=0,0.4,0 u=0.2,0,0 v=0,0,0.2 radiance=9,9,9'")]
 pub(crate) struct MeasureArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
@@ -229,7 +226,9 @@ pub(crate) struct MeasureArgs {
     pub(crate) json: bool,
 }
 
-/// Say what is in a scene: sizes, materials, lights, cameras and everything that had to be left out.
+/// Say what is in a scene.
+///
+/// Sizes, materials, lights and cameras, and in warnings everything that had to be left out.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -248,9 +247,9 @@ pub(crate) struct InfoArgs {
     pub(crate) strict: bool,
 }
 
-/// Say how much two solutions differ, bounce by bounce and in sum.
+/// Say how much two solutions differ.
 ///
-/// RMSE is the root of the mean squared difference over vertices and channels, W/m²; the relative RMSE is that over
+/// Bounce by bounce and in sum. RMSE is the root of the mean squared difference over vertices and channels, W/m²; the relative RMSE is that over
 /// the root of the mean square of B. Mean ratio is the mean of A over that of B. Percentiles are those of |A − B|
 /// over the mean of B. Every vertex counts the same; those that lie inside geometry in A or B do not count.
 #[derive(Debug, Args)]

@@ -87,7 +87,7 @@ pub(crate) struct SettingsArgs {
     ]))]
     pub(crate) basis: Option<BasisKind>,
 
-    /// Number of reflections after the direct light, or all: until the rest is negligible.
+    /// Number of reflections after the direct light, or all: until the rest is negligible. [default: by preset]
     #[arg(long, value_name = "N|all", value_parser = parse::bounces, allow_negative_numbers = true)]
     pub(crate) bounces: Option<BounceLimit>,
 
@@ -102,11 +102,11 @@ pub(crate) struct SettingsArgs {
     ]))]
     pub(crate) tail: Option<Tail>,
 
-    /// Shadow rays per vertex and light.
+    /// Shadow rays per vertex and light. [default: by preset]
     #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_SAMPLES), allow_negative_numbers = true)]
     pub(crate) direct_samples: Option<u32>,
 
-    /// Rays into the hemisphere per vertex and bounce.
+    /// Rays into the hemisphere per vertex and bounce. [default: by preset]
     #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_SAMPLES), allow_negative_numbers = true)]
     pub(crate) indirect_samples: Option<u32>,
 

@@ -9,7 +9,7 @@ use crate::failure::with_hint;
 use crate::load::{self, Loaded};
 use crate::outputs::{self, Output};
 use crate::session::{Session, SolveLog, thread_pool};
-use anyhow::{Context, bail};
+use anyhow::bail;
 use lumel::{Baker, ResumeError, Solution, SolveState};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,13 +22,23 @@ pub(crate) fn run(args: &BakeArgs, console: &Arc<Console>) -> anyhow::Result<Out
     let result = pool.install(|| bake(args, &plan, &session));
     session.progress.finish();
     match result? {
-        Some(mut summary) => {
+        Baked::Done(mut summary) => {
             summary.seconds.total = session.started.elapsed().as_secs_f64();
             console::print(&if args.json { summary.json()? } else { summary.text() })?;
             Ok(super::outcome(console, args.run.strict))
         }
-        None => Ok(Outcome::Cancelled),
+        Baked::Stopped(message) => {
+            console.note(&message);
+            Ok(Outcome::Cancelled)
+        }
     }
+}
+
+/// How a bake ended.
+enum Baked {
+    Done(Box<Summary>),
+    /// By the user, who wants to know how to go on.
+    Stopped(String),
 }
 
 /// The files of a bake.
@@ -56,8 +66,8 @@ impl Plan {
     }
 }
 
-/// The bake on the threads of the pool. `None` when it was cancelled.
-fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Option<Summary>> {
+/// The bake on the threads of the pool.
+fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Baked> {
     let (loaded, load_seconds) = session.timed("load", || load::load_and_warn(&args.scene, &session.console));
     let Loaded { scene, patch, .. } = loaded?;
     let settings = load::settings(patch, &args.settings, &args.scene)?;
@@ -74,14 +84,14 @@ fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Optio
         None => tell_of_old_checkpoint(checkpoint.path(), session),
     }
     let Some(log) = session.solve(&baker, &mut state, Some(&checkpoint))? else {
-        session.console.note(&after_cancel(args, &checkpoint, &state, first_bounce));
-        return Ok(None);
+        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
     let solution = solution(&baker, &state, session, &log);
-    let (written, write_seconds) = session.timed("write", || write(plan, &baker, &solution, session));
+    let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
+    let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
+    let (written, write_seconds) = session.timed("write", || write(plan, &baker, &solution, kept, session));
     let Some(written) = written? else {
-        session.console.note(&after_cancel(args, &checkpoint, &state, first_bounce));
-        return Ok(None);
+        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
     checkpoint.remove();
     let mut summary = Summary::new(&baker, &state, &solution, session.interrupt.control().rays(), &log);
@@ -91,7 +101,7 @@ fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Optio
     summary.seconds.build = build_seconds;
     summary.seconds.write = write_seconds;
     summary.warnings = session.console.warning_count();
-    Ok(Some(summary))
+    Ok(Baked::Done(Box::new(summary)))
 }
 
 /// The state to go on from.
@@ -161,11 +171,12 @@ fn solution(baker: &Baker, state: &SolveState, session: &Session, log: &SolveLog
     solution
 }
 
-/// Writes all outputs, the first of them first. `None` when it was cancelled.
+/// Writes all outputs, the first of them first. `None` when it was cancelled. All light is in the file `kept` too.
 fn write(
     plan: &Plan,
     baker: &Baker,
     solution: &Solution,
+    kept: Option<&Path>,
     session: &Session,
 ) -> anyhow::Result<Option<Vec<Written>>> {
     let _heeding = session.interrupt.heed();
@@ -178,11 +189,12 @@ fn write(
         if result.is_err() && output.is_picture() && session.interrupt.is_requested() {
             return Ok(None);
         }
-        let bytes = result.with_context(|| {
-            format!(
-                "the bake is done, but not all files are written; go on with --resume {}",
-                plan.checkpoint.display()
-            )
+        let bytes = result.map_err(|error| match kept {
+            Some(file) => {
+                let hint = format!("the bake itself is done; go on with --resume {}", file.display());
+                with_hint(error, hint)
+            }
+            None => error,
         })?;
         written.push(Written { path: output.path.clone(), bytes });
     }

@@ -28,6 +28,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Arc<Console>) -> anyhow::Result<O
     let pool = thread_pool(&args.threads)?;
     let session = Session::start(ProgressMode::None, console)?;
     let Some(picture) = pool.install(|| render(args, &display, &session))? else {
+        console.note("stopped; no picture was written");
         return Ok(Outcome::Cancelled);
     };
     console::print(&summary(args, &picture)?)?;

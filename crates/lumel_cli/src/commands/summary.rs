@@ -151,7 +151,9 @@ impl Summary {
         lines.push(format!("write {write:.2} s"));
         lines.push(format!("total {total:.2} s"));
         let threads = counted(self.threads, "thread", "threads");
-        lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
+        if self.rays > 0 {
+            lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
+        }
         lines.push(self.remainder_text());
         for Written { path, bytes } in &self.files {
             lines.push(format!("wrote {}, {}", path.display(), report::bytes(*bytes)));

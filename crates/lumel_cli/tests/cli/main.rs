@@ -1,5 +1,7 @@
 //! `lumel` as its users meet it: the program is run, and what it prints, writes and returns is looked at.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are no tests to Clippy")]
+
 mod bake;
 mod broken;
 mod common;
