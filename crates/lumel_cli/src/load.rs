@@ -117,11 +117,13 @@ fn shines(light: &Light) -> bool {
     power != Vec3::ZERO
 }
 
-/// A light below the top of a scene, a fifth as wide as it is.
+/// A light that looks down, a fifth as wide as the scene: below the top of a room, above what is flat.
 fn light_for(scene: &Scene) -> String {
     let bounds = scene.bounds();
     let size = bounds.max - bounds.min;
-    let at = bounds.center().with_y(bounds.max.y - 0.05 * size.y);
+    let flat = size.y < 0.1 * bounds.diagonal();
+    let height = if flat { bounds.max.y + 0.5 * bounds.diagonal() } else { bounds.max.y - 0.05 * size.y };
+    let at = bounds.center().with_y(height);
     let half = |extent: f32| (0.1 * extent).max(0.001);
     format!(
         "rect center={:.3},{:.3},{:.3} u={:.3},0,0 v=0,0,{:.3} radiance=10,10,10",
