@@ -47,11 +47,11 @@ impl Triangulator {
         }
         let normal = newell_normal(corners)?;
         self.project(corners, normal);
-        match self.plane.as_slice() {
-            &[a, b, c, d] if turns_left([a, b, c]) && turns_left([a, c, d]) => {
+        match *self.plane.as_slice() {
+            [a, b, c, d] if turns_left([a, b, c]) && turns_left([a, c, d]) => {
                 self.triangles.extend([[0, 1, 2], [0, 2, 3]]);
             }
-            &[a, b, c, d] if turns_left([a, b, d]) && turns_left([b, c, d]) => {
+            [a, b, c, d] if turns_left([a, b, d]) && turns_left([b, c, d]) => {
                 self.triangles.extend([[0, 1, 3], [1, 2, 3]]);
             }
             _ => self.clip_ears(),

@@ -1,6 +1,6 @@
 //! Every case of the shared manifest of awkward and damaged files.
 
-#![allow(missing_docs, reason = "a test")]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a test")]
 
 mod shared;
 

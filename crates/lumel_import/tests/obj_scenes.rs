@@ -1,6 +1,6 @@
 //! The OBJ scenes of the shared test data.
 
-#![allow(missing_docs, reason = "a test")]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a test")]
 
 mod shared;
 

@@ -9,10 +9,15 @@ use glam::Vec3;
 use lumel_scene::{Encoding, Material, Radiance, TextureRef, Warnings};
 use std::path::Path;
 
+/// Warnings about single materials beyond this number are only counted: a scene that has lost its textures has lost
+/// them all, and nobody reads thousands of lines.
+const MOST_WARNINGS: usize = 100;
+
 /// Converts materials one by one; says at the end what a diffuse solver makes of the rest.
 pub(super) struct Converter<'a> {
     textures: &'a mut TextureCache,
     warnings: &'a mut Warnings,
+    n_warnings: usize,
     height_maps: Vec<String>,
     transparent: Vec<String>,
     shiny: Vec<String>,
@@ -20,7 +25,8 @@ pub(super) struct Converter<'a> {
 
 impl<'a> Converter<'a> {
     pub(super) fn new(textures: &'a mut TextureCache, warnings: &'a mut Warnings) -> Self {
-        Self { textures, warnings, height_maps: Vec::new(), transparent: Vec::new(), shiny: Vec::new() }
+        let (height_maps, transparent, shiny) = Default::default();
+        Self { textures, warnings, n_warnings: 0, height_maps, transparent, shiny }
     }
 
     /// The diffuse part of a material.
@@ -55,7 +61,7 @@ impl<'a> Converter<'a> {
             (None, Some(_)) => Some(Vec3::ONE),
             (Some(Vec3::ZERO), Some(_)) => {
                 let message = format!("{statement} is 0 beside map_{statement}: the map is used as it is");
-                self.warnings.push(format!("material \"{name}\""), message);
+                self.warn(name, message);
                 Some(Vec3::ONE)
             }
             (color, _) => color,
@@ -75,16 +81,22 @@ impl<'a> Converter<'a> {
             let texture = self.textures.get_or_load(key, || load_texture(&path, encoding));
             texture.map_err(|error| error.to_string())
         });
-        let subject = || format!("material \"{material}\"");
         if map.changes_values {
-            self.warnings.push(subject(), format!("option -mm of \"{}\" is ignored", map.file));
+            self.warn(material, format!("option -mm of \"{}\" is ignored", map.file));
         }
         match loaded {
             Ok(texture) => Some(TextureRef { texture, transform: map.transform() }),
             Err(problem) => {
-                self.warnings.push(subject(), format!("going on without a texture: {problem}"));
+                self.warn(material, format!("going on without a texture: {problem}"));
                 None
             }
+        }
+    }
+
+    fn warn(&mut self, material: &str, message: String) {
+        self.n_warnings += 1;
+        if self.n_warnings <= MOST_WARNINGS {
+            self.warnings.push(format!("material \"{material}\""), message);
         }
     }
 
@@ -103,6 +115,10 @@ impl<'a> Converter<'a> {
 
     /// Warns about what was lost, once for all materials.
     pub(super) fn report(self, obj: &Path) {
+        if let Some(more @ 1..) = self.n_warnings.checked_sub(MOST_WARNINGS) {
+            let message = format!("{more} more warnings about materials");
+            self.warnings.push(obj.display().to_string(), message);
+        }
         let kinds = [
             (self.height_maps, "height maps are ignored (a normal map is named by norm), materials"),
             (self.transparent, "transparent materials are treated as opaque"),

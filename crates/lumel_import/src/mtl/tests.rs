@@ -196,6 +196,19 @@ fn a_thousand_uses_of_one_image_are_one_texture() {
     assert!(warnings.is_empty());
 }
 
+#[test]
+fn a_thousand_lost_textures_do_not_make_a_thousand_lines() {
+    let mut obj = "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned();
+    let mut mtl = String::new();
+    for i in 0..1000 {
+        obj += &format!("usemtl m{i}\nf 1 2 3\n");
+        mtl += &format!("newmtl m{i}\nmap_Kd lost{i}.png\n");
+    }
+    let (_, warnings) = load_with_warnings(&[("t.obj", obj.as_bytes()), ("t.mtl", mtl.as_bytes())]);
+    assert_eq!(warnings.len(), 101);
+    assert_eq!(warnings[100], "t.obj: 900 more warnings about materials");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 

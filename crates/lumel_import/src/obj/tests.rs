@@ -149,7 +149,8 @@ fn polygons_are_cut_right_and_those_without_area_are_counted() {
     let scene = obj(text);
     assert_eq!(scene.objects[0].faces.len(), 2);
     assert_eq!(scene.objects[0].positions.len(), 4, "vertices of dropped faces are not kept");
-    let area: f32 = corners(&scene.objects[0]).iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).z).sum();
+    let area: f32 =
+        corners(&scene.objects[0]).iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
     assert!((area - 0.5).abs() < 1e-6, "{area}");
     let expected = [
         "test.obj: 2 faces dropped: fewer than three corners, first in line 9, object \"test\"",

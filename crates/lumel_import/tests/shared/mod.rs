@@ -1,6 +1,7 @@
 //! The folder of test data beside the repository, and helpers to look at what was loaded.
 
 #![allow(dead_code, reason = "not every test uses all of it")]
+#![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 use lumel_import::{ImportError, ImportOptions, load};
 use lumel_scene::{Scene, SceneBuilder, Warnings};
