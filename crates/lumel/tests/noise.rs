@@ -1,5 +1,7 @@
 //! A bake differs from the answer of its mesh by noise that falls as its sampler promises, and by nothing else.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
+
 use glam::{DVec3, Vec3};
 use lumel::{Baker, BounceLimit, Control, Settings, Silent, SolveState};
 use std::sync::Arc;

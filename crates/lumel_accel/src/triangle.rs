@@ -8,12 +8,12 @@
 use glam::Vec3;
 use lumel_scene::{Barycentrics, FaceSide};
 
-/// A ray in the frame in which it runs along +z.
+/// A ray in the frame in which it runs along its longest axis, z.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay {
     origin: Vec3,
-    /// Axes that become x, y and z.
-    axes: [usize; 3],
+    /// The axis that becomes z; x and y follow it in turn.
+    axis: usize,
     /// How far x, y and z are sheared per unit of the longest axis.
     shear: [f32; 3],
 }
@@ -32,29 +32,36 @@ impl ShearedRay {
         if !(origin.is_finite() && direction.is_finite()) {
             return None;
         }
-        let z = direction.abs().max_position();
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        let longest = direction[z];
+        let axis = direction.abs().max_position();
+        let longest = direction[axis];
         if longest == 0.0 {
             return None;
         }
-        // Mirroring with the sign of z keeps the winding.
-        let axes = if longest < 0.0 { [y, x, z] } else { [x, y, z] };
-        let shear = [direction[axes[0]] / longest, direction[axes[1]] / longest, 1.0 / longest];
-        shear.iter().all(|s| s.is_finite()).then_some(Self { origin, axes, shear })
-    }
-
-    #[inline]
-    fn sheared(&self, p: Vec3) -> [f32; 3] {
-        let p = (p - self.origin).to_array();
-        let [kx, ky, kz] = self.axes;
-        [p[kx] - self.shear[0] * p[kz], p[ky] - self.shear[1] * p[kz], p[kz]]
+        let shear = [direction[(axis + 1) % 3] / longest, direction[(axis + 2) % 3] / longest, 1.0 / longest];
+        shear.iter().all(|s| s.is_finite()).then_some(Self { origin, axis, shear })
     }
 
     /// Meets a triangle at `0 < t <= t_max`; the caller breaks ties at `t_max`.
     #[inline]
     pub(crate) fn intersect(&self, corners: &[Vec3; 3], t_max: f32) -> Option<TriangleHit> {
-        let [a, b, c] = corners.map(|p| self.sheared(p));
+        // With the axis known to the compiler, coordinates stay in registers.
+        match self.axis {
+            0 => self.intersect_along::<0>(corners, t_max),
+            1 => self.intersect_along::<1>(corners, t_max),
+            _ => self.intersect_along::<2>(corners, t_max),
+        }
+    }
+
+    #[inline(always)]
+    fn sheared<const Z: usize>(&self, p: Vec3) -> [f32; 3] {
+        let p = (p - self.origin).to_array();
+        let z = p[Z];
+        [p[(Z + 1) % 3] - self.shear[0] * z, p[(Z + 2) % 3] - self.shear[1] * z, z]
+    }
+
+    #[inline(always)]
+    fn intersect_along<const Z: usize>(&self, corners: &[Vec3; 3], t_max: f32) -> Option<TriangleHit> {
+        let [a, b, c] = corners.map(|p| self.sheared::<Z>(p));
         let mut u = c[0] * b[1] - c[1] * b[0];
         let mut v = a[0] * c[1] - a[1] * c[0];
         let mut w = b[0] * a[1] - b[1] * a[0];
@@ -76,7 +83,9 @@ impl ShearedRay {
         if !(t > 0.0 && t <= t_max) {
             return None;
         }
-        let side = if det > 0.0 { FaceSide::Front } else { FaceSide::Back };
+        // Looking against the axis mirrors the winding.
+        let front = (det > 0.0) == (self.shear[2] > 0.0);
+        let side = if front { FaceSide::Front } else { FaceSide::Back };
         Some(TriangleHit { t, bary: Barycentrics { u: u * inverse, v: v * inverse }, side })
     }
 }

@@ -229,6 +229,27 @@ fn offset_origins_never_meet_their_own_triangle() {
 }
 
 #[test]
+fn triangles_that_shrink_again_and_again_do_not_overflow_the_stack() {
+    // Each is a tenth of the one before: every split cuts off one, which makes a list of the tree.
+    let shrinking = |i: i32| {
+        let size = 10f32.powf(-0.2 * i as f32);
+        [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| (p + Vec3::new(1.0, 1.0, 0.5)) * size)
+    };
+    let corners: Vec<_> = (0..190).flat_map(|i| std::iter::repeat_n(shrinking(i), 9)).collect();
+    let mut numbers = Numbers::new(3);
+    let rays: Vec<Ray> = (0..500i32)
+        .map(|i| {
+            let corners = shrinking(i % 190);
+            let target = (corners[0] + corners[1] + corners[2]) / 3.0;
+            // From beside the triangle: distances of its own size.
+            let ray = Ray::between(target + numbers.point() * corners[1].x, target);
+            Ray { t_max: 2.0, ..ray }
+        })
+        .collect();
+    assert!(assert_same_hits("shrinking", &corners, rays.into_iter()) > 100);
+}
+
+#[test]
 fn bundles_are_their_rays() {
     let bvh = Bvh::from_corners(icosphere(3));
     let mut numbers = Numbers::new(33);

@@ -107,6 +107,9 @@ pub enum SceneError {
         /// How many there are.
         count: usize,
     },
+    /// A sky that is not finite or negative.
+    #[error("the sky's radiance must be finite and not negative")]
+    BadSky,
     /// A rectangle light that has no area, is not rectangular or is not finite.
     #[error("light {index}: {problem}")]
     BadLight {
@@ -167,6 +170,9 @@ impl SceneBuilder {
         let mut warnings = Warnings::default();
         self.check_textures()?;
         self.check_lights()?;
+        if !self.sky.0.is_finite() || self.sky.0.min_element() < 0.0 {
+            return Err(SceneError::BadSky);
+        }
         self.check_size()?;
         for object in &self.objects {
             object.check(self.materials.len())?;
@@ -191,11 +197,11 @@ impl SceneBuilder {
         Ok((Scene::new(self, faces), warnings))
     }
 
-    /// Squared diagonal of the bounds of all finite positions.
-    pub(crate) fn diagonal_squared(&self) -> f32 {
+    /// Squared diagonal of the bounds of all finite positions; in f64, where it cannot overflow.
+    pub(crate) fn diagonal_squared(&self) -> f64 {
         let finite = self.objects.iter().flat_map(|o| &o.positions).filter(|p| p.is_finite());
         let (min, max) = finite.fold((Vec3::MAX, Vec3::MIN), |(min, max), p| (min.min(*p), max.max(*p)));
-        if min.x > max.x { 0.0 } else { (max - min).length_squared() }
+        if min.x > max.x { 0.0 } else { (max.as_dvec3() - min.as_dvec3()).length_squared() }
     }
 
     fn check_size(&self) -> Result<(), SceneError> {
@@ -342,7 +348,7 @@ impl ObjectMesh {
         face.vertices.map(|v| self.positions[v as usize])
     }
 
-    fn drop_degenerate(&mut self, smallest_area: f32, warnings: &mut Warnings) {
+    fn drop_degenerate(&mut self, smallest_area: f64, warnings: &mut Warnings) {
         let subject = format!("object \"{}\"", self.name);
         let (positions, before) = (&self.positions, self.faces.len());
         self.faces.retain(|f| f.vertices.iter().all(|&v| positions[v as usize].is_finite()));
@@ -353,7 +359,7 @@ impl ObjectMesh {
         }
         self.faces.retain(|f| {
             let [a, b, c] = f.vertices.map(|v| positions[v as usize].as_dvec3());
-            0.5 * (b - a).cross(c - a).length() > f64::from(smallest_area)
+            0.5 * (b - a).cross(c - a).length() > smallest_area
         });
         if self.faces.len() < finite {
             warnings.push(
@@ -477,6 +483,22 @@ mod tests {
         };
         b.lights.push(Light::Rect(light));
         assert!(b.build().unwrap_err().to_string().contains("right angle"));
+    }
+
+    #[test]
+    fn a_sky_that_is_no_light_is_refused() {
+        for bad in [f32::NAN, -1.0, f32::INFINITY] {
+            let mut b = builder(vec![quad("q")]);
+            b.sky = Radiance::splat(bad);
+            assert_eq!(b.build().unwrap_err(), SceneError::BadSky);
+        }
+    }
+
+    #[test]
+    fn huge_coordinates_keep_their_triangles() {
+        let mut huge = quad("huge");
+        huge.positions.iter_mut().for_each(|p| *p *= 1e20);
+        assert_eq!(builder(vec![huge]).build().unwrap().0.triangle_count(), 2);
     }
 
     #[test]

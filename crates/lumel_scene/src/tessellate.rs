@@ -34,7 +34,7 @@ impl SceneBuilder {
             triangles,
             limit: MAX_RESULT,
         };
-        let smallest_area = 1e-12 * f64::from(self.diagonal_squared());
+        let smallest_area = 1e-12 * self.diagonal_squared();
         let rule = Rule { max_edge: f64::from(max_edge), smallest_area };
         let bound: f64 = self.objects.iter().map(|o| rule.fewest_triangles(o)).sum();
         if bound > MAX_RESULT as f64 {

@@ -1,9 +1,10 @@
 //! Partial failures: collected, never lost, never fatal.
 
+use std::collections::HashSet;
 use std::fmt;
 
 /// Something in the input that lumel went on without.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Warning {
     /// What it is about: a file, an object, a material.
     pub subject: String,
@@ -25,13 +26,15 @@ impl fmt::Display for Warning {
 #[derive(Clone, Debug, Default)]
 pub struct Warnings {
     list: Vec<Warning>,
+    /// The same, to find repetitions: a hostile file can cause any number of warnings.
+    known: HashSet<Warning>,
 }
 
 impl Warnings {
     /// Adds a warning unless the same one is there already.
     pub fn push(&mut self, subject: impl Into<String>, message: impl Into<String>) {
         let warning = Warning { subject: subject.into(), message: message.into() };
-        if !self.list.contains(&warning) {
+        if self.known.insert(warning.clone()) {
             self.list.push(warning);
         }
     }
@@ -56,5 +59,20 @@ impl Warnings {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_kept_once_and_in_order() {
+        let mut warnings = Warnings::default();
+        for (subject, message) in [("b", "x"), ("a", "x"), ("b", "x"), ("b", "y")] {
+            warnings.push(subject, message);
+        }
+        let texts: Vec<String> = warnings.iter().map(Warning::to_string).collect();
+        assert_eq!(texts, ["b: x", "a: x", "b: y"]);
     }
 }

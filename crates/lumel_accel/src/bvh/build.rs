@@ -1,17 +1,13 @@
 //! Building the tree: binned surface area heuristic, top down.
 
-use super::{Bvh, Child, LeafTriangle, Node, WIDTH};
-use glam::Vec3;
+use super::{Bvh, Child, Leaf, LeafTriangle, MAX_STACK, Node, WIDTH};
+use glam::{Vec3, Vec4};
 use lumel_scene::TriId;
 
 const N_BINS: usize = 32;
 /// Relative to the cost of testing one triangle.
 const STEP_COST: f32 = 1.0;
 const MAX_LEAF: usize = 8;
-/// Nodes deeper than this are halved by number, so that a pathological scene cannot make a list of the tree.
-const MAX_SAH_DEPTH: usize = 56;
-/// At most 2^32 triangles remain to be halved after that.
-pub(super) const MAX_DEPTH: usize = MAX_SAH_DEPTH + 32;
 /// Boxes are this much larger than their triangles, relative to the largest coordinate: a ray that runs exactly in
 /// the side of a box must count as inside it.
 const BOX_PADDING: f32 = f32::EPSILON;
@@ -24,6 +20,15 @@ struct Item {
     /// Twice the centre of the bounds.
     center: Vec3,
     tri: u32,
+}
+
+/// How a range of triangles is split.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Rule {
+    /// Where the expected cost of a ray is least.
+    SurfaceArea,
+    /// In halves.
+    Balanced,
 }
 
 enum Tree {
@@ -49,13 +54,20 @@ pub(super) fn build(corners: &[[Vec3; 3]]) -> Bvh {
     let mut items: Vec<Item> =
         corners.iter().enumerate().filter_map(|(i, c)| item(i as u32, c, padding)).collect();
     if items.is_empty() {
-        return Bvh { nodes: Vec::new(), root: Child::default(), triangles: Vec::new() };
+        return Bvh { nodes: Vec::new(), leaves: Vec::new(), root: Child::default(), triangles: Vec::new() };
     }
-    let tree = subtree(&mut items, 0, 0);
-    let mut nodes = Vec::with_capacity(items.len());
-    let root = flatten(&tree, &mut nodes);
+    let mut flat = flatten(&subtree(&mut items, 0, Rule::SurfaceArea));
+    if flat.stack > MAX_STACK {
+        // A scene whose triangles shrink again and again can make a list of the tree.
+        flat = flatten(&subtree(&mut items, 0, Rule::Balanced));
+    }
     let leaf = |item: &Item| LeafTriangle { corners: corners[item.tri as usize], tri: TriId(item.tri) };
-    Bvh { nodes, root, triangles: items.iter().map(leaf).collect() }
+    Bvh {
+        nodes: flat.nodes,
+        leaves: flat.leaves,
+        root: flat.root,
+        triangles: items.iter().map(leaf).collect(),
+    }
 }
 
 /// Triangles that are not finite cannot be met, and their boxes would spoil the tree.
@@ -69,14 +81,14 @@ fn item(tri: u32, corners: &[Vec3; 3], padding: f32) -> Option<Item> {
 }
 
 /// Builds the subtree of `items`, which start at `first` in the whole list, and sorts them into leaf order.
-fn subtree(items: &mut [Item], first: usize, depth: usize) -> Tree {
+fn subtree(items: &mut [Item], first: usize, rule: Rule) -> Tree {
     let bounds = items.iter().fold(Aabb::EMPTY, |b, item| b.union(item.bounds));
-    let Some(middle) = split(items, bounds, depth) else {
+    let Some(middle) = split(items, bounds, rule) else {
         return Tree::Leaf { bounds, first, count: items.len() };
     };
     let parallel = items.len() >= MIN_PARALLEL;
     let (left, right) = items.split_at_mut(middle);
-    let build = |items: &mut [Item], first| subtree(items, first, depth + 1);
+    let build = |items: &mut [Item], first| subtree(items, first, rule);
     let (left, right) = if parallel {
         rayon::join(|| build(left, first), || build(right, first + middle))
     } else {
@@ -86,11 +98,11 @@ fn subtree(items: &mut [Item], first: usize, depth: usize) -> Tree {
 }
 
 /// Partitions the items in two and returns where, or `None` for a leaf.
-fn split(items: &mut [Item], bounds: Aabb, depth: usize) -> Option<usize> {
+fn split(items: &mut [Item], bounds: Aabb, rule: Rule) -> Option<usize> {
     if items.len() <= 1 {
         return None;
     }
-    let best = if depth < MAX_SAH_DEPTH { best_plane(items) } else { None };
+    let best = if rule == Rule::SurfaceArea { best_plane(items) } else { None };
     let leaf_cost = items.len() as f32;
     if let Some(plane) = best {
         let cost = STEP_COST + plane.cost / bounds.half_area().max(f32::MIN_POSITIVE);
@@ -99,7 +111,7 @@ fn split(items: &mut [Item], bounds: Aabb, depth: usize) -> Option<usize> {
         }
         return None;
     }
-    // All centres coincide, or the tree is too deep already.
+    // All centres coincide, or the halves are to be equal.
     (items.len() > MAX_LEAF).then_some(items.len() / 2)
 }
 
@@ -184,19 +196,44 @@ fn partition(items: &mut [Item], goes_left: impl Fn(&Item) -> bool) -> usize {
     n_left
 }
 
-/// Collapses the binary tree into nodes of four and puts them into one list.
-fn flatten(tree: &Tree, nodes: &mut Vec<Node>) -> Child {
-    match tree {
-        Tree::Leaf { first, count, .. } => Child { first: *first as u32, count: *count as u32 },
-        Tree::Inner { children, .. } => {
-            let children = widest(children);
-            let index = nodes.len();
-            nodes.push(Node::EMPTY);
-            for (lane, child) in children.iter().enumerate() {
-                nodes[index].set_bounds(lane, child.bounds());
-                nodes[index].children[lane] = flatten(child, nodes);
+/// The tree in lists.
+struct Flat {
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+    root: Child,
+    /// Nodes that may have to wait on the stack.
+    stack: usize,
+}
+
+/// Collapses the binary tree into nodes of four and puts them into lists.
+fn flatten(tree: &Tree) -> Flat {
+    let mut flat = Flat { nodes: Vec::new(), leaves: Vec::new(), root: Child::default(), stack: 0 };
+    (flat.root, flat.stack) = flat.add(tree);
+    flat
+}
+
+impl Flat {
+    /// Adds a subtree; returns it and the stack that its traversal needs at most.
+    fn add(&mut self, tree: &Tree) -> (Child, usize) {
+        match tree {
+            Tree::Leaf { first, count, .. } => {
+                self.leaves.push(Leaf { first: *first as u32, count: *count as u32 });
+                (Child::leaf(self.leaves.len() - 1), 0)
             }
-            Child { first: index as u32, count: 0 }
+            Tree::Inner { children, .. } => {
+                let children = widest(children);
+                let index = self.nodes.len();
+                self.nodes.push(Node::EMPTY);
+                let mut deepest = 0;
+                for (lane, child) in children.iter().enumerate() {
+                    let (flat, stack) = self.add(child);
+                    self.nodes[index].set_bounds(lane, child.bounds());
+                    self.nodes[index].children[lane] = flat;
+                    deepest = deepest.max(stack);
+                }
+                // All children are pushed before the nearest is taken off again.
+                (Child(index as u32), children.len().max(children.len() - 1 + deepest))
+            }
         }
     }
 }
@@ -217,17 +254,14 @@ fn widest(children: &[Tree; 2]) -> Vec<&Tree> {
 }
 
 impl Node {
-    /// Boxes turned inside out far away: finite, so that no slab distance is NaN.
-    const EMPTY: Self = Self {
-        min: [[1e30; WIDTH]; 3],
-        max: [[-1e30; WIDTH]; 3],
-        children: [Child { first: 0, count: 0 }; WIDTH],
-    };
+    /// Boxes turned inside out: entered after they are left, by any ray. Finite, so that no slab distance is NaN.
+    const EMPTY: Self =
+        Self { bounds: [[Vec4::splat(1e30), Vec4::splat(-1e30)]; 3], children: [Child(0); WIDTH] };
 
     fn set_bounds(&mut self, lane: usize, bounds: Aabb) {
         for axis in 0..3 {
-            self.min[axis][lane] = bounds.min[axis];
-            self.max[axis][lane] = bounds.max[axis];
+            self.bounds[axis][0][lane] = bounds.min[axis];
+            self.bounds[axis][1][lane] = bounds.max[axis];
         }
     }
 }

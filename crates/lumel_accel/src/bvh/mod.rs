@@ -4,20 +4,21 @@ mod build;
 
 use crate::ray::{Hit, Ray, RayTracer};
 use crate::triangle::ShearedRay;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use lumel_scene::{Scene, SurfacePoint, TriId};
 
-/// Children of a node: as many boxes as the smallest vector registers of any machine test at once.
+/// Children of a node: as many boxes as the vector registers of any machine test at once.
 const WIDTH: usize = 4;
 
 /// A tree of boxes in one flat array; immutable after it is built.
 ///
-/// A node holds the boxes of its four children by coordinate, so that the compiler tests them side by side. Built
+/// A node holds the boxes of its four children by coordinate, so that they are tested side by side. Built
 /// as a binary tree by the surface area heuristic over binned centroids (Wald, *On fast Construction of SAH-based
 /// Bounding Volume Hierarchies*, 2007) and then collapsed.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
     root: Child,
     triangles: Vec<LeafTriangle>,
 }
@@ -26,14 +27,26 @@ pub struct Bvh {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct Node {
-    min: [[f32; WIDTH]; 3],
-    max: [[f32; WIDTH]; 3],
+    /// Smallest and largest coordinates on each axis.
+    bounds: [[Vec4; 2]; 3],
     children: [Child; WIDTH],
 }
 
-/// An inner node (`count == 0`) or a run of leaf triangles.
+/// The index of an inner node, or with the highest bit set that of a leaf.
 #[derive(Clone, Copy, Debug, Default)]
-struct Child {
+struct Child(u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+
+    fn leaf(index: usize) -> Self {
+        Self(index as u32 | Self::LEAF)
+    }
+}
+
+/// A run of triangles.
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
     first: u32,
     count: u32,
 }
@@ -52,8 +65,9 @@ const UNIT_ROUNDOFF: f32 = f32::EPSILON * 0.5;
 /// Components of directions are kept this far from zero, so that no slab distance is 0 · ∞.
 const SMALLEST_DIRECTION: f32 = 1e-18;
 
-/// A step down leaves at most this many siblings behind.
-const MAX_STACK: usize = (WIDTH - 1) * build::MAX_DEPTH;
+/// The most nodes that may wait to be visited. A tree that would need more is built anew, balanced: then 28 levels
+/// hold 2^28 leaves, and a step down leaves three siblings behind.
+const MAX_STACK: usize = 96;
 
 impl Bvh {
     /// Builds the tree over the traced triangles of a scene, on the threads of the caller's rayon pool.
@@ -77,7 +91,9 @@ impl Bvh {
 
     /// Bytes of memory held.
     pub fn memory(&self) -> usize {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.triangles.as_slice())
+        size_of_val(self.nodes.as_slice())
+            + size_of_val(self.leaves.as_slice())
+            + size_of_val(self.triangles.as_slice())
     }
 
     /// Visits leaves front to back until `visit` has shortened the ray to nothing.
@@ -90,10 +106,11 @@ impl Bvh {
         let mut stack = Stack { entries: [(Child::default(), 0.0); MAX_STACK], len: 0 };
         let mut current = self.root;
         loop {
-            if current.count > 0 {
-                let first = current.first as usize;
-                t_max = visit(&self.triangles[first..first + current.count as usize], t_max);
-            } else if let Some(node) = self.nodes.get(current.first as usize) {
+            if current.0 & Child::LEAF != 0 {
+                let leaf = self.leaves[(current.0 & !Child::LEAF) as usize];
+                let first = leaf.first as usize;
+                t_max = visit(&self.triangles[first..first + leaf.count as usize], t_max);
+            } else if let Some(node) = self.nodes.get(current.0 as usize) {
                 let near = slabs.enter(node, t_max);
                 let bottom = stack.len;
                 for (child, t) in node.children.iter().zip(near) {
@@ -144,52 +161,31 @@ impl Stack {
 struct Slabs {
     origin: [f32; 3],
     inverse: [f32; 3],
+    /// Which of a box's two sides on each axis the ray meets first.
+    first: [usize; 3],
 }
 
 impl Slabs {
     fn new(ray: &Ray) -> Self {
         let away_from_zero =
             |d: f32| if d.abs() < SMALLEST_DIRECTION { SMALLEST_DIRECTION.copysign(d) } else { d };
-        Self {
-            origin: ray.origin.to_array(),
-            inverse: ray.direction.to_array().map(|d| 1.0 / away_from_zero(d)),
-        }
+        let inverse = ray.direction.to_array().map(|d| 1.0 / away_from_zero(d));
+        Self { origin: ray.origin.to_array(), inverse, first: inverse.map(|i| usize::from(i < 0.0)) }
     }
 
     /// Where the ray enters each child's box; infinity where it does not before `t_max`.
-    #[inline]
+    #[inline(always)]
     fn enter(&self, node: &Node, t_max: f32) -> [f32; WIDTH] {
-        let (mut near, mut far) = ([0.0f32; WIDTH], [f32::INFINITY; WIDTH]);
+        let (mut near, mut far) = (Vec4::ZERO, Vec4::INFINITY);
         for axis in 0..3 {
-            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
-            // The side that the ray meets first, by its sign.
-            let (first, last) = if inverse < 0.0 { (&node.max, &node.min) } else { (&node.min, &node.max) };
-            for i in 0..WIDTH {
-                // Subtract first: a fused lo * inverse - o * inverse loses rays far from the origin.
-                near[i] = larger((first[axis][i] - origin) * inverse, near[i]);
-                far[i] = smaller((last[axis][i] - origin) * inverse, far[i]);
-            }
+            let [first, last] = [self.first[axis], 1 - self.first[axis]].map(|side| node.bounds[axis][side]);
+            // Subtract first: a fused lo * inverse - o * inverse loses rays far from the origin.
+            near = near.max((first - self.origin[axis]) * self.inverse[axis]);
+            far = far.min((last - self.origin[axis]) * self.inverse[axis]);
         }
-        let mut entered = [f32::INFINITY; WIDTH];
-        for i in 0..WIDTH {
-            if near[i] <= smaller(far[i] * FAR_PADDING, t_max) {
-                entered[i] = near[i];
-            }
-        }
-        entered
+        let entered = near.cmple((far * FAR_PADDING).min(Vec4::splat(t_max)));
+        Vec4::select(entered, near, Vec4::INFINITY).to_array()
     }
-}
-
-/// The larger of two numbers that are not NaN: one instruction, where `f32::max` takes several.
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// The smaller of two numbers that are not NaN.
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }
 
 impl RayTracer for Bvh {
