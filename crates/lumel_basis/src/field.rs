@@ -49,7 +49,12 @@ impl Field {
 
     /// The field at a surface point; `weights` is scratch space.
     #[inline]
-    pub fn at<B: Basis + ?Sized>(&self, basis: &B, at: SurfacePoint, weights: &mut NodeWeights) -> Irradiance {
+    pub fn at<B: Basis + ?Sized>(
+        &self,
+        basis: &B,
+        at: SurfacePoint,
+        weights: &mut NodeWeights,
+    ) -> Irradiance {
         weights.clear();
         basis.weights_at(at, weights);
         weights.iter().map(|(node, weight)| self.node(node) * weight).sum()
