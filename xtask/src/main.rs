@@ -1,7 +1,7 @@
 //! `cargo x`: tests, checks and benchmarks of the lumel workspace.
 
-mod python;
 mod tidy;
+mod tools;
 
 use anyhow::{Context, Result, bail};
 use std::io::Write;
@@ -66,12 +66,9 @@ fn run(mut command: Command) -> Result<()> {
 }
 
 fn test(arguments: &[String]) -> Result<()> {
-    let python = python::with_numpy()?;
     let mut command = cargo(&["test", "--workspace"]);
     command.args(arguments);
-    if let Some(python) = python {
-        command.env("LUMEL_PYTHON", python);
-    }
+    tools::provide(&mut command)?;
     run(command)
 }
 

@@ -1,0 +1,69 @@
+//! Programs that read our files as users do: NumPy and Khronos' glTF validator.
+
+use crate::{root, say};
+use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Sets up the programs below `target` and tells the tests where they are.
+///
+/// What cannot be had is printed with the reason; the tests that need it say that they are skipped.
+///
+/// # Errors
+/// In CI, where no test may be skipped.
+pub(crate) fn provide(tests: &mut Command) -> Result<()> {
+    match python_with_numpy() {
+        Some(python) => {
+            tests.env("LUMEL_PYTHON", python);
+        }
+        None => missing("Python 3 with the package numpy", "python3 -m pip install numpy")?,
+    }
+    match gltf_validator() {
+        Some(modules) => {
+            tests.env("NODE_PATH", modules);
+        }
+        None => missing("Node.js with the package gltf-validator", "apt-get install nodejs npm")?,
+    }
+    Ok(())
+}
+
+fn missing(what: &str, remedy: &str) -> Result<()> {
+    if std::env::var_os("CI").is_some() {
+        bail!("some tests need {what}, and CI must not skip them; try `{remedy}`");
+    }
+    say(&format!("skipped: some tests need {what}; try `{remedy}`"));
+    Ok(())
+}
+
+/// A Python with NumPy: the system's, or one in a virtual environment.
+fn python_with_numpy() -> Option<PathBuf> {
+    let system = PathBuf::from("python3");
+    let environment = root().join("target/python");
+    let local = environment.join("bin/python");
+    let has_numpy = |python: &Path| succeeds(Command::new(python).args(["-c", "import numpy"]));
+    if let Some(python) = [&system, &local].into_iter().find(|python| has_numpy(python)) {
+        return Some(python.clone());
+    }
+    let made = succeeds(Command::new(&system).args(["-m", "venv"]).arg(&environment))
+        && succeeds(Command::new(&local).args(["-m", "pip", "install", "--quiet", "numpy"]));
+    made.then_some(local)
+}
+
+/// The folder of Node.js modules that has the validator.
+fn gltf_validator() -> Option<PathBuf> {
+    let folder = root().join("target/node");
+    let modules = folder.join("node_modules");
+    let mut probe = Command::new("node");
+    probe.args(["-e", "require.resolve('gltf-validator')"]).env("NODE_PATH", &modules);
+    if succeeds(&mut probe) {
+        return Some(modules);
+    }
+    let mut install = Command::new("npm");
+    install.args(["install", "--silent", "--no-save", "--prefix"]).arg(&folder).arg("gltf-validator");
+    (std::fs::create_dir_all(&folder).is_ok() && succeeds(&mut install) && succeeds(&mut probe))
+        .then_some(modules)
+}
+
+fn succeeds(command: &mut Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+}
