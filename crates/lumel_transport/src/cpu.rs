@@ -5,7 +5,7 @@ use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 use crate::lights::LightSet;
 use crate::plan::Plan;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use lumel_accel::RayTracer;
 use lumel_basis::{Basis, ElementId, Measure, NodeWeights, Receivers, Site};
 use lumel_sample::{Dim, Sampler, StreamKey};
@@ -16,6 +16,9 @@ use std::sync::Arc;
 
 /// Elements per chunk: few enough to spread over cores and to stop quickly, enough to make a chunk worth its lock.
 const CHUNK: usize = 16;
+
+/// Rays of one origin that the tracer gets at once; between bundles the cancel flag is looked at.
+const MAX_BUNDLE: usize = 256;
 
 /// Rays that decide whether an element lies inside geometry.
 const OPENNESS_RAYS: u32 = 64;
@@ -115,13 +118,15 @@ struct Meter<'a, B, R> {
     towards: NodeWeights,
     /// Scratch space for reading the field back.
     weights: NodeWeights,
+    /// Scratch space for the directions of a bundle.
+    directions: Vec<Vec3>,
     n_rays: u64,
 }
 
 impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
     fn new(transport: &'a CpuTransport<B, R>, job: &'a Job<'a>, control: &'a Control) -> Self {
         let (towards, weights) = (NodeWeights::default(), NodeWeights::default());
-        Self { transport, job, control, towards, weights, n_rays: 0 }
+        Self { transport, job, control, towards, weights, directions: Vec::new(), n_rays: 0 }
     }
 
     fn key(&self, element: ElementId) -> StreamKey {
@@ -164,10 +169,20 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         };
         let samples = plan.sampler.sample_count(requested);
         let stream = plan.sampler.for_count(samples).stream(key, dim);
+        let transport = self.transport;
         let mut sum = DVec3::ZERO;
-        for i in 0..samples {
-            self.control.check_at(i)?;
-            sum += self.look(site, stream.sample_2d(i)).0;
+        for first in (0..samples).step_by(MAX_BUNDLE) {
+            self.control.check()?;
+            let last = samples.min(first + MAX_BUNDLE as u32);
+            self.directions.clear();
+            self.directions.extend((first..last).map(|i| hemisphere::direction(site, stream.sample_2d(i))));
+            let mut hits = [None; MAX_BUNDLE];
+            let hits = &mut hits[..self.directions.len()];
+            transport.tracer.closest_hits(&hemisphere::bundle(site, &self.directions), hits);
+            self.n_rays += hits.len() as u64;
+            for hit in hits {
+                sum += self.measured(&Seen::new(&transport.scene, *hit));
+            }
         }
         Ok(sum / f64::from(samples))
     }
@@ -175,19 +190,24 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
     /// Traces one hemisphere ray: what it measures, and whether it met the back of a surface.
     #[inline]
     fn look(&mut self, site: &Site, u: [f32; 2]) -> (DVec3, bool) {
-        let t = self.transport;
         self.n_rays += 1;
-        let hit = t.tracer.closest_hit(&hemisphere::ray(site, hemisphere::direction(site, u)));
-        let seen = Seen::new(&t.scene, hit);
-        let back = matches!(seen, Seen::Back);
-        let value = match self.job.source {
+        let transport = self.transport;
+        let hit = transport.tracer.closest_hit(&hemisphere::ray(site, hemisphere::direction(site, u)));
+        let seen = Seen::new(&transport.scene, hit);
+        (self.measured(&seen), matches!(seen, Seen::Back))
+    }
+
+    /// What a hemisphere ray measures where it ends.
+    #[inline]
+    fn measured(&mut self, seen: &Seen) -> DVec3 {
+        let t = self.transport;
+        match self.job.source {
             Source::Field(field) => {
-                hemisphere::reflected(&t.scene, &*t.source, field, &seen, &mut self.weights).0.as_dvec3()
+                hemisphere::reflected(&t.scene, &*t.source, field, seen, &mut self.weights).0.as_dvec3()
             }
-            Source::Emitters => hemisphere::emitted(&t.scene, t.lights.emission_by_rays, &seen).0.as_dvec3(),
-            Source::Openness => DVec3::splat(if back { 0.0 } else { 1.0 }),
-        };
-        (value, back)
+            Source::Emitters => hemisphere::emitted(&t.scene, t.lights.emission_by_rays, seen).0.as_dvec3(),
+            Source::Openness => DVec3::splat(if matches!(seen, Seen::Back) { 0.0 } else { 1.0 }),
+        }
     }
 
     /// A ray from each of many origins; a node's value is their mean by weight.

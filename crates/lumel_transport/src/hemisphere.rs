@@ -1,7 +1,7 @@
 //! The hemisphere form: light that arrives along rays.
 
 use glam::Vec3;
-use lumel_accel::{Hit, Ray};
+use lumel_accel::{Bundle, Hit, Ray};
 use lumel_basis::{Basis, Field, NodeWeights, Site};
 use lumel_sample::cosine_hemisphere;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
@@ -37,6 +37,11 @@ pub(crate) fn direction(site: &Site, u: [f32; 2]) -> Vec3 {
 #[inline]
 pub(crate) fn ray(site: &Site, direction: Vec3) -> Ray {
     Ray { origin: site.origin, direction, t_max: f32::INFINITY, skip: site.skip }
+}
+
+/// Hemisphere rays of a site.
+pub(crate) fn bundle<'a>(site: &Site, directions: &'a [Vec3]) -> Bundle<'a> {
+    Bundle { origin: site.origin, directions, t_max: f32::INFINITY, skip: site.skip }
 }
 
 /// One cosine-distributed sample of the light that surfaces reflect: `ρE` at the point that was met.
