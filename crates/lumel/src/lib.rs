@@ -16,6 +16,7 @@
 //! ```
 
 mod baker;
+mod dark;
 mod measure;
 mod open;
 mod project;

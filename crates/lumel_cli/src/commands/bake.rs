@@ -86,6 +86,7 @@ fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Baked
     let Some(log) = session.solve(&baker, &mut state, Some(&checkpoint))? else {
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
+    warn_of_dark_faces(&baker, &state, session);
     let solution = solution(&baker, &state, session, &log);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
     let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
@@ -117,6 +118,16 @@ fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
         };
         with_hint(anyhow::Error::new(error).context(format!("cannot go on from {}", file.display())), hint)
     })
+}
+
+fn warn_of_dark_faces(baker: &Baker, state: &SolveState, session: &Session) {
+    let n = baker.dark_faces(state);
+    if n > 0 {
+        let faces = crate::report::counted(n, "triangle stays", "triangles stay");
+        session.console.warning(&format!(
+            "{faces} dark though visible: all their vertices lie inside geometry; split them with a smaller --max-edge"
+        ));
+    }
 }
 
 fn tell_of_old_checkpoint(path: &Path, session: &Session) {
