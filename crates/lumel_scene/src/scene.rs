@@ -6,6 +6,7 @@ use crate::{
     SurfacePoint, Texture, TextureRef, TriId,
 };
 use glam::{Vec2, Vec3};
+use std::sync::OnceLock;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +60,8 @@ pub struct Scene {
     cameras: Vec<Camera>,
     sky: Radiance,
     bounds: Bounds,
+    /// Made when it is first asked for: every checkpoint names it.
+    hash: OnceLock<SceneHash>,
 }
 
 /// Triangles and vertices of all objects in one list.
@@ -145,6 +148,7 @@ impl Scene {
             lights: builder.lights,
             cameras: builder.cameras,
             sky: builder.sky,
+            hash: OnceLock::new(),
         }
     }
 
@@ -230,7 +234,7 @@ impl Scene {
 
     /// Hashes that tell this scene from others.
     pub fn hash(&self) -> SceneHash {
-        SceneHash::of(self)
+        *self.hash.get_or_init(|| SceneHash::of(self))
     }
 
     /// Vertex indices of a triangle.

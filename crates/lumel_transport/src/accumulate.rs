@@ -2,7 +2,7 @@
 
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, Transport};
 use glam::{DVec3, Vec3};
-use lumel_basis::{Field, NodeId};
+use lumel_basis::Field;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A measured field.
@@ -77,10 +77,5 @@ impl Measured {
             field: Field::from_values(sums.iter().map(mean).collect()),
             known: sums.iter().map(|(weight, _)| *weight > 0.0).collect(),
         }
-    }
-
-    /// A measured node, or `None` if it was not.
-    pub fn node(&self, node: NodeId) -> Option<Vec3> {
-        self.known[node.index()].then(|| self.field.node(node).0)
     }
 }

@@ -60,11 +60,6 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         Self { scene, tracer, source, receivers, lights, plan }
     }
 
-    /// The lights it measures.
-    pub fn lights(&self) -> &LightSet {
-        &self.lights
-    }
-
     fn measure_chunk(&self, job: &Job<'_>, chunk: u32, control: &Control) -> Result<ChunkSums, Cancelled> {
         let first = chunk as usize * CHUNK;
         let last = (first + CHUNK).min(self.receivers.element_count());

@@ -1,8 +1,8 @@
 //! One application of the light transport operator: measure the light that arrives at receivers.
 //!
-//! Two kernels do all the work. The area form integrates over a [`LightSet`], the hemisphere
-//! form over directions; both are measured by a [`CpuTransport`] in chunks of elements and merged by
-//! [`accumulate`] in the order of the chunks, so that the bits of the result do not depend on who computed what.
+//! Two kernels do all the work. The area form integrates over lights, the hemisphere form over directions; both are
+//! measured by a [`CpuTransport`] in chunks of elements and merged by [`accumulate`] in the order of the chunks, so
+//! that the bits of the result do not depend on who computed what.
 //! Nothing here knows about bounces: the same operator serves all of them.
 
 mod accumulate;
@@ -18,6 +18,4 @@ mod polygon;
 pub use accumulate::{Measured, PartialField, accumulate};
 pub use cpu::CpuTransport;
 pub use job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
-pub use lights::LightSet;
 pub use plan::{EmitterSampling, LightSampling, Plan};
-pub use polygon::polygon_irradiance;

@@ -40,7 +40,7 @@ pub(crate) enum PointlikeLight {
 
 /// All that shines in a scene, split by how it is measured.
 #[derive(Clone, Debug)]
-pub struct LightSet {
+pub(crate) struct LightSet {
     pub(crate) area: Vec<AreaLight>,
     pub(crate) pointlike: Vec<PointlikeLight>,
     /// Chooses among the area lights by power when they are too many to loop over.
@@ -53,7 +53,7 @@ pub struct LightSet {
 
 impl LightSet {
     /// The lights of a scene.
-    pub fn new(scene: &Scene, emitters: EmitterSampling) -> Self {
+    pub(crate) fn new(scene: &Scene, emitters: EmitterSampling) -> Self {
         let mut set = Self {
             area: Vec::new(),
             pointlike: Vec::new(),
@@ -80,11 +80,6 @@ impl LightSet {
     /// Whether direct light needs hemisphere rays.
     pub(crate) fn needs_hemisphere(&self) -> bool {
         self.sky || self.emission_by_rays
-    }
-
-    /// Whether nothing shines.
-    pub fn is_dark(&self) -> bool {
-        self.area.is_empty() && self.pointlike.is_empty() && !self.needs_hemisphere()
     }
 
     fn add_emissive_surfaces(&mut self, scene: &Scene, emitters: EmitterSampling) {

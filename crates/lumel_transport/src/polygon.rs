@@ -1,20 +1,15 @@
 //! The closed form of a polygon's light.
 
 use glam::{DVec3, Vec3};
-use lumel_scene::{Irradiance, Radiance};
 
-/// Unblocked irradiance of a flat polygon of constant radiance, at `point` with unit `normal`.
+/// Unblocked irradiance of a flat polygon per unit of its constant radiance, at `point` with unit `normal`: the form
+/// factor times pi.
 ///
 /// The corners run counter-clockwise seen from the lit side; points behind the polygon get nothing. The part of it
-/// below the receiver's horizon is clipped off. Exact to about 1e-12 of the radiance, relative error 1e-6 for
-/// polygons that subtend more than 1e-3.
+/// below the receiver's horizon is clipped off. Exact to about 1e-12, relative error 1e-6 for polygons that subtend
+/// more than 1e-3.
 ///
 /// Lambert, *Photometria*, 1760; Arvo, *Analytic Methods for Simulated Light Transport*, 1995, 2.3.
-pub fn polygon_irradiance(corners: &[Vec3], radiance: Radiance, point: Vec3, normal: Vec3) -> Irradiance {
-    Irradiance(radiance.0 * unit_irradiance(corners, point, normal) as f32)
-}
-
-/// The irradiance per unit of radiance: the form factor times pi.
 pub(crate) fn unit_irradiance(corners: &[Vec3], point: Vec3, normal: Vec3) -> f64 {
     let from = point.as_dvec3();
     let normal = normal.as_dvec3();
