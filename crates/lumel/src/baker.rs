@@ -115,12 +115,22 @@ impl Baker {
         Ok(())
     }
 
+    /// A field's value at every vertex of the scene, W·m⁻².
+    pub fn at_vertices(&self, field: &Field) -> Vec<Vec3> {
+        self.basis.node_of_vertex().iter().map(|&node| field.node(node).0).collect()
+    }
+
+    /// What holds for the nodes of the basis, for every vertex of the scene; true where it is not known of the node.
+    pub fn flags_at_vertices(&self, nodes: &[bool]) -> Vec<bool> {
+        let flag = |node: &NodeId| nodes.get(node.index()).copied().unwrap_or(true);
+        self.basis.node_of_vertex().iter().map(flag).collect()
+    }
+
     /// The light at every vertex of the scene.
     pub fn solution(&self, state: &SolveState) -> Solution {
-        let nodes = self.basis.node_of_vertex();
-        let at_vertices = |field: &Field| nodes.iter().map(|&node| field.node(node).0).collect::<Vec<Vec3>>();
+        let at_vertices = |field: &Field| self.at_vertices(field);
         let settings = serde_json::to_value(&self.settings).unwrap_or_default();
-        let no_light = || vec![Vec3::ZERO; nodes.len()];
+        let no_light = || vec![Vec3::ZERO; self.scene.vertex_count()];
         Solution {
             meta: SolutionMeta::new(&self.scene, settings),
             positions: self.scene.positions().to_vec(),
@@ -128,7 +138,7 @@ impl Baker {
             irradiance: if state.bounces.is_empty() { no_light() } else { at_vertices(&state.total()) },
             bounces: state.bounces.iter().map(at_vertices).collect(),
             tail: state.tail.as_ref().map(at_vertices),
-            valid: nodes.iter().map(|node| state.valid.get(node.index()).copied().unwrap_or(true)).collect(),
+            valid: self.flags_at_vertices(&state.valid),
         }
     }
 
