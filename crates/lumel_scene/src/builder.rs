@@ -3,7 +3,8 @@
 use crate::corners::{Corners, split_vertices};
 use crate::scene::{FaceList, Scene};
 use crate::{
-    Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, Sides, Texture, Warnings, normals,
+    Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, RectLight, Sides, Texture,
+    TextureId, Warnings, normals,
 };
 use glam::{Vec2, Vec3};
 
@@ -168,8 +169,8 @@ impl SceneBuilder {
     /// Anything that cannot be mended: see [`SceneError`].
     pub fn build(mut self) -> Result<(Scene, Warnings), SceneError> {
         let mut warnings = Warnings::default();
-        self.check_textures()?;
-        self.check_lights()?;
+        self.check_materials()?;
+        check_lights(&self.lights, self.textures.len())?;
         if !self.sky.0.is_finite() || self.sky.0.min_element() < 0.0 {
             return Err(SceneError::BadSky);
         }
@@ -213,31 +214,12 @@ impl SceneBuilder {
         Ok(())
     }
 
-    fn check_textures(&self) -> Result<(), SceneError> {
-        let count = self.textures.len();
-        let check = |user: String, index: u32| {
-            if (index as usize) < count { Ok(()) } else { Err(SceneError::BadTexture { user, index, count }) }
-        };
+    fn check_materials(&self) -> Result<(), SceneError> {
         for material in &self.materials {
             let used = [material.albedo_texture, material.emission_texture, material.normal_texture];
             for texture in used.into_iter().flatten() {
-                check(format!("material \"{}\"", material.name), texture.texture.0)?;
-            }
-        }
-        for (index, light) in self.lights.iter().enumerate() {
-            if let Light::Rect(rect) = light
-                && let Some(texture) = rect.texture
-            {
-                check(format!("light {index}"), texture.0)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn check_lights(&self) -> Result<(), SceneError> {
-        for (index, light) in self.lights.iter().enumerate() {
-            if let Some(problem) = light_problem(light) {
-                return Err(SceneError::BadLight { index, problem });
+                let user = || format!("material \"{}\"", material.name);
+                check_texture(texture.texture, self.textures.len(), user)?;
             }
         }
         Ok(())
@@ -272,6 +254,26 @@ impl SceneBuilder {
             warnings.push(subject, format!("albedo of up to {highest:.3} is clamped to {MAX_ALBEDO}"));
         }
     }
+}
+
+/// Checks the lights of a scene with so many textures.
+pub(crate) fn check_lights(lights: &[Light], n_textures: usize) -> Result<(), SceneError> {
+    for (index, light) in lights.iter().enumerate() {
+        if let Light::Rect(RectLight { texture: Some(texture), .. }) = light {
+            check_texture(*texture, n_textures, || format!("light {index}"))?;
+        }
+        if let Some(problem) = light_problem(light) {
+            return Err(SceneError::BadLight { index, problem });
+        }
+    }
+    Ok(())
+}
+
+fn check_texture(texture: TextureId, count: usize, user: impl Fn() -> String) -> Result<(), SceneError> {
+    if texture.index() < count {
+        return Ok(());
+    }
+    Err(SceneError::BadTexture { user: user(), index: texture.0, count })
 }
 
 fn light_problem(light: &Light) -> Option<&'static str> {
@@ -387,7 +389,7 @@ impl ObjectMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FaceSide, RectLight, TriId};
+    use crate::{FaceSide, TriId};
 
     pub(crate) fn quad(name: &str) -> ObjectMesh {
         let face = |vertices| Face { vertices, material: MaterialId(0), smoothing: Smoothing::Crease };
@@ -471,18 +473,41 @@ mod tests {
         );
     }
 
+    /// A unit of light on the plane of `u` and `v`.
+    fn lamp(u: Vec3, v: Vec3) -> RectLight {
+        RectLight { center: Vec3::ZERO, u, v, radiance: Radiance::splat(1.0), texture: None }
+    }
+
     #[test]
     fn lights_that_are_not_rectangles_are_refused() {
         let mut b = builder(vec![quad("q")]);
-        let light = RectLight {
-            center: Vec3::ZERO,
-            u: Vec3::X,
-            v: Vec3::X + Vec3::Y,
-            radiance: Radiance::splat(1.0),
-            texture: None,
-        };
-        b.lights.push(Light::Rect(light));
+        b.lights.push(Light::Rect(lamp(Vec3::X, Vec3::X + Vec3::Y)));
         assert!(b.build().unwrap_err().to_string().contains("right angle"));
+    }
+
+    #[test]
+    fn relit_scenes_share_their_surfaces_and_differ_in_lights() {
+        let (scene, _) = builder(vec![quad("q")]).build().unwrap();
+        let light = Light::Rect(lamp(Vec3::X, Vec3::Y));
+        let relit = scene.relit(vec![light; 2]).unwrap();
+        assert_eq!((scene.lights(), relit.lights()), (&[][..], &[light; 2][..]));
+        assert_eq!((relit.name(), relit.triangle_count()), ("test", 2));
+        assert!(std::ptr::eq(relit.positions(), scene.positions()), "nothing is copied");
+        assert!(std::ptr::eq(relit.textures(), scene.textures()));
+    }
+
+    #[test]
+    fn relit_scenes_refuse_the_lights_that_builders_refuse() {
+        let (scene, _) = builder(vec![quad("q")]).build().unwrap();
+        let textured = RectLight { texture: Some(TextureId(3)), ..lamp(Vec3::X, Vec3::Y) };
+        let lights = [lamp(Vec3::X, Vec3::X + Vec3::Y), lamp(Vec3::X, Vec3::ZERO), textured];
+        for light in lights.map(Light::Rect) {
+            let mut b = builder(vec![quad("q")]);
+            b.lights = vec![Light::Rect(lamp(Vec3::X, Vec3::Y)), light];
+            let refused = scene.relit(b.lights.clone()).unwrap_err();
+            assert!(refused.to_string().starts_with("light 1"), "{refused}");
+            assert_eq!(b.build().unwrap_err(), refused);
+        }
     }
 
     #[test]

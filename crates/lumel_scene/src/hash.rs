@@ -1,6 +1,6 @@
 //! Recognising a scene.
 
-use crate::{Material, Scene, Texture, TriId};
+use crate::{Light, Material, Radiance, Scene, Texture, TriId};
 use std::fmt;
 
 /// What a solution must agree with to belong to a scene.
@@ -12,10 +12,25 @@ pub struct SceneHash {
     pub lighting: blake3::Hash,
 }
 
-impl SceneHash {
-    /// The hashes of a scene.
-    pub fn of(scene: &Scene) -> Self {
-        Self { geometry: geometry(scene), lighting: lighting(scene) }
+/// What the hashes of all scenes with the same surfaces have in common, which is nearly all the work.
+#[derive(Debug)]
+pub(crate) struct UnlitHash {
+    geometry: blake3::Hash,
+    /// Where hashing the lighting has got to before lights and sky.
+    surfaces: Bytes,
+}
+
+impl UnlitHash {
+    /// That of a scene, whatever its lights.
+    pub(crate) fn of(scene: &Scene) -> Self {
+        Self { geometry: geometry(scene), surfaces: surfaces(scene) }
+    }
+
+    /// The hashes under these lights.
+    pub(crate) fn lit_by(&self, lights: &[Light], sky: Radiance) -> SceneHash {
+        let mut lighting = self.surfaces.clone();
+        lighting.push(format!("{lights:?} {sky:?}").as_bytes());
+        SceneHash { geometry: self.geometry, lighting: lighting.finish() }
     }
 }
 
@@ -38,7 +53,7 @@ fn geometry(scene: &Scene) -> blake3::Hash {
     bytes.finish()
 }
 
-fn lighting(scene: &Scene) -> blake3::Hash {
+fn surfaces(scene: &Scene) -> Bytes {
     let mut bytes = Bytes::default();
     for tri in 0..scene.triangle_count() {
         bytes.push(&scene.material_id(TriId(tri as u32)).0.to_le_bytes());
@@ -57,8 +72,7 @@ fn lighting(scene: &Scene) -> blake3::Hash {
     for tint in scene.tints() {
         bytes.floats(tint.to_array());
     }
-    bytes.push(format!("{:?} {:?}", scene.lights(), scene.sky()).as_bytes());
-    bytes.finish()
+    bytes
 }
 
 fn push_texture(bytes: &mut Bytes, texture: &Texture) {
@@ -77,7 +91,7 @@ fn push_texture(bytes: &mut Bytes, texture: &Texture) {
 }
 
 /// Feeds the hasher in large portions: it is several times as fast as with a few bytes at a time.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Bytes {
     hasher: blake3::Hasher,
     pending: Vec<u8>,
@@ -116,6 +130,20 @@ mod tests {
         let mut builder = builtin::scene("furnace", 0).unwrap();
         change(&mut builder);
         builder.build().unwrap().0.hash()
+    }
+
+    #[test]
+    fn a_relit_scene_has_the_hash_of_one_built_with_its_lights() {
+        let mut builder = builtin::scene("cornell-box", 0).unwrap();
+        let scene = builder.clone().build().unwrap().0;
+        let Light::Rect(mut lamp) = builder.lights[0] else { panic!("a rectangle lights the Cornell box") };
+        lamp.radiance = Radiance::splat(2.0);
+        builder.lights = vec![Light::Rect(lamp); 2];
+        let relit = scene.relit(builder.lights.clone()).unwrap();
+        assert_eq!(relit.hash(), builder.build().unwrap().0.hash());
+        assert_eq!(relit.hash().geometry, scene.hash().geometry);
+        assert_ne!(relit.hash().lighting, scene.hash().lighting);
+        assert_eq!(relit.relit(scene.lights().to_vec()).unwrap().hash(), scene.hash());
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! The immutable scene that everything else reads.
 
-use crate::builder::{ObjectMesh, SceneBuilder};
+use crate::builder::{ObjectMesh, SceneBuilder, check_lights};
+use crate::hash::UnlitHash;
 use crate::{
-    Albedo, Barycentrics, Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, SceneHash,
-    SurfacePoint, Texture, TextureRef, TriId,
+    Albedo, Barycentrics, Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, SceneError,
+    SceneHash, SurfacePoint, Texture, TextureRef, TriId,
 };
 use glam::{Vec2, Vec3};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,17 +52,25 @@ pub enum FaceSide {
 /// never mixes, and every triangle is lit from its front only.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    /// Shared by all scenes that differ in their lights only.
+    unlit: Arc<Unlit>,
+    lights: Vec<Light>,
+    /// Made when it is first asked for: every checkpoint names it.
+    hash: OnceLock<SceneHash>,
+}
+
+/// All of a scene but its lights.
+#[derive(Debug)]
+struct Unlit {
     name: String,
     faces: FaceList,
     object_names: Vec<String>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
-    lights: Vec<Light>,
     cameras: Vec<Camera>,
     sky: Radiance,
     bounds: Bounds,
-    /// Made when it is first asked for: every checkpoint names it.
-    hash: OnceLock<SceneHash>,
+    hash: OnceLock<UnlitHash>,
 }
 
 /// Triangles and vertices of all objects in one list.
@@ -138,78 +147,90 @@ impl FaceList {
 
 impl Scene {
     pub(crate) fn new(builder: SceneBuilder, mut faces: FaceList) -> Self {
-        Self {
+        let unlit = Unlit {
             name: builder.name,
             bounds: Bounds::around(faces.positions.iter().copied()),
             object_names: std::mem::take(&mut faces.object_names),
             faces,
             materials: builder.materials,
             textures: builder.textures,
-            lights: builder.lights,
             cameras: builder.cameras,
             sky: builder.sky,
             hash: OnceLock::new(),
-        }
+        };
+        Self { unlit: Arc::new(unlit), lights: builder.lights, hash: OnceLock::new() }
+    }
+
+    /// The same scene under other lights. Geometry, materials and textures are shared, not copied, and hashed once.
+    ///
+    /// Vertices and triangles keep their indices, so ray tracers and bases of the one scene serve the other. Lights
+    /// may use the textures that the scene has, as before.
+    ///
+    /// # Errors
+    /// Lights that [`SceneBuilder::build`] would refuse.
+    pub fn relit(&self, lights: Vec<Light>) -> Result<Self, SceneError> {
+        check_lights(&lights, self.unlit.textures.len())?;
+        Ok(Self { unlit: Arc::clone(&self.unlit), lights, hash: OnceLock::new() })
     }
 
     /// The scene's name.
     pub fn name(&self) -> &str {
-        &self.name
+        &self.unlit.name
     }
 
     /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
-        self.faces.positions.len()
+        self.unlit.faces.positions.len()
     }
 
     /// Number of triangles, back sides included.
     pub fn triangle_count(&self) -> usize {
-        self.faces.triangles.len()
+        self.unlit.faces.triangles.len()
     }
 
     /// Number of triangles that rays meet: the first ones.
     pub fn traced_count(&self) -> usize {
-        self.faces.traced
+        self.unlit.faces.traced
     }
 
     /// Vertex positions, metres.
     pub fn positions(&self) -> &[Vec3] {
-        &self.faces.positions
+        &self.unlit.faces.positions
     }
 
     /// Vertex normals, unit length, on the lit side.
     pub fn normals(&self) -> &[Vec3] {
-        &self.faces.normals
+        &self.unlit.faces.normals
     }
 
     /// Texture coordinates of the vertices, `v` down; zero where the file has none.
     pub fn uvs(&self) -> &[Vec2] {
-        &self.faces.uvs
+        &self.unlit.faces.uvs
     }
 
     /// Vertex colours that multiply the albedo; one where the file has none.
     pub fn tints(&self) -> &[Vec3] {
-        &self.faces.tints
+        &self.unlit.faces.tints
     }
 
     /// Vertex indices of all triangles.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.faces.triangles
+        &self.unlit.faces.triangles
     }
 
     /// Names of the objects; indexed by [`ObjectId`].
     pub fn object_names(&self) -> &[String] {
-        &self.object_names
+        &self.unlit.object_names
     }
 
     /// The materials; indexed by [`MaterialId`].
     pub fn materials(&self) -> &[Material] {
-        &self.materials
+        &self.unlit.materials
     }
 
     /// The textures; indexed by [`TextureId`](crate::TextureId).
     pub fn textures(&self) -> &[Texture] {
-        &self.textures
+        &self.unlit.textures
     }
 
     /// The lights.
@@ -219,51 +240,52 @@ impl Scene {
 
     /// The viewpoints; the first is the default.
     pub fn cameras(&self) -> &[Camera] {
-        &self.cameras
+        &self.unlit.cameras
     }
 
     /// Radiance from outside the scene.
     pub fn sky(&self) -> Radiance {
-        self.sky
+        self.unlit.sky
     }
 
     /// Bounds of all vertices.
     pub fn bounds(&self) -> Bounds {
-        self.bounds
+        self.unlit.bounds
     }
 
     /// Hashes that tell this scene from others.
     pub fn hash(&self) -> SceneHash {
-        *self.hash.get_or_init(|| SceneHash::of(self))
+        let unlit = || self.unlit.hash.get_or_init(|| UnlitHash::of(self));
+        *self.hash.get_or_init(|| unlit().lit_by(&self.lights, self.sky()))
     }
 
     /// Vertex indices of a triangle.
     #[inline]
     pub fn triangle(&self, tri: TriId) -> [u32; 3] {
-        self.faces.triangles[tri.index()]
+        self.unlit.faces.triangles[tri.index()]
     }
 
     /// Corner positions of a triangle.
     #[inline]
     pub fn triangle_positions(&self, tri: TriId) -> [Vec3; 3] {
-        self.triangle(tri).map(|v| self.faces.positions[v as usize])
+        self.triangle(tri).map(|v| self.unlit.faces.positions[v as usize])
     }
 
     /// The object a triangle belongs to.
     pub fn object_id(&self, tri: TriId) -> ObjectId {
-        self.faces.objects[tri.index()]
+        self.unlit.faces.objects[tri.index()]
     }
 
     /// The material of a triangle.
     #[inline]
     pub fn material_id(&self, tri: TriId) -> MaterialId {
-        self.faces.materials[tri.index()]
+        self.unlit.faces.materials[tri.index()]
     }
 
     /// The material of a triangle.
     #[inline]
     pub fn material(&self, tri: TriId) -> &Material {
-        &self.materials[self.material_id(tri).index()]
+        &self.unlit.materials[self.material_id(tri).index()]
     }
 
     /// Unit normal from the winding of a triangle, computed in f64.
@@ -281,12 +303,12 @@ impl Scene {
     /// Position of a surface point.
     #[inline]
     pub fn position(&self, at: SurfacePoint) -> Vec3 {
-        self.interpolate(&self.faces.positions, at)
+        self.interpolate(&self.unlit.faces.positions, at)
     }
 
     /// Interpolated vertex normal, unit length.
     pub fn shading_normal(&self, at: SurfacePoint) -> Vec3 {
-        self.interpolate(&self.faces.normals, at)
+        self.interpolate(&self.unlit.faces.normals, at)
             .try_normalize()
             .unwrap_or_else(|| self.geometric_normal(at.tri))
     }
@@ -295,7 +317,7 @@ impl Scene {
     #[inline]
     pub fn uv(&self, at: SurfacePoint) -> Vec2 {
         let ([a, b, c], [wa, wb, wc]) = (self.triangle(at.tri), at.bary.weights());
-        let uv = &self.faces.uvs;
+        let uv = &self.unlit.faces.uvs;
         uv[a as usize] * wa + uv[b as usize] * wb + uv[c as usize] * wc
     }
 
@@ -303,7 +325,7 @@ impl Scene {
     #[inline]
     pub fn albedo(&self, at: SurfacePoint) -> Albedo {
         let material = self.material(at.tri);
-        let tint = self.interpolate(&self.faces.tints, at);
+        let tint = self.interpolate(&self.unlit.faces.tints, at);
         let texture = self.texture_value(material.albedo_texture, at);
         Albedo((material.albedo * tint * texture).clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)))
     }
@@ -321,7 +343,7 @@ impl Scene {
     /// The triangle that rays meet for this one: itself, or the front whose back it is.
     #[inline]
     pub fn traced(&self, tri: TriId) -> TriId {
-        if tri.index() < self.faces.traced { tri } else { self.faces.other_side[tri.index()] }
+        if tri.index() < self.unlit.faces.traced { tri } else { self.unlit.faces.other_side[tri.index()] }
     }
 
     /// The lit surface point that a ray sees when it meets the traced triangle of `at` on `side`.
@@ -332,14 +354,16 @@ impl Scene {
         if side == FaceSide::Front {
             return Some(at);
         }
-        let other = self.faces.other_side[at.tri.index()];
+        let other = self.unlit.faces.other_side[at.tri.index()];
         let bary = Barycentrics { u: at.bary.v, v: at.bary.u };
         (other != at.tri).then_some(SurfacePoint { tri: other, bary })
     }
 
     #[inline]
     fn texture_value(&self, texture: Option<TextureRef>, at: SurfacePoint) -> Vec3 {
-        texture.map_or(Vec3::ONE, |t| self.textures[t.texture.index()].sample(t.transform.apply(self.uv(at))))
+        texture.map_or(Vec3::ONE, |t| {
+            self.unlit.textures[t.texture.index()].sample(t.transform.apply(self.uv(at)))
+        })
     }
 
     #[inline]
