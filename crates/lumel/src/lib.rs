@@ -17,12 +17,14 @@
 
 mod baker;
 mod dark;
+mod estimate;
 mod measure;
 mod open;
 mod project;
 mod settings;
 
 pub use baker::{Baker, ResumeError};
+pub use estimate::{Position, Remainder, Workload};
 pub use lumel_accel::{Bvh, RayTracer};
 pub use lumel_export::{Solution, SolutionSelection};
 pub use lumel_import::PathPolicy;

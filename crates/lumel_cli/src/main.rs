@@ -8,7 +8,6 @@ mod checkpoint;
 mod commands;
 mod console;
 mod difference;
-mod estimate;
 mod failure;
 mod interrupt;
 mod light_file;

@@ -2,11 +2,10 @@
 
 use crate::args::ProgressMode;
 use crate::console::Console;
-use crate::estimate::{Position, Remainder, Workload};
 use crate::interrupt::Interrupt;
 use crate::report;
 use indicatif::{ProgressBar, ProgressStyle};
-use lumel::Step;
+use lumel::{Position, Remainder, Step, Workload};
 use serde_json::{Value, json};
 use std::io::{self, IsTerminal};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

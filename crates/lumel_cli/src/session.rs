@@ -3,11 +3,10 @@
 use crate::args::{ProgressMode, ThreadArgs};
 use crate::checkpoint::Checkpoint;
 use crate::console::Console;
-use crate::estimate::Workload;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use anyhow::Context;
-use lumel::{Baker, Observer, SolveError, SolveState, Step};
+use lumel::{Baker, Observer, SolveError, SolveState, Step, Workload};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;

@@ -1,10 +1,11 @@
 //! How long a solve will still take.
 
-use lumel::{BasisKind, BounceLimit, Settings, Step};
+use crate::settings::{BasisKind, BounceLimit, Settings};
+use lumel_solve::Step;
 
 /// How much there is to do.
 #[derive(Clone, Debug)]
-pub(crate) struct Workload {
+pub struct Workload {
     /// Elements measured per bounce.
     elements: u64,
     /// Rays for each of them in an indirect bounce.
@@ -15,29 +16,29 @@ pub(crate) struct Workload {
 
 /// How far the solve is.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Position {
+pub struct Position {
     /// What is being measured.
-    pub(crate) step: Step,
+    pub step: Step,
     /// Seconds since it began.
-    pub(crate) seconds: f64,
+    pub seconds: f64,
     /// Elements measured since then.
-    pub(crate) elements: u64,
+    pub elements: u64,
     /// Rays traced since then.
-    pub(crate) rays: u64,
+    pub rays: u64,
 }
 
 /// What is still missing after a bounce.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Remainder {
+pub struct Remainder {
     /// The bounce.
-    pub(crate) after: u32,
+    pub after: u32,
     /// Share of all light.
-    pub(crate) share: f64,
+    pub share: f64,
 }
 
 impl Workload {
     /// That of some settings.
-    pub(crate) fn new(elements: u64, settings: &Settings) -> Self {
+    pub fn new(elements: u64, settings: &Settings) -> Self {
         let samples = f64::from(settings.indirect_samples);
         // Per triangle half as many, of which there are twice as many as vertices.
         let rays_per_element = match settings.basis {
@@ -49,7 +50,7 @@ impl Workload {
     }
 
     /// The last bounce, as far as it is known: from the remainders after the bounces so far.
-    pub(crate) fn last_bounce(&self, remainders: &[Remainder]) -> Option<u32> {
+    pub fn last_bounce(&self, remainders: &[Remainder]) -> Option<u32> {
         match self.limit {
             BounceLimit::Count(n) => Some(n),
             BounceLimit::All => {
@@ -63,14 +64,14 @@ impl Workload {
     }
 
     /// Share of the current step that is done.
-    pub(crate) fn share(&self, at: &Position) -> f64 {
+    pub fn share(&self, at: &Position) -> f64 {
         (at.elements as f64 / self.elements.max(1) as f64).min(1.0)
     }
 
     /// Seconds until the end of the solve; `None` while nobody can tell.
     ///
     /// Bounces to come are taken to trace rays as fast as the current step.
-    pub(crate) fn seconds_left(&self, at: &Position, remainders: &[Remainder]) -> Option<f64> {
+    pub fn seconds_left(&self, at: &Position, remainders: &[Remainder]) -> Option<f64> {
         let share = self.share(at);
         if share < 0.02 || at.rays == 0 {
             return None;
