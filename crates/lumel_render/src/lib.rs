@@ -8,14 +8,27 @@
 //! then tone mapped, then encoded. Surfaces come first, then lamps, then the tone mapper, then what a user draws on
 //! top ([`Overlay`], wireframe), in colours that no exposure changes.
 
+mod batches;
+mod display;
+mod draw;
 mod error;
 mod frame;
 mod gpu;
+mod half;
+mod lamps;
+mod layout;
 mod light;
+mod memory;
+mod mips;
 mod model;
 mod overlay;
+mod pipelines;
+mod read;
 mod renderer;
+mod shaders;
 mod target;
+mod texture;
+mod vertices;
 
 pub use error::RenderError;
 pub use frame::{Frame, Lit, Look};

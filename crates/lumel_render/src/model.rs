@@ -1,14 +1,171 @@
 //! A scene on the device.
 
+use crate::batches::{Group, grouped};
+use crate::layout::MaterialValues;
+use crate::memory::{buffer, within_memory};
+use crate::pipelines::{Detail, Layouts};
+use crate::texture::{Blank, Image};
+use crate::{Gpu, RenderError};
+use glam::{Vec2, Vec3};
+use lumel_scene::Scene;
+use std::ops::Range;
+
 /// The surfaces of a scene on the device: geometry, materials and textures.
 #[derive(Debug)]
 pub struct Model {
-    pub(crate) vertices: usize,
+    vertices: usize,
+    triangles: usize,
+    /// Distance of the near plane, metres.
+    pub(crate) near: f32,
+    pub(crate) positions: wgpu::Buffer,
+    pub(crate) normals: wgpu::Buffer,
+    pub(crate) uvs: wgpu::Buffer,
+    /// A single one where the scene has none.
+    pub(crate) tints: wgpu::Buffer,
+    /// For batches without tints.
+    pub(crate) no_tint: wgpu::Buffer,
+    pub(crate) indices: wgpu::Buffer,
+    /// All materials; batches say where theirs is.
+    pub(crate) materials: wgpu::BindGroup,
+    pub(crate) batches: Vec<Batch>,
+    /// For lamps without texture.
+    pub(crate) plain_lamp: wgpu::BindGroup,
+    /// For lamps with one, in the order of the scene's textures.
+    pub(crate) textured_lamps: Vec<wgpu::BindGroup>,
 }
+
+/// Triangles that are drawn at once.
+#[derive(Debug)]
+pub(crate) struct Batch {
+    pub(crate) indices: Range<u32>,
+    pub(crate) detail: Detail,
+    pub(crate) has_normal_map: bool,
+    /// Offset of the material, bytes.
+    pub(crate) material: u32,
+    pub(crate) textures: wgpu::BindGroup,
+}
+
+/// The near plane in diagonals of the scene. Nearer ones cost precision on triangles that pass the eye.
+const NEAR: f32 = 1e-4;
+
+/// Where materials may start in their buffer: the largest alignment that a device may ask for.
+const MATERIAL_STRIDE: usize = 256;
 
 impl Model {
     /// Number of vertices: what light buffers must have.
     pub fn vertex_count(&self) -> usize {
         self.vertices
     }
+
+    /// Number of triangles, back sides included.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles
+    }
+
+    /// Number of index entries.
+    pub(crate) fn all_indices(&self) -> Range<u32> {
+        0..3 * self.triangles as u32
+    }
+
+    pub(crate) fn new(
+        gpu: &Gpu,
+        layouts: &Layouts,
+        blank: &Blank,
+        scene: &Scene,
+    ) -> Result<Self, RenderError> {
+        check_size(gpu, scene)?;
+        let what = format!("scene \"{}\"", scene.name());
+        let model = within_memory(gpu, &what, || Self::upload(gpu, layouts, blank, scene))?;
+        // Lets go of the copies that were made on the way.
+        gpu.queue().submit([]);
+        Ok(model)
+    }
+
+    fn upload(gpu: &Gpu, layouts: &Layouts, blank: &Blank, scene: &Scene) -> Self {
+        let (indices, groups) = grouped(scene);
+        let images: Vec<Image> = scene.textures().iter().map(|t| blank.upload(gpu, t)).collect();
+        let tints = if groups.iter().any(|group| group.detail.tint) { scene.tints() } else { &[Vec3::ONE] };
+        let batch = |(slot, group): (usize, &Group)| {
+            let material = &scene.materials()[group.material];
+            let maps = [material.albedo_texture, material.emission_texture, material.normal_texture];
+            Batch {
+                indices: group.indices.clone(),
+                detail: group.detail,
+                has_normal_map: material.normal_texture.is_some(),
+                material: (slot * MATERIAL_STRIDE) as u32,
+                textures: blank.textures(gpu, layouts, &images, maps),
+            }
+        };
+        let vertices = |label, bytes: &[u8]| buffer(gpu, label, wgpu::BufferUsages::VERTEX, bytes);
+        let numbers = |label, values: &[Vec3]| vertices(label, bytemuck::cast_slice(&finite(values)));
+        let lamp = |image| blank.lamp(gpu, layouts, image);
+        Self {
+            vertices: scene.vertex_count(),
+            triangles: scene.triangle_count(),
+            // Scenes may be as small as a grain or so large that their diagonal overflows.
+            near: (NEAR * scene.bounds().diagonal()).clamp(1e-12, 1e30),
+            positions: numbers("positions", scene.positions()),
+            normals: vertices("normals", bytemuck::cast_slice(&packed_normals(scene.normals()))),
+            uvs: vertices("texture coordinates", bytemuck::cast_slice(&finite_uvs(scene.uvs()))),
+            tints: numbers("tints", tints),
+            no_tint: numbers("no tint", &[Vec3::ONE]),
+            indices: buffer(gpu, "indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices)),
+            materials: materials(gpu, layouts, scene, &groups),
+            batches: groups.iter().enumerate().map(batch).collect(),
+            plain_lamp: lamp(None),
+            textured_lamps: images.iter().map(|image| lamp(Some(image))).collect(),
+        }
+    }
+}
+
+/// One material per group, side included.
+fn materials(gpu: &Gpu, layouts: &Layouts, scene: &Scene, groups: &[Group]) -> wgpu::BindGroup {
+    let mut bytes = vec![0; groups.len() * MATERIAL_STRIDE];
+    for (slot, group) in bytes.chunks_exact_mut(MATERIAL_STRIDE).zip(groups) {
+        let values = MaterialValues::new(&scene.materials()[group.material], group.side);
+        slot[..size_of::<MaterialValues>()].copy_from_slice(bytemuck::bytes_of(&values));
+    }
+    let buffer = buffer(gpu, "materials", wgpu::BufferUsages::UNIFORM, &bytes);
+    let one = wgpu::BufferBinding {
+        buffer: &buffer,
+        offset: 0,
+        size: wgpu::BufferSize::new(size_of::<MaterialValues>() as u64),
+    };
+    gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("materials"),
+        layout: &layouts.material,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(one) }],
+    })
+}
+
+/// The largest buffers, light included.
+fn check_size(gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+    let limit = gpu.device().limits().max_buffer_size;
+    let per_vertex = size_of::<[f32; 3]>() as u64;
+    let per_triangle = size_of::<[u32; 3]>() as u64;
+    let parts = [
+        ("vertices", scene.vertex_count() as u64 * per_vertex),
+        ("triangles", scene.triangle_count() as u64 * per_triangle),
+    ];
+    match parts.into_iter().find(|(_, bytes)| *bytes > limit) {
+        Some((what, bytes)) => {
+            Err(RenderError::TooLarge { scene: scene.name().to_owned(), what, bytes, limit })
+        }
+        None => Ok(()),
+    }
+}
+
+/// What is not finite becomes zero: shaders may do anything with it.
+fn finite(values: &[Vec3]) -> Vec<[f32; 3]> {
+    values.iter().map(|v| v.to_array().map(|x| if x.is_finite() { x } else { 0.0 })).collect()
+}
+
+fn finite_uvs(uvs: &[Vec2]) -> Vec<[f32; 2]> {
+    uvs.iter().map(|uv| if uv.is_finite() { uv.to_array() } else { [0.0; 2] }).collect()
+}
+
+/// Normals in 16 bits per axis: half a thousandth of a degree.
+fn packed_normals(normals: &[Vec3]) -> Vec<[i16; 4]> {
+    let pack = |x: f32| (x.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16;
+    normals.iter().map(|n| [pack(n.x), pack(n.y), pack(n.z), 0]).collect()
 }

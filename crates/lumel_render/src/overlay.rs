@@ -1,6 +1,8 @@
 //! Dots and lines over the picture.
 
 use crate::Renderer;
+use crate::memory::buffer;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// A place in the scene and a colour.
@@ -23,25 +25,57 @@ pub enum Hidden {
 }
 
 /// Dots and lines over the picture, in colours that no exposure changes.
+///
+/// Dots are 5 pixels wide, lines 1.5. What lies on a surface is drawn before it; what lies behind one within a few
+/// pixels' worth of distance is too.
 #[derive(Debug)]
 pub struct Overlay {
+    pub(crate) dots: Marks,
+    pub(crate) lines: Marks,
     hidden: Hidden,
 }
 
+/// Instances of one kind.
+#[derive(Debug)]
+pub(crate) struct Marks {
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) count: u32,
+}
+
+/// [`Mark`] as `overlay.wgsl` reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Instance {
+    position: [f32; 3],
+    color: [u8; 4],
+}
+
 impl Overlay {
-    /// Sends dots and lines to the device. Marks at places that are not finite are left out.
-    pub fn new(_renderer: &Renderer, _points: &[Mark], _lines: &[[Mark; 2]]) -> Self {
-        Self { hidden: Hidden::default() }
+    /// Sends dots and lines to the device, to be drawn in this order. Those at places that are not finite are left
+    /// out, and what is too much for the device.
+    pub fn new(renderer: &Renderer, points: &[Mark], lines: &[[Mark; 2]]) -> Self {
+        let dots: Vec<_> = points.iter().map(|mark| [*mark]).collect();
+        Self { dots: marks(renderer, &dots), lines: marks(renderer, lines), hidden: Hidden::default() }
     }
 
     /// The same with what lies behind surfaces shown or not.
     #[must_use]
     pub fn with_hidden(self, hidden: Hidden) -> Self {
-        Self { hidden }
+        Self { hidden, ..self }
     }
 
     /// What is shown of marks behind surfaces.
     pub fn hidden(&self) -> Hidden {
         self.hidden
     }
+}
+
+fn marks<const N: usize>(renderer: &Renderer, marks: &[[Mark; N]]) -> Marks {
+    let gpu = renderer.gpu();
+    let fits = gpu.device().limits().max_buffer_size as usize / size_of::<[Instance; N]>();
+    let finite = marks.iter().filter(|marks| marks.iter().all(|mark| mark.position.is_finite()));
+    let instance = |mark: Mark| Instance { position: mark.position.to_array(), color: mark.color };
+    let instances: Vec<[Instance; N]> = finite.take(fits).map(|marks| marks.map(instance)).collect();
+    let bytes = bytemuck::cast_slice(instances.as_flattened());
+    Marks { buffer: buffer(gpu, "marks", wgpu::BufferUsages::VERTEX, bytes), count: instances.len() as u32 }
 }

@@ -1,9 +1,14 @@
 //! Draws frames.
 
+use crate::draw;
 use crate::light::to_upload;
+use crate::mips::{Level, Pyramid};
+use crate::pipelines::Pipelines;
+use crate::read;
+use crate::texture::{self, Blank};
 use crate::{Frame, Gpu, LightBuffer, Model, RenderError, Samples, Target};
 use glam::Vec3;
-use lumel_picture::Picture;
+use lumel_picture::{Picture, false_color_map};
 use lumel_scene::Scene;
 use std::sync::Arc;
 
@@ -11,12 +16,17 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Arc<Gpu>,
+    pipelines: Pipelines,
+    blank: Blank,
+    false_colors: wgpu::TextureView,
 }
 
 impl Renderer {
     /// A renderer on a device.
     pub fn new(gpu: Arc<Gpu>) -> Self {
-        Self { gpu }
+        let pipelines = Pipelines::new(&gpu);
+        let (blank, false_colors) = (Blank::new(&gpu), false_colors(&gpu));
+        Self { gpu, pipelines, blank, false_colors }
     }
 
     /// The device.
@@ -29,7 +39,7 @@ impl Renderer {
     /// # Errors
     /// When they do not fit.
     pub fn upload(&self, scene: &Scene) -> Result<Model, RenderError> {
-        Ok(Model { vertices: scene.vertex_count() })
+        Model::new(&self.gpu, &self.pipelines.layouts, &self.blank, scene)
     }
 
     /// Light for a model: dark.
@@ -54,18 +64,32 @@ impl Renderer {
     /// # Errors
     /// When the size is zero or too large, or memory is short.
     pub fn target(&self, size: [u32; 2], samples: Samples) -> Result<Target, RenderError> {
-        Target::new(&self.gpu, size, samples)
+        Target::new(&self.gpu, &self.pipelines.layouts, &self.false_colors, size, samples)
     }
 
     /// Draws a frame. Returns before the device is done.
-    pub fn draw(&self, _target: &Target, _frame: &Frame<'_>) {}
+    pub fn draw(&self, target: &Target, frame: &Frame<'_>) {
+        draw::draw(self, target, frame);
+    }
 
     /// Waits for the device and fetches the picture.
     ///
     /// # Errors
     /// When the device fails, or the picture has more pixels than a [`Picture`] may have.
     pub fn read(&self, target: &Target) -> Result<Picture, RenderError> {
-        let [width, height] = target.size();
-        Ok(Picture::new(width, height, vec![[0; 3]; width as usize * height as usize])?)
+        read::read(&self.gpu, target)
     }
+
+    pub(crate) fn pipelines(&self) -> &Pipelines {
+        &self.pipelines
+    }
+}
+
+/// The map of false colours in a row.
+fn false_colors(gpu: &Gpu) -> wgpu::TextureView {
+    let map = false_color_map();
+    let bytes = map.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
+    let level = Level { size: [map.len() as u32, 1], bytes };
+    let pyramid = Pyramid { format: wgpu::TextureFormat::Rgba8Unorm, levels: vec![level] };
+    texture::send(gpu, "false colours", &pyramid)
 }

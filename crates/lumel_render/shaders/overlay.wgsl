@@ -1,0 +1,105 @@
+// Dots, lines and edges of triangles over the picture, in sRGB codes. Colours are multiplied by their opacity.
+
+/// 1 for what is seen, less for what lies behind surfaces.
+override OPACITY: f32 = 1.0;
+
+/// Of dots, pixels.
+const RADIUS: f32 = 2.5;
+
+/// Half of the width of lines, pixels.
+const HALF_WIDTH: f32 = 0.75;
+
+/// Edges of triangles: a blue that shows on black and on white.
+const EDGE = vec4<f32>(0.25, 0.55, 1.0, 0.6);
+
+struct Dot {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec4<f32>,
+    /// From the centre, pixels.
+    @location(1) offset: vec2<f32>,
+};
+
+/// A corner of the square, or of the strip, that an instance is drawn as: -1 or 1.
+fn corner(index: u32) -> vec2<f32> {
+    return vec2<f32>(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
+}
+
+fn marked(clip: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(clip.xy, clip.z * view.closer, clip.w);
+}
+
+fn painted(color: vec4<f32>, coverage: f32) -> vec4<f32> {
+    let alpha = color.a * OPACITY * clamp(coverage, 0.0, 1.0);
+    return vec4<f32>(color.rgb * alpha, alpha);
+}
+
+@vertex
+fn dot_vertex(
+    @builtin(vertex_index) index: u32,
+    @location(0) position: vec3<f32>,
+    @location(1) color: vec4<f32>,
+) -> Dot {
+    // Half a pixel more, for the soft edge.
+    let offset = corner(index) * (RADIUS + 0.5);
+    let center = marked(project(position - view.eye));
+    let moved = center.xy + 2.0 * offset / view.size * center.w;
+    return Dot(vec4<f32>(moved, center.zw), color, offset);
+}
+
+@fragment
+fn dot_fragment(in: Dot) -> @location(0) vec4<f32> {
+    return painted(in.color, RADIUS + 0.5 - length(in.offset));
+}
+
+struct Line {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec4<f32>,
+    /// Distance from the middle, pixels.
+    @location(1) across: f32,
+};
+
+/// The part of a segment that is before the near plane starts here.
+fn cut(start: vec4<f32>, end: vec4<f32>) -> vec4<f32> {
+    if (start.w >= view.near || end.w <= view.near) {
+        return start;
+    }
+    return mix(start, end, (view.near - start.w) / (end.w - start.w));
+}
+
+@vertex
+fn line_vertex(
+    @builtin(vertex_index) index: u32,
+    @location(0) start: vec3<f32>,
+    @location(1) start_color: vec4<f32>,
+    @location(2) end: vec3<f32>,
+    @location(3) end_color: vec4<f32>,
+) -> Line {
+    let whole_a = project(start - view.eye);
+    let whole_b = project(end - view.eye);
+    let a = cut(whole_a, whole_b);
+    let b = cut(whole_b, whole_a);
+    let along = (b.xy / b.w - a.xy / a.w) * view.size;
+    let length_squared = dot(along, along);
+    let direction = select(vec2<f32>(1.0, 0.0), along * inverseSqrt(length_squared), length_squared > 0.0);
+    let at = corner(index);
+    let across = at.y * (HALF_WIDTH + 0.5);
+    let offset = vec2<f32>(-direction.y, direction.x) * across;
+    let center = marked(select(a, b, at.x > 0.0));
+    let moved = center.xy + 2.0 * offset / view.size * center.w;
+    return Line(vec4<f32>(moved, center.zw), select(start_color, end_color, at.x > 0.0), across);
+}
+
+@fragment
+fn line_fragment(in: Line) -> @location(0) vec4<f32> {
+    return painted(in.color, HALF_WIDTH + 0.5 - abs(in.across));
+}
+
+@vertex
+fn edge_vertex(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
+    return marked(project(position - view.eye));
+}
+
+@fragment
+fn edge_fragment() -> @location(0) vec4<f32> {
+    return painted(EDGE, 1.0);
+}

@@ -1,0 +1,26 @@
+// The values of the light buffer as colours, shaded by a lamp at the eye.
+
+struct Interpolated {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) from_eye: vec3<f32>,
+};
+
+@vertex
+fn vertex(
+    @location(0) position: vec3<f32>,
+    @location(1) light: vec3<f32>,
+    @location(2) normal: vec3<f32>,
+) -> Interpolated {
+    let from_eye = position - view.eye;
+    return Interpolated(project(from_eye), light, normal, from_eye);
+}
+
+@fragment
+fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
+    // Tiny enough to change nothing, and keeps zero vectors from dividing by zero.
+    let lengths = max(length(in.normal) * length(in.from_eye), 1e-30);
+    let facing = abs(dot(in.normal, in.from_eye)) / lengths;
+    return vec4<f32>(storable(in.color * (0.35 + 0.65 * facing)), 1.0);
+}

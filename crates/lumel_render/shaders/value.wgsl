@@ -1,0 +1,37 @@
+// What is linear over a triangle: computed at the vertices, so that fragments only store it.
+
+/// See `Value` in pipelines.rs.
+override VALUE: u32 = 0u;
+
+struct Interpolated {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) value: vec3<f32>,
+};
+
+@vertex
+fn vertex(@location(0) position: vec3<f32>, @location(1) light: vec3<f32>) -> Interpolated {
+    var out: Interpolated;
+    out.clip = project(position - view.eye);
+    let albedo = clamp(material.albedo.rgb, vec3<f32>(0.0), vec3<f32>(MAX_ALBEDO));
+    if (VALUE == 0u) {
+        out.value = material.emission.rgb + albedo * light * INVERSE_PI;
+    } else if (VALUE == 1u) {
+        out.value = light * INVERSE_PI;
+    } else if (VALUE == 2u) {
+        out.value = albedo;
+    } else {
+        out.value = vec3<f32>(dot(light, LUMINANCE));
+    }
+    return out;
+}
+
+@fragment
+fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
+    let value = storable(in.value * view.exposure);
+    if (VALUE == 3u) {
+        // One number in two halves: 11 bits are too few to tell 256 colours apart.
+        let high = bitcast<f32>(bitcast<u32>(value.x) & 0xffffe000u);
+        return vec4<f32>(high, value.x - high, 0.0, 1.0);
+    }
+    return vec4<f32>(value, 1.0);
+}

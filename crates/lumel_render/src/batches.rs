@@ -1,0 +1,88 @@
+//! Triangles in the order they are drawn: grouped by material and side.
+
+use crate::pipelines::Detail;
+use glam::Vec3;
+use lumel_scene::{Scene, TriId};
+use std::ops::Range;
+
+/// Triangles that are drawn at once.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Group {
+    /// Index of the material.
+    pub(crate) material: usize,
+    /// -1 for the backs of two-sided faces, else 1.
+    pub(crate) side: f32,
+    /// Into the indices.
+    pub(crate) indices: Range<u32>,
+    /// What varies over them.
+    pub(crate) detail: Detail,
+}
+
+/// Vertex indices of all triangles by material and side, each in the scene's order, and where the groups are.
+pub(crate) fn grouped(scene: &Scene) -> (Vec<[u32; 3]>, Vec<Group>) {
+    let slot = |tri: TriId| {
+        let back = usize::from(scene.traced(tri) != tri);
+        2 * scene.material_id(tri).index() + back
+    };
+    let triangles = || (0..scene.triangle_count() as u32).map(TriId);
+    let mut counts = vec![0_u32; 2 * scene.materials().len()];
+    triangles().for_each(|tri| counts[slot(tri)] += 1);
+    let mut end = 0;
+    let ranges: Vec<Range<u32>> = counts
+        .iter()
+        .map(|count| {
+            let start = end;
+            end += count;
+            start..end
+        })
+        .collect();
+    let mut next: Vec<u32> = ranges.iter().map(|range| range.start).collect();
+    let mut indices = vec![[0; 3]; scene.triangle_count()];
+    for tri in triangles() {
+        let place = &mut next[slot(tri)];
+        indices[*place as usize] = scene.triangle(tri);
+        *place += 1;
+    }
+    let group = |(slot, range): (usize, Range<u32>)| {
+        let vertices = indices[range.start as usize..range.end as usize].as_flattened();
+        let material = &scene.materials()[slot / 2];
+        Group {
+            material: slot / 2,
+            side: if slot % 2 == 0 { 1.0 } else { -1.0 },
+            detail: Detail {
+                albedo_map: material.albedo_texture.is_some(),
+                emission_map: material.emission_texture.is_some() && material.emits(),
+                tint: vertices.iter().any(|v| scene.tints()[*v as usize] != Vec3::ONE),
+            },
+            indices: 3 * range.start..3 * range.end,
+        }
+    };
+    let filled = ranges.into_iter().enumerate().filter(|(_, range)| !range.is_empty());
+    let groups = filled.map(group).collect();
+    (indices, groups)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lumel_testkit::{mesh, scene};
+
+    #[test]
+    fn every_triangle_is_in_the_group_of_its_material_and_side() {
+        let wall = |material| mesh::quad([Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], [2, 1], material);
+        let mut tinted = wall(0);
+        tinted.tints = vec![Vec3::splat(0.5); tinted.positions.len()];
+        let materials =
+            vec![scene::grey(0.5, 0.0), scene::two_sided(scene::grey(0.2, 0.0)), scene::grey(0.1, 0.0)];
+        let (scene, _) = scene::scene(vec![wall(1), tinted, wall(1)], materials, vec![]).build().unwrap();
+        let (indices, groups) = grouped(&scene);
+        let found: Vec<_> =
+            groups.iter().map(|g| (g.material, g.side, g.indices.clone(), g.detail.tint)).collect();
+        assert_eq!(found, [(0, 1.0, 0..12, true), (1, 1.0, 12..36, false), (1, -1.0, 36..60, false)]);
+        let mut ours = indices.clone();
+        let mut theirs = scene.triangles().to_vec();
+        ours.sort_unstable();
+        theirs.sort_unstable();
+        assert_eq!(ours, theirs);
+    }
+}

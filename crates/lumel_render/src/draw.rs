@@ -1,0 +1,263 @@
+//! The passes of a frame: scene, tone mapper, overlay.
+
+use crate::display::Shown;
+use crate::lamps::{LampInstance, instances};
+use crate::layout::View;
+use crate::memory::buffer;
+use crate::model::Model;
+use crate::overlay::Hidden;
+use crate::pipelines::{Detail, Key, Layer, Quantity, Value};
+use crate::shaders::MAX_F16;
+use crate::{Frame, LightBuffer, Lit, Look, Renderer, Target};
+
+/// Draws a frame on a target.
+pub(crate) fn draw(renderer: &Renderer, target: &Target, frame: &Frame<'_>) {
+    let gpu = renderer.gpu();
+    let shown = Shown::of(&frame.look);
+    let view = View::new(frame.camera, frame.model.near, target.size(), &shown);
+    if let Some(view) = &view {
+        gpu.queue().write_buffer(&target.view_values, 0, bytemuck::bytes_of(view));
+    }
+    gpu.queue().write_buffer(&target.tone_values, 0, bytemuck::bytes_of(&shown.tone));
+    let draw = Draw { renderer, target, frame };
+    // What a camera without a view sees is nothing.
+    let sees = view.is_some();
+    let marks = sees && draw.has_marks();
+    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    draw.scene(
+        &mut encoder,
+        sees,
+        if marks { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard },
+        shown.exposure,
+    );
+    draw.tone(&mut encoder, Key::Tone(shown.curve));
+    if marks {
+        draw.overlay(&mut encoder);
+    }
+    gpu.queue().submit([encoder.finish()]);
+}
+
+struct Draw<'a> {
+    renderer: &'a Renderer,
+    target: &'a Target,
+    frame: &'a Frame<'a>,
+}
+
+impl Draw<'_> {
+    fn pipeline(&self, key: Key) -> wgpu::RenderPipeline {
+        self.renderer.pipelines().get(self.renderer.gpu().device(), key)
+    }
+
+    fn shows_edges(&self) -> bool {
+        self.frame.wireframe && self.renderer.gpu().draws_wireframes()
+    }
+
+    fn has_marks(&self) -> bool {
+        let marks = |overlay: &crate::Overlay| overlay.dots.count + overlay.lines.count > 0;
+        self.shows_edges() || self.frame.overlay.is_some_and(marks)
+    }
+
+    fn background(&self, exposure: f32) -> wgpu::Color {
+        let Look::Radiance { .. } = self.frame.look else { return wgpu::Color::TRANSPARENT };
+        let channel = |x: f32| {
+            let exposed = x * exposure;
+            f64::from(if exposed.is_nan() { 0.0 } else { exposed.clamp(-MAX_F16, MAX_F16) })
+        };
+        let [r, g, b] = self.frame.sky.0.to_array().map(channel);
+        wgpu::Color { r, g, b, a: 0.0 }
+    }
+
+    fn scene(&self, encoder: &mut wgpu::CommandEncoder, sees: bool, depth: wgpu::StoreOp, exposure: f32) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene"),
+            color_attachments: &[Some(self.target.exposed.cleared(self.background(exposure)))],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.target.depth,
+                // Infinitely far away.
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: depth }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        if !sees {
+            return;
+        }
+        pass.set_bind_group(0, &self.target.view_group, &[]);
+        let [width, height] = self.target.size();
+        for (light, columns) in self.parts(width) {
+            if columns.is_empty() || light.len() != self.frame.model.vertex_count() {
+                continue;
+            }
+            pass.set_scissor_rect(columns.start, 0, columns.end - columns.start, height);
+            self.surfaces(&mut pass, light);
+        }
+        pass.set_scissor_rect(0, 0, width, height);
+        if let Look::Radiance { .. } = self.frame.look {
+            self.lamps(&mut pass);
+        }
+    }
+
+    /// Which light is shown in which columns of the picture.
+    fn parts(&self, width: u32) -> Vec<(&LightBuffer, std::ops::Range<u32>)> {
+        match self.frame.light {
+            Lit::One(light) => vec![(light, 0..width)],
+            Lit::Split { left, right, at } => {
+                // A cast of what is not a number is 0.
+                let divider = (at.clamp(0.0, 1.0) * width as f32).round() as u32;
+                vec![(left, 0..divider.min(width)), (right, divider.min(width)..width)]
+            }
+        }
+    }
+
+    fn surfaces(&self, pass: &mut wgpu::RenderPass<'_>, light: &LightBuffer) {
+        let Model { positions, normals, uvs, tints, no_tint, indices, .. } = self.frame.model;
+        let samples = self.target.samples();
+        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_vertex_buffer(0, positions.slice(..));
+        pass.set_vertex_buffer(1, light.buffer.slice(..));
+        let quantity = match self.frame.look {
+            Look::Radiance { .. } => Quantity::Radiance,
+            Look::Albedo => Quantity::Albedo,
+            Look::Irradiance { .. } => return self.everything(pass, Key::Value(Value::Irradiance, samples)),
+            Look::FalseColor { .. } => return self.everything(pass, Key::Value(Value::Luminance, samples)),
+            Look::Plain => {
+                pass.set_vertex_buffer(2, normals.slice(..));
+                return self.everything(pass, Key::Plain(samples));
+            }
+            Look::Normals => return self.normals(pass),
+        };
+        pass.set_vertex_buffer(2, uvs.slice(..));
+        let mut last = None;
+        for batch in &self.frame.model.batches {
+            let detail = match quantity {
+                Quantity::Radiance => batch.detail,
+                Quantity::Albedo => Detail { emission_map: false, ..batch.detail },
+            };
+            let key = match (detail == Detail::default(), quantity) {
+                (true, Quantity::Radiance) => Key::Value(Value::Radiance, samples),
+                (true, Quantity::Albedo) => Key::Value(Value::Albedo, samples),
+                (false, _) => Key::Surface(quantity, detail, samples),
+            };
+            if last != Some(key) {
+                pass.set_pipeline(&self.pipeline(key));
+                last = Some(key);
+            }
+            pass.set_bind_group(1, &self.frame.model.materials, &[batch.material]);
+            if let Key::Surface(..) = key {
+                pass.set_bind_group(2, &batch.textures, &[]);
+                pass.set_vertex_buffer(3, if detail.tint { tints } else { no_tint }.slice(..));
+            }
+            pass.draw_indexed(batch.indices.clone(), 0, 0..1);
+        }
+    }
+
+    /// All triangles at once, for what does not depend on materials.
+    fn everything(&self, pass: &mut wgpu::RenderPass<'_>, key: Key) {
+        pass.set_pipeline(&self.pipeline(key));
+        if let Key::Value(..) = key {
+            pass.set_bind_group(1, &self.frame.model.materials, &[0]);
+        }
+        pass.draw_indexed(self.frame.model.all_indices(), 0, 0..1);
+    }
+
+    fn normals(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let model = self.frame.model;
+        pass.set_vertex_buffer(1, model.normals.slice(..));
+        pass.set_vertex_buffer(2, model.uvs.slice(..));
+        for batch in &model.batches {
+            pass.set_pipeline(&self.pipeline(Key::Normals(batch.has_normal_map, self.target.samples())));
+            pass.set_bind_group(1, &model.materials, &[batch.material]);
+            pass.set_bind_group(2, &batch.textures, &[]);
+            pass.draw_indexed(batch.indices.clone(), 0, 0..1);
+        }
+    }
+
+    fn lamps(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let model = self.frame.model;
+        let lamps = instances(self.frame.lamps);
+        if lamps.is_empty() {
+            return;
+        }
+        let values: Vec<LampInstance> = lamps.iter().map(|(values, _)| *values).collect();
+        let bytes = bytemuck::cast_slice(&values);
+        let buffer = buffer(self.renderer.gpu(), "lamps", wgpu::BufferUsages::VERTEX, bytes);
+        pass.set_pipeline(&self.pipeline(Key::Lamp(self.target.samples())));
+        pass.set_vertex_buffer(0, buffer.slice(..));
+        for (i, (_, texture)) in (0..).zip(&lamps) {
+            let group = texture.and_then(|id| model.textured_lamps.get(id.index()));
+            pass.set_bind_group(1, group.unwrap_or(&model.plain_lamp), &[]);
+            pass.draw(0..6, i..i + 1);
+        }
+    }
+
+    fn tone(&self, encoder: &mut wgpu::CommandEncoder, key: Key) {
+        let mut pass = self.screen(encoder, "tone mapper", wgpu::LoadOp::Clear(wgpu::Color::BLACK));
+        pass.set_pipeline(&self.pipeline(key));
+        pass.set_bind_group(0, &self.target.tone_group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
+    fn screen<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        label: &str,
+        load: wgpu::LoadOp<wgpu::Color>,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: self.target.view(),
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        })
+    }
+
+    fn overlay(&self, encoder: &mut wgpu::CommandEncoder) {
+        let (layer, group) = self.target.overlay(self.renderer.gpu(), &self.renderer.pipelines().layouts);
+        self.marks(encoder, layer);
+        let mut pass = self.screen(encoder, "composite", wgpu::LoadOp::Load);
+        pass.set_pipeline(&self.pipeline(Key::Composite));
+        pass.set_bind_group(0, group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
+    fn marks(&self, encoder: &mut wgpu::CommandEncoder, layer: &crate::target::Layer) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("overlay"),
+            color_attachments: &[Some(layer.cleared(wgpu::Color::TRANSPARENT))],
+            // Read only.
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.target.depth,
+                depth_ops: None,
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        let samples = self.target.samples();
+        pass.set_bind_group(0, &self.target.view_group, &[]);
+        if self.shows_edges() {
+            let model = self.frame.model;
+            pass.set_pipeline(&self.pipeline(Key::Edges(samples)));
+            pass.set_vertex_buffer(0, model.positions.slice(..));
+            pass.set_index_buffer(model.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(model.all_indices(), 0, 0..1);
+        }
+        let Some(overlay) = self.frame.overlay else { return };
+        let layers: &[Layer] = match overlay.hidden() {
+            Hidden::Invisible => &[Layer::Seen],
+            Hidden::Faint => &[Layer::Behind, Layer::Seen],
+        };
+        for &layer in layers {
+            let kinds =
+                [(&overlay.lines, Key::Lines(layer, samples)), (&overlay.dots, Key::Dots(layer, samples))];
+            for (marks, key) in kinds.into_iter().filter(|(marks, _)| marks.count > 0) {
+                pass.set_pipeline(&self.pipeline(key));
+                pass.set_vertex_buffer(0, marks.buffer.slice(..));
+                pass.draw(0..4, 0..marks.count);
+            }
+        }
+    }
+}

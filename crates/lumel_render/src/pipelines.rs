@@ -1,0 +1,334 @@
+//! Render pipelines, made when they are first needed.
+
+use crate::shaders::{self, Shader};
+use crate::target::{DEPTH, HDR, PICTURE};
+use crate::vertices::{self, Attribute};
+use crate::{Gpu, Samples};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
+/// What is computed at the vertices; the numbers are those of `value.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Value {
+    Radiance = 0,
+    Irradiance = 1,
+    Albedo = 2,
+    Luminance = 3,
+}
+
+/// How linear numbers become codes; the numbers are those of `tone.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Curve {
+    Srgb = 0,
+    Reinhard = 1,
+    Aces = 2,
+    Agx = 3,
+    None = 4,
+    FalseColor = 5,
+}
+
+/// What `surface.wgsl` shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Quantity {
+    Radiance,
+    Albedo,
+}
+
+/// What varies over the surfaces of a draw call besides light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Detail {
+    pub(crate) albedo_map: bool,
+    pub(crate) emission_map: bool,
+    pub(crate) tint: bool,
+}
+
+/// Marks that are seen, or those behind surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Layer {
+    Seen,
+    Behind,
+}
+
+/// A pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Key {
+    Value(Value, Samples),
+    Surface(Quantity, Detail, Samples),
+    /// With or without a normal map.
+    Normals(bool, Samples),
+    Plain(Samples),
+    Lamp(Samples),
+    Tone(Curve),
+    Dots(Layer, Samples),
+    Lines(Layer, Samples),
+    Edges(Samples),
+    Composite,
+}
+
+/// Opacity of what lies behind surfaces.
+const FAINT: f64 = 0.25;
+
+/// Layouts of bind groups, and the pipelines made so far.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    pub(crate) layouts: Layouts,
+    modules: [wgpu::ShaderModule; Shader::ALL.len()],
+    made: Mutex<BTreeMap<Key, wgpu::RenderPipeline>>,
+}
+
+/// What the shaders are given.
+#[derive(Debug)]
+pub(crate) struct Layouts {
+    /// Camera and exposure.
+    pub(crate) view: wgpu::BindGroupLayout,
+    /// One material, at an offset.
+    pub(crate) material: wgpu::BindGroupLayout,
+    /// Albedo, emission and normal map.
+    pub(crate) textures: wgpu::BindGroupLayout,
+    /// One texture.
+    pub(crate) lamp: wgpu::BindGroupLayout,
+    /// The exposed picture, the tone mapper's settings and the map of false colours.
+    pub(crate) tone: wgpu::BindGroupLayout,
+    /// The overlay.
+    pub(crate) composite: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    fn new(device: &wgpu::Device) -> Self {
+        let layout = |label, types: &[wgpu::BindingType]| {
+            let entry = |(binding, ty): (usize, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
+                binding: binding as u32,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: *ty,
+                count: None,
+            };
+            let entries: Vec<_> = types.iter().enumerate().map(entry).collect();
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries: &entries,
+            })
+        };
+        let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: None,
+        };
+        let texture = |filterable| wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let image = [texture(true), wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)];
+        Self {
+            view: layout("view", &[uniform(false)]),
+            material: layout("material", &[uniform(true)]),
+            textures: layout("textures", &[image; 3].concat()),
+            lamp: layout("lamp", &image),
+            tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
+            composite: layout("composite", &[texture(false)]),
+        }
+    }
+}
+
+/// What tells one pipeline from another.
+struct Recipe<'a> {
+    shader: Shader,
+    entries: [&'a str; 2],
+    groups: Vec<&'a wgpu::BindGroupLayout>,
+    vertices: Vec<Attribute>,
+    constants: Vec<(&'a str, f64)>,
+    surface: Surface,
+    samples: Samples,
+}
+
+/// What is drawn on, and what depth does to it.
+enum Surface {
+    /// The exposed picture; the nearest wins.
+    Scene,
+    /// The overlay; what depth leaves of the layer.
+    Overlay(Layer, wgpu::PrimitiveTopology, wgpu::PolygonMode),
+    /// The finished picture; all of it, or blended over it.
+    Screen(Option<wgpu::BlendState>),
+}
+
+impl Pipelines {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let module = |shader: Shader| {
+            gpu.device().create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(&format!("{shader:?}")),
+                source: wgpu::ShaderSource::Wgsl(shaders::source(shader).into()),
+            })
+        };
+        Self { layouts: Layouts::new(gpu.device()), modules: Shader::ALL.map(module), made: Mutex::default() }
+    }
+
+    /// A pipeline; the first time it takes tens of milliseconds.
+    pub(crate) fn get(&self, device: &wgpu::Device, key: Key) -> wgpu::RenderPipeline {
+        // A thread that panicked has left no half-made pipeline behind.
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        made.entry(key).or_insert_with(|| self.make(device, key, self.recipe(key))).clone()
+    }
+
+    fn recipe(&self, key: Key) -> Recipe<'_> {
+        let Layouts { view, material, textures, lamp, tone, composite } = &self.layouts;
+        let number = |flag: bool| f64::from(u8::from(flag));
+        let scene = |shader, samples, groups, vertices, constants| Recipe {
+            shader,
+            entries: ["vertex", "fragment"],
+            groups,
+            vertices,
+            constants,
+            surface: Surface::Scene,
+            samples,
+        };
+        let screen = |shader, group, constants, blend| Recipe {
+            surface: Surface::Screen(blend),
+            ..scene(shader, Samples::One, vec![group], vec![], constants)
+        };
+        let overlay = |layer, samples, entries, vertices, topology, mode| Recipe {
+            entries,
+            surface: Surface::Overlay(layer, topology, mode),
+            ..scene(Shader::Overlay, samples, vec![view], vertices, vec![("OPACITY", layer_opacity(layer))])
+        };
+        let strip = wgpu::PrimitiveTopology::TriangleStrip;
+        let list = wgpu::PrimitiveTopology::TriangleList;
+        let fill = wgpu::PolygonMode::Fill;
+        match key {
+            Key::Value(value, samples) => {
+                let vertices = vec![vertices::POSITION, vertices::LIGHT];
+                let constants = vec![("VALUE", f64::from(value as u8))];
+                scene(Shader::Value, samples, vec![view, material], vertices, constants)
+            }
+            Key::Surface(quantity, detail, samples) => {
+                let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
+                let vertices = vec![vertices::POSITION, vertices::LIGHT, vertices::UV, tint];
+                let constants = vec![
+                    ("SHOWS_ALBEDO", number(quantity == Quantity::Albedo)),
+                    ("HAS_ALBEDO_MAP", number(detail.albedo_map)),
+                    ("HAS_EMISSION_MAP", number(detail.emission_map)),
+                ];
+                scene(Shader::Surface, samples, vec![view, material, textures], vertices, constants)
+            }
+            Key::Normals(mapped, samples) => {
+                let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV];
+                let constants = vec![("HAS_NORMAL_MAP", number(mapped))];
+                scene(Shader::Normals, samples, vec![view, material, textures], vertices, constants)
+            }
+            Key::Plain(samples) => {
+                let vertices = vec![vertices::POSITION, vertices::LIGHT, vertices::NORMAL];
+                scene(Shader::Plain, samples, vec![view], vertices, vec![])
+            }
+            Key::Lamp(samples) => {
+                scene(Shader::Lamp, samples, vec![view, lamp], vec![vertices::LAMP], vec![])
+            }
+            Key::Tone(curve) => screen(Shader::Tone, tone, vec![("CURVE", f64::from(curve as u8))], None),
+            Key::Dots(layer, samples) => {
+                let entries = ["dot_vertex", "dot_fragment"];
+                overlay(layer, samples, entries, vec![vertices::DOT], strip, fill)
+            }
+            Key::Lines(layer, samples) => {
+                let entries = ["line_vertex", "line_fragment"];
+                overlay(layer, samples, entries, vec![vertices::LINE], strip, fill)
+            }
+            Key::Edges(samples) => {
+                let entries = ["edge_vertex", "edge_fragment"];
+                let vertices = vec![vertices::POSITION];
+                overlay(Layer::Seen, samples, entries, vertices, list, wgpu::PolygonMode::Line)
+            }
+            Key::Composite => {
+                let blend = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
+                screen(Shader::Composite, composite, vec![], Some(blend))
+            }
+        }
+    }
+
+    fn make(&self, device: &wgpu::Device, key: Key, recipe: Recipe<'_>) -> wgpu::RenderPipeline {
+        let label = format!("{key:?}");
+        let groups: Vec<_> = recipe.groups.iter().map(|group| Some(*group)).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        let module = &self.modules[recipe.shader as usize];
+        let options = wgpu::PipelineCompilationOptions { constants: &recipe.constants, ..Default::default() };
+        let buffers = vertices::layouts(&recipe.vertices);
+        let buffers: Vec<_> = buffers.iter().map(|buffer| Some(buffer.as_layout())).collect();
+        let (format, blend, primitive, depth_stencil) = recipe.surface.state();
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some(recipe.entries[0]),
+                compilation_options: options.clone(),
+                buffers: &buffers,
+            },
+            primitive,
+            depth_stencil,
+            multisample: wgpu::MultisampleState { count: recipe.samples.count(), ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(recipe.entries[1]),
+                compilation_options: options,
+                targets: &[Some(wgpu::ColorTargetState {
+                    format,
+                    blend,
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+fn layer_opacity(layer: Layer) -> f64 {
+    match layer {
+        Layer::Seen => 1.0,
+        Layer::Behind => FAINT,
+    }
+}
+
+type State =
+    (wgpu::TextureFormat, Option<wgpu::BlendState>, wgpu::PrimitiveState, Option<wgpu::DepthStencilState>);
+
+impl Surface {
+    fn state(&self) -> State {
+        // Nearer is greater.
+        let depth = |writes, compare| {
+            Some(wgpu::DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(writes),
+                depth_compare: Some(compare),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            })
+        };
+        match *self {
+            Self::Scene => {
+                // One looks through the backs of faces.
+                let primitive =
+                    wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() };
+                (HDR, None, primitive, depth(true, wgpu::CompareFunction::Greater))
+            }
+            Self::Overlay(layer, topology, polygon_mode) => {
+                let compare = match layer {
+                    Layer::Seen => wgpu::CompareFunction::GreaterEqual,
+                    Layer::Behind => wgpu::CompareFunction::Less,
+                };
+                // The strips of marks face the eye either way; edges are those of faces that are seen.
+                let edges = polygon_mode == wgpu::PolygonMode::Line;
+                let primitive = wgpu::PrimitiveState {
+                    topology,
+                    polygon_mode,
+                    cull_mode: edges.then_some(wgpu::Face::Back),
+                    ..Default::default()
+                };
+                let blend = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
+                (PICTURE, Some(blend), primitive, depth(false, compare))
+            }
+            Self::Screen(blend) => (PICTURE, blend, wgpu::PrimitiveState::default(), None),
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Textures on the device.
+
+use crate::Gpu;
+use crate::mips::Pyramid;
+use crate::pipelines::Layouts;
+use lumel_scene::{Texture, TextureRef, Wrap};
+
+/// Texture filtering across the slope of surfaces, on devices that do it in hardware.
+const ANISOTROPY: u16 = 8;
+
+const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+
+/// What all models share: samplers for all ways to wrap, and a white texture in place of none.
+#[derive(Debug)]
+pub(crate) struct Blank {
+    samplers: Vec<wgpu::Sampler>,
+    white: Image,
+}
+
+/// A texture with the sampler that wraps it as it wants to be.
+#[derive(Clone, Debug)]
+pub(crate) struct Image {
+    view: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+}
+
+impl Blank {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let sampler = |u, v| {
+            gpu.device().create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("texture"),
+                address_mode_u: address_mode(u),
+                address_mode_v: address_mode(v),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                anisotropy_clamp: if gpu.is_software() { 1 } else { ANISOTROPY },
+                ..Default::default()
+            })
+        };
+        let samplers: Vec<_> = WRAPS.into_iter().flat_map(|u| WRAPS.map(|v| sampler(u, v))).collect();
+        let size = [1, 1];
+        let level = crate::mips::Level { size, bytes: vec![u8::MAX; 4] };
+        let pyramid = Pyramid { format: wgpu::TextureFormat::Rgba8Unorm, levels: vec![level] };
+        let white = Image { view: send(gpu, "white", &pyramid), sampler: samplers[0].clone() };
+        Self { samplers, white }
+    }
+
+    /// Sends a texture to the device, scaled down if it is too large for it.
+    pub(crate) fn upload(&self, gpu: &Gpu, texture: &Texture) -> Image {
+        let limit = gpu.device().limits().max_texture_dimension_2d;
+        let view = send(gpu, &texture.name, &Pyramid::new(texture, limit));
+        let index = |wrap| WRAPS.iter().position(|w| *w == wrap).unwrap_or(0);
+        let sampler = &self.samplers[index(texture.wrap_u) * WRAPS.len() + index(texture.wrap_v)];
+        Image { view, sampler: sampler.clone() }
+    }
+
+    /// The bind group of a material's albedo, emission and normal map.
+    pub(crate) fn textures(
+        &self,
+        gpu: &Gpu,
+        layouts: &Layouts,
+        images: &[Image],
+        maps: [Option<TextureRef>; 3],
+    ) -> wgpu::BindGroup {
+        let image = |map: Option<TextureRef>| map.and_then(|map| images.get(map.texture.index()));
+        let images = maps.map(|map| image(map).unwrap_or(&self.white));
+        bind(gpu, &layouts.textures, &images)
+    }
+
+    /// The bind group of a lamp with this texture, or with none.
+    pub(crate) fn lamp(&self, gpu: &Gpu, layouts: &Layouts, image: Option<&Image>) -> wgpu::BindGroup {
+        bind(gpu, &layouts.lamp, &[image.unwrap_or(&self.white)])
+    }
+}
+
+fn address_mode(wrap: Wrap) -> wgpu::AddressMode {
+    match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
+        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    }
+}
+
+fn bind(gpu: &Gpu, layout: &wgpu::BindGroupLayout, images: &[&Image]) -> wgpu::BindGroup {
+    let resources = images.iter().flat_map(|image| {
+        [wgpu::BindingResource::TextureView(&image.view), wgpu::BindingResource::Sampler(&image.sampler)]
+    });
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
+    gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("textures"),
+        layout,
+        entries: &entries,
+    })
+}
+
+/// A texture of these levels; there is at least one.
+pub(crate) fn send(gpu: &Gpu, label: &str, pyramid: &Pyramid) -> wgpu::TextureView {
+    let extent = |[width, height]: [u32; 2]| wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent(pyramid.levels[0].size),
+        mip_level_count: pyramid.levels.len() as u32,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: pyramid.format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for (mip_level, level) in (0..).zip(&pyramid.levels) {
+        let to = wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
+        let [width, height] = level.size;
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some((level.bytes.len() / height as usize) as u32),
+            rows_per_image: None,
+        };
+        gpu.queue().write_texture(to, &level.bytes, layout, extent([width, height]));
+    }
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
