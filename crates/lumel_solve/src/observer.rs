@@ -18,6 +18,10 @@ pub enum Step {
 pub struct Snapshot {
     /// The sum of finished bounces and what is known of the current one.
     pub total: Arc<Field>,
+    /// What is known of the bounce being measured; zero at nodes that are not measured yet.
+    pub current: Arc<Field>,
+    /// Which nodes have been measured in this bounce. Hidden ones count once all neighbours that they follow do.
+    pub measured: Arc<Vec<bool>>,
     /// What is being measured.
     pub step: Step,
 }
@@ -34,12 +38,14 @@ pub trait Observer: Sync {
         let _ = (step, state);
     }
 
-    /// Whether a snapshot is wanted now. Asked often: the observer has the clock.
+    /// Whether a snapshot is wanted now; a yes is followed by one [`snapshot`](Self::snapshot).
+    ///
+    /// Asked often and by many threads: the observer has the clock, and should set it when it says yes.
     fn wants_snapshot(&self) -> bool {
         false
     }
 
-    /// Takes a snapshot that was wanted.
+    /// Takes a snapshot that was wanted. Those of one bounce come in order, each with all that was in the last.
     fn snapshot(&self, snapshot: Snapshot) {
         let _ = snapshot;
     }

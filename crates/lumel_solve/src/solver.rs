@@ -2,10 +2,9 @@
 
 use crate::observer::{Observer, Snapshot, Step};
 use crate::{Energy, SolveState};
+use glam::Vec3;
 use lumel_basis::{Basis, Field, Measure};
-use lumel_transport::{
-    Cancelled, ChunkSums, Control, Job, Measured, PartialField, Source, Transport, accumulate,
-};
+use lumel_transport::{Cancelled, Control, Job, Measured, PartialField, Source, Transport, accumulate};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -131,15 +130,34 @@ struct Live<'a> {
 }
 
 impl PartialField for Live<'_> {
-    fn chunk_done(&self, chunks: &[Option<ChunkSums>]) {
-        if self.observer.wants_snapshot() {
-            let nodes = self.state.valid.len();
-            let Measured { field: mut current, mut known } = Measured::from_chunks(nodes, chunks);
-            // Hidden nodes follow their neighbours; what is not measured yet stays dark.
-            known.iter_mut().zip(&self.state.valid).for_each(|(known, valid)| *known |= valid);
-            self.basis.fill(&mut current, &known);
-            let total = Field::sum(nodes, self.state.bounces.iter().chain([&current]));
-            self.observer.snapshot(Snapshot { total: Arc::new(total), step: self.step });
+    fn wants_look(&self) -> bool {
+        self.observer.wants_snapshot()
+    }
+
+    fn look(&self, Measured { field: mut current, known }: Measured) {
+        let valid = &self.state.valid;
+        // Hidden nodes follow their neighbours; what is not measured yet stays dark.
+        let open: Vec<bool> = known.iter().zip(valid).map(|(known, valid)| known | valid).collect();
+        self.basis.fill(&mut current, &open);
+        let total = Field::sum(valid.len(), self.state.bounces.iter().chain([&current]));
+        self.observer.snapshot(Snapshot {
+            total: Arc::new(total),
+            current: Arc::new(current),
+            measured: Arc::new(self.followed(known, &open)),
+            step: self.step,
+        });
+    }
+}
+
+impl Live<'_> {
+    /// Which nodes are known, or hidden and follow only nodes that are.
+    fn followed(&self, known: Vec<bool>, open: &[bool]) -> Vec<bool> {
+        if !open.contains(&false) {
+            return known;
         }
+        let one_where_known = known.iter().map(|&known| Vec3::splat(f32::from(u8::from(known)))).collect();
+        let mut share = Field::from_values(one_where_known);
+        self.basis.fill(&mut share, open);
+        share.values().iter().map(|share| share.x == 1.0).collect()
     }
 }

@@ -3,7 +3,7 @@
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, Transport};
 use glam::{DVec3, Vec3};
 use lumel_basis::Field;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A measured field.
 #[derive(Clone, Debug)]
@@ -14,10 +14,15 @@ pub struct Measured {
     pub known: Vec<bool>,
 }
 
-/// A look at a measurement that is still under way.
+/// Looks at a measurement that is still under way.
 pub trait PartialField: Sync {
-    /// Called after each chunk with the chunks so far; `None` for those that are missing.
-    fn chunk_done(&self, chunks: &[Option<ChunkSums>]);
+    /// Whether to look now; asked after each chunk. A yes is followed by one look.
+    fn wants_look(&self) -> bool;
+
+    /// What the chunks so far say. Each look has all chunks of the looks before it.
+    ///
+    /// Takes no time from the other threads, unless they want a look too.
+    fn look(&self, measured: Measured);
 }
 
 /// Applies the operator once and merges the chunks in their order.
@@ -33,37 +38,43 @@ pub fn accumulate(
     progress: Option<&dyn PartialField>,
 ) -> Result<Measured, Cancelled> {
     let shape = transport.shape();
-    let slots = Slots { chunks: Mutex::new((0..shape.chunks).map(|_| None).collect()), progress };
+    let chunks = Mutex::new((0..shape.chunks).map(|_| None).collect());
+    let slots = Slots { nodes: shape.nodes, chunks, progress, looking: Mutex::new(()) };
     transport.measure(job, 0..shape.chunks, control, &slots)?;
-    let chunks = slots.lock();
+    let chunks = lock(&slots.chunks);
     Ok(Measured::from_chunks(shape.nodes, &chunks))
 }
 
 struct Slots<'a> {
-    chunks: Mutex<Vec<Option<ChunkSums>>>,
+    nodes: usize,
+    chunks: Mutex<Vec<Option<Arc<ChunkSums>>>>,
     progress: Option<&'a dyn PartialField>,
+    /// Held by the thread that looks, so that looks come in order.
+    looking: Mutex<()>,
 }
 
-impl Slots<'_> {
-    fn lock(&self) -> MutexGuard<'_, Vec<Option<ChunkSums>>> {
-        // Slots are written whole, so a panic elsewhere leaves nothing half-done.
-        self.chunks.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Slots are written whole, so a panic elsewhere leaves nothing half-done.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl ChunkSink for Slots<'_> {
     fn accept(&self, chunk: u32, sums: ChunkSums) {
-        let mut chunks = self.lock();
-        chunks[chunk as usize] = Some(sums);
-        if let Some(progress) = self.progress {
-            progress.chunk_done(&chunks);
+        lock(&self.chunks)[chunk as usize] = Some(Arc::new(sums));
+        if let Some(progress) = self.progress
+            && progress.wants_look()
+        {
+            let _looking = lock(&self.looking);
+            // Merging takes long: only the list is copied while nobody else can add to it.
+            let chunks = lock(&self.chunks).clone();
+            progress.look(Measured::from_chunks(self.nodes, &chunks));
         }
     }
 }
 
 impl Measured {
     /// Merges the chunks that are there, in order.
-    pub fn from_chunks(nodes: usize, chunks: &[Option<ChunkSums>]) -> Self {
+    fn from_chunks(nodes: usize, chunks: &[Option<Arc<ChunkSums>>]) -> Self {
         let mut sums = vec![(0.0f64, DVec3::ZERO); nodes];
         for sum in chunks.iter().flatten().flat_map(|chunk| &chunk.sums) {
             let (weight, value) = &mut sums[sum.node.index()];

@@ -5,6 +5,7 @@ use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 use crate::lights::LightSet;
 use crate::plan::Plan;
+use crate::scatter::scattered;
 use glam::{DVec3, Vec3};
 use lumel_accel::RayTracer;
 use lumel_basis::{Basis, ElementId, Measure, NodeWeights, Receivers, Site};
@@ -97,7 +98,8 @@ impl<B: Basis, R: Receivers> Transport for CpuTransport<B, R> {
         control: &Control,
         sink: &dyn ChunkSink,
     ) -> Result<(), Cancelled> {
-        chunks.into_par_iter().try_for_each(|chunk| {
+        // Scattered, so that what is known of a measurement under way is known everywhere.
+        scattered(chunks).into_par_iter().try_for_each(|chunk| {
             sink.accept(chunk, self.measure_chunk(job, chunk, control)?);
             Ok(())
         })

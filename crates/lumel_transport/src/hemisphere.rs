@@ -29,7 +29,7 @@ impl Seen {
 ///
 /// By Shirley and Chiu's concentric map and Malley's method; density cos θ/π per steradian.
 #[inline]
-pub(crate) fn direction(site: &Site, u: [f32; 2]) -> Vec3 {
+pub fn direction(site: &Site, u: [f32; 2]) -> Vec3 {
     site.frame.to_world(cosine_hemisphere(u))
 }
 

@@ -14,8 +14,10 @@ mod light_view;
 mod lights;
 mod plan;
 mod polygon;
+mod scatter;
 
 pub use accumulate::{Measured, PartialField, accumulate};
 pub use cpu::CpuTransport;
+pub use hemisphere::direction as hemisphere_direction;
 pub use job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 pub use plan::{EmitterSampling, LightSampling, Plan};

@@ -116,6 +116,9 @@ fn the_last_snapshot_of_a_bounce_is_the_total_after_it() {
             let total = Field::sum(state.valid.len(), &state.bounces[..=bounce as usize]);
             let same = last.total.values().iter().zip(total.values()).all(|(a, b)| a == b);
             assert!(same, "{storage:?}, bounce {bounce}");
+            assert_eq!(last.current.values(), state.bounces[bounce as usize].values(), "{storage:?}");
+            let dark = |node: usize| state.bounces[0].values()[node] == Vec3::ZERO;
+            assert!((0..state.valid.len()).all(|node| last.measured[node] || dark(node)), "{storage:?}");
         }
         assert_eq!(Arc::strong_count(&snapshots[0].total), 1, "nobody else holds on to a snapshot");
     }
@@ -129,6 +132,41 @@ fn snapshots_only_ever_gain_light() {
     assert!(snapshots.len() > 20, "one per chunk");
     let power = |s: &Snapshot| s.total.values().iter().map(|e| f64::from(e.x)).sum::<f64>();
     assert!(snapshots.windows(2).all(|pair| power(&pair[1]) >= power(&pair[0])));
+}
+
+#[test]
+fn a_snapshot_tells_what_is_measured_from_what_is_still_to_come() {
+    let stage = Stage::new(furnished());
+    for storage in Storage::ALL {
+        let (state, album) = watched(&stage.operator(storage, plan(16)), &stage, 1);
+        for snapshot in album.snapshots.into_inner().unwrap() {
+            let Step::Bounce(bounce) = snapshot.step else { panic!("probes have no snapshots") };
+            let before = Field::sum(state.valid.len(), &state.bounces[..bounce as usize]);
+            for node in 0..state.valid.len() {
+                let [total, current, before] =
+                    [&*snapshot.total, &*snapshot.current, &before].map(|field| field.values()[node]);
+                assert!((total - before - current).abs().max_element() < 1e-5);
+                // A triangle that is done may be one of several around a node, so over areas values still move.
+                if snapshot.measured[node] && storage == Storage::Vertex {
+                    assert_eq!(current, state.bounces[bounce as usize].values()[node]);
+                } else if !snapshot.measured[node] && state.valid[node] {
+                    assert_eq!(current, Vec3::ZERO, "{storage:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_bounce_under_way_is_known_everywhere_soon() {
+    let stage = Stage::new(furnished());
+    let (state, album) = watched(&stage.operator(Storage::Vertex, plan(16)), &stage, 0);
+    let snapshots = album.snapshots.into_inner().unwrap();
+    let share = |measured: &[bool]| measured.iter().filter(|m| **m).count() as f64 / measured.len() as f64;
+    let half = snapshots.iter().find(|s| share(&s.measured) > 0.5).unwrap();
+    for quarter in half.measured.chunks(state.valid.len().div_ceil(4)) {
+        assert!((0.2..0.85).contains(&share(quarter)), "{} of a quarter of the nodes", share(quarter));
+    }
 }
 
 #[test]
