@@ -66,8 +66,8 @@ impl FalseColor {
         Err(PictureError::Setting { what: "the range of false colours", expected, value })
     }
 
-    /// The range for these luminances.
-    pub(crate) fn range_for(&self, mut luminances: Vec<f32>) -> [f32; 2] {
+    /// The range for these luminances: the one that was asked for, else the one that shows most of them.
+    pub fn range_for(&self, mut luminances: Vec<f32>) -> [f32; 2] {
         if let Some(range) = self.range {
             return range;
         }

@@ -65,18 +65,20 @@ impl Layout {
     }
 }
 
-/// A mark on the bar.
+/// A mark on the bar that explains false colours.
 #[derive(Clone, Debug, PartialEq)]
-struct Tick {
+pub struct Tick {
     /// 0 at the bottom, 1 at the top.
-    position: f32,
-    label: String,
+    pub position: f32,
+    /// The number.
+    pub label: String,
 }
 
 /// About this many ticks look well on a bar.
 const TICKS_WANTED: f64 = 5.0;
 
-fn ticks(range: [f32; 2], scale: Scale) -> Vec<Tick> {
+/// Marks at round numbers within a range, about five of them.
+pub fn ticks(range: [f32; 2], scale: Scale) -> Vec<Tick> {
     let ends = range.map(f64::from);
     let logarithmic = match scale {
         Scale::Linear => Vec::new(),

@@ -36,6 +36,7 @@ pub use draw::draw;
 pub use error::PictureError;
 pub use exposure::{BadExposure, Exposure, meter};
 pub use false_color::{FalseColor, Legend, Scale, false_color, false_color_map};
+pub use legend::{Tick, ticks};
 pub use lens::Lens;
 pub use names::UnknownName;
 pub use picture::Picture;

@@ -95,6 +95,14 @@ impl<'a> View<'a> {
         Self { scene, tracer, lighting, backfaces: Backfaces::default() }
     }
 
+    /// The lit surface that is seen along a ray from the eye, lamps apart.
+    pub fn surface(&self, ray: Ray) -> Option<SurfacePoint> {
+        match self.sight(ray).0 {
+            Sight::Surface(at) => Some(at),
+            Sight::Back | Sight::Nothing => None,
+        }
+    }
+
     /// What a ray from the eye ends at, and how far away in lengths of its direction.
     pub(crate) fn sight(&self, mut ray: Ray) -> (Sight, f32) {
         let mut passed = 0.0;
