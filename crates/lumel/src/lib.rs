@@ -34,5 +34,5 @@ pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step};
 pub use lumel_transport::{Control, EmitterSampling, LightSampling};
 pub use measure::{PointMeasurement, measure_points};
 pub use open::{OpenError, OpenOptions, Opened, open};
-pub use project::{CameraEntry, LightEntry, Project, ProjectError};
+pub use project::{CameraEntry, LightEntry, Project, ProjectError, SlotEntry};
 pub use settings::{BasisKind, BounceLimit, Preset, Settings, SettingsPatch, Tail};

@@ -26,6 +26,8 @@ pub struct Opened {
     pub warnings: Warnings,
     /// The bake settings of its project file.
     pub settings: SettingsPatch,
+    /// The project file, if it is one; for editing.
+    pub project: Option<Project>,
 }
 
 /// Why a scene cannot be opened.
@@ -72,7 +74,7 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
         open_project(path, options)?
     } else {
         let (builder, warnings) = open_mesh(name, options.subdivide, options)?;
-        Opened { builder, warnings, settings: SettingsPatch::default() }
+        Opened { builder, warnings, settings: SettingsPatch::default(), project: None }
     };
     if let Some(max_edge) = options.max_edge {
         opened.warnings.append(opened.builder.tessellate(max_edge)?);
@@ -117,7 +119,7 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
     if let (Some(max_edge), None) = (project.max_edge, options.max_edge) {
         warnings.append(builder.tessellate(max_edge)?);
     }
-    Ok(Opened { builder, warnings, settings: project.bake })
+    Ok(Opened { builder, warnings, settings: project.bake.clone(), project: Some(project) })
 }
 
 fn resolve(project: &Path, reference: &Path, options: &OpenOptions) -> Result<PathBuf, OpenError> {
@@ -136,7 +138,7 @@ fn apply(
     if !project.lights.is_empty() {
         builder.lights.clear();
     }
-    for entry in &project.lights {
+    for entry in project.lights.iter().filter(|entry| !entry.off) {
         let mut light = entry.light();
         if let Some(texture) = &entry.texture {
             let file = resolve(path, texture, options)?;
@@ -170,4 +172,30 @@ fn apply(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LightEntry;
+    use glam::Vec3;
+
+    fn open_with(lights: Vec<LightEntry>) -> Opened {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lumel.toml");
+        let project = Project { builtin: Some("cornell-box".into()), lights, ..Project::default() };
+        project.write(&path).unwrap();
+        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        assert_eq!(opened.project, Some(project));
+        opened
+    }
+
+    #[test]
+    fn lights_that_are_off_stay_in_the_project_and_out_of_the_scene() {
+        let on = LightEntry { u: Vec3::X, v: Vec3::Z, radiance: Vec3::ONE, ..LightEntry::default() };
+        let off = LightEntry { off: true, ..on.clone() };
+        assert_eq!(open_with(Vec::new()).builder.lights.len(), 1, "the light of the Cornell box");
+        assert_eq!(open_with(vec![off.clone(), on.clone()]).builder.lights, [Light::Rect(on.light())]);
+        assert!(open_with(vec![off]).builder.lights.is_empty(), "nor does that of the mesh come back");
+    }
 }

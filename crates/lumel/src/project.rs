@@ -2,9 +2,14 @@
 
 use crate::settings::SettingsPatch;
 use glam::Vec3;
+use lumel_export::{ExportError, write_atomically};
 use lumel_scene::{Camera, Radiance, RectLight};
 use serde::{Deserialize, Serialize};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+/// The largest number of a slot: there is one for each digit key.
+const MAX_SLOT: u8 = 9;
 
 /// The content of a `NAME.lumel.toml`.
 ///
@@ -60,14 +65,20 @@ pub struct Project {
     #[serde(default, rename = "camera", skip_serializing_if = "Vec::is_empty")]
     pub cameras: Vec<CameraEntry>,
     /// Settings of the bake.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub bake: SettingsPatch,
+    /// Views with lights and settings of their own, which editors keep under a number; bakes do not look at them.
+    #[serde(default, rename = "slot", skip_serializing_if = "Vec::is_empty")]
+    pub slots: Vec<SlotEntry>,
 }
 
 /// A rectangle light in a project file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightEntry {
+    /// What editors call it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Centre, metres.
     pub center: Vec3,
     /// Half of one edge.
@@ -79,13 +90,36 @@ pub struct LightEntry {
     /// An image that multiplies the radiance, relative to the project file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture: Option<PathBuf>,
+    /// Whether it is kept without shining.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub off: bool,
+    /// Whether editors keep its power, not its radiance, when they change its size.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub constant_power: bool,
+}
+
+/// A numbered view in a project file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlotEntry {
+    /// 0 to 9; no two slots share one.
+    pub number: u8,
+    /// The viewpoint; it needs no name.
+    pub camera: CameraEntry,
+    /// The lights instead of those of the project, textures and all.
+    #[serde(default, rename = "light", skip_serializing_if = "Vec::is_empty")]
+    pub lights: Vec<LightEntry>,
+    /// Settings instead of those of the project.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub bake: SettingsPatch,
 }
 
 /// A viewpoint in a project file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraEntry {
-    /// Name.
+    /// Name; empty for none, which only slots allow.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Position, metres.
     pub position: Vec3,
@@ -99,6 +133,10 @@ pub struct CameraEntry {
     pub fov_deg: f32,
 }
 
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 fn up() -> Vec3 {
     Vec3::Y
 }
@@ -107,7 +145,7 @@ fn fov_deg() -> f32 {
     60.0
 }
 
-/// Why a project file cannot be used.
+/// Why a project file cannot be used or written.
 #[derive(Debug, thiserror::Error)]
 pub enum ProjectError {
     /// It cannot be read.
@@ -126,6 +164,9 @@ pub enum ProjectError {
         /// What makes no sense.
         message: String,
     },
+    /// It cannot be written.
+    #[error(transparent)]
+    Write(#[from] ExportError),
 }
 
 impl std::str::FromStr for Project {
@@ -147,17 +188,43 @@ impl Project {
         let invalid = |message: String| ProjectError::Invalid { path: path.to_owned(), message };
         let project: Self =
             text.parse().map_err(|e: toml::de::Error| invalid(e.to_string().trim_end().to_owned()))?;
-        if project.scene.is_some() == project.builtin.is_some() {
-            return Err(invalid(
-                "name either a mesh file by `scene` or a built-in scene by `builtin`".into(),
-            ));
+        project.problem().map_or(Ok(project), |problem| Err(invalid(problem)))
+    }
+
+    /// Writes a project file: complete or not at all, the same bytes for the same project, and read back as it is.
+    ///
+    /// Comments and the layout of an older file at `path` are lost.
+    ///
+    /// # Errors
+    /// A project that [`Self::read`] would refuse or that TOML cannot express, and a file that cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), ProjectError> {
+        let invalid = |message: String| ProjectError::Invalid { path: path.to_owned(), message };
+        if let Some(problem) = self.problem() {
+            return Err(invalid(problem));
         }
-        Ok(project)
+        let text = toml::to_string(self).map_err(|error| invalid(error.to_string()))?;
+        Ok(write_atomically(path, |out| out.write_all(text.as_bytes()))?)
+    }
+
+    /// What the types allow but makes no sense.
+    fn problem(&self) -> Option<String> {
+        if self.scene.is_some() == self.builtin.is_some() {
+            return Some("name either a mesh file by `scene` or a built-in scene by `builtin`".into());
+        }
+        if self.cameras.iter().any(|camera| camera.name.is_empty()) {
+            return Some("every `[[camera]]` needs a `name`".into());
+        }
+        let numbers: Vec<u8> = self.slots.iter().map(|slot| slot.number).collect();
+        if let Some(number) = numbers.iter().find(|&&number| number > MAX_SLOT) {
+            return Some(format!("there is no slot {number}: slots have numbers from 0 to {MAX_SLOT}"));
+        }
+        let twice = numbers.iter().enumerate().find(|(i, number)| numbers[..*i].contains(number));
+        twice.map(|(_, number)| format!("there is more than one slot {number}"))
     }
 }
 
 impl LightEntry {
-    /// The light, without its texture.
+    /// The light, without its texture and whether it is on or off.
     pub fn light(&self) -> RectLight {
         let Self { center, u, v, radiance, .. } = *self;
         RectLight { center, u, v, radiance: Radiance(radiance), texture: None }
@@ -169,5 +236,176 @@ impl CameraEntry {
     pub fn camera(&self) -> Camera {
         let view = Camera::looking_at(&self.name, self.position, self.target, self.fov_deg.to_radians());
         Camera { up: self.up, ..view }
+    }
+}
+
+impl From<&Camera> for CameraEntry {
+    /// The entry whose [`camera`](CameraEntry::camera) is this one, up to rounding and the length of `forward`.
+    fn from(camera: &Camera) -> Self {
+        let Camera { position, forward, .. } = *camera;
+        // Far from the origin, a target close by would round to the position itself.
+        let distance = forward.length().max(1e-3 * position.length());
+        Self {
+            name: camera.name.clone(),
+            position,
+            target: position + distance * forward.try_normalize().unwrap_or(-Vec3::Z),
+            up: camera.up,
+            fov_deg: camera.fov_y.to_degrees(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BounceLimit, Preset, Settings};
+
+    fn read_text(text: &str) -> Result<Project, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lumel.toml");
+        std::fs::write(&path, text).unwrap();
+        Project::read(&path).map_err(|error| error.to_string().replace(&*path.to_string_lossy(), "FILE"))
+    }
+
+    fn written(project: &Project) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lumel.toml");
+        project.write(&path).unwrap();
+        assert_eq!(Project::read(&path).unwrap(), *project);
+        std::fs::read_to_string(path).unwrap()
+    }
+
+    fn full() -> Project {
+        let light = LightEntry {
+            name: Some("window \"left\"".into()),
+            center: Vec3::new(0.1, 2.4, -1e-7),
+            u: Vec3::X / 3.0,
+            v: Vec3::Z,
+            radiance: Vec3::new(10.0, 0.7, 1e6),
+            texture: Some("sky.png".into()),
+            off: true,
+            constant_power: true,
+        };
+        let camera = CameraEntry {
+            name: "door".into(),
+            position: Vec3::ONE,
+            target: Vec3::ZERO,
+            up: Vec3::Z,
+            fov_deg: 35.5,
+        };
+        let slot = SlotEntry {
+            number: 9,
+            camera: CameraEntry { name: String::new(), ..camera.clone() },
+            lights: vec![light.clone(), LightEntry { name: None, off: false, ..light.clone() }],
+            bake: SettingsPatch { bounces: Some(BounceLimit::All), ..SettingsPatch::default() },
+        };
+        Project {
+            scene: Some("room.glb".into()),
+            builtin: None,
+            subdivide: Some(1),
+            max_edge: Some(0.1),
+            two_sided: vec!["*".into()],
+            sky: Some(Vec3::splat(0.3)),
+            lights: vec![light],
+            cameras: vec![camera],
+            bake: SettingsPatch::complete(&Settings { seed: u64::MAX, ..Preset::Production.settings() }),
+            slots: vec![slot.clone(), SlotEntry { number: 0, lights: Vec::new(), ..slot }],
+        }
+    }
+
+    #[test]
+    fn a_written_project_reads_back_the_same_in_short_numbers() {
+        let text = written(&full());
+        assert!(text.starts_with("scene = \"room.glb\"\nsubdivide = 1\nmax_edge = 0.1\n"), "{text}");
+        for line in
+            ["center = [0.1, 2.4, -0.0000001]", "off = true", "sky = [0.3, 0.3, 0.3]", "[[slot.light]]"]
+        {
+            assert!(text.lines().any(|l| l == line), "{line} in\n{text}");
+        }
+        assert_eq!(text, written(&text.parse().unwrap()), "written again, nothing moves");
+        let small = Project { builtin: Some("furnace".into()), ..Project::default() };
+        assert_eq!(written(&small), "builtin = \"furnace\"\n");
+    }
+
+    #[test]
+    fn every_number_reads_back_to_the_bit() {
+        let mut project = Project { builtin: Some("furnace".into()), ..Project::default() };
+        // All exponents, and mantissas that a generator picks.
+        let mut bits = 12_345u32;
+        let floats: Vec<f32> = (0..30_000)
+            .map(|_| {
+                bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f32::from_bits(bits ^ (bits >> 15))
+            })
+            .filter(|f| f.is_finite())
+            .chain([f32::MIN_POSITIVE, f32::MAX, 1e-45, -0.0])
+            .collect();
+        let entry = |c: &[f32]| LightEntry { center: Vec3::from_slice(c), ..LightEntry::default() };
+        project.lights = floats.chunks_exact(3).map(entry).collect();
+        let back: Project = toml::to_string(&project).unwrap().parse().unwrap();
+        for (a, b) in project.lights.iter().zip(&back.lights) {
+            assert_eq!(a.center.to_array().map(f32::to_bits), b.center.to_array().map(f32::to_bits));
+        }
+        assert_eq!(project.lights.len(), back.lights.len());
+    }
+
+    #[test]
+    fn slots_need_numbers_of_their_own_from_0_to_9() {
+        let slot = |n: u8| {
+            format!("[[slot]]\nnumber = {n}\n[slot.camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n")
+        };
+        let head = "builtin = \"furnace\"\n";
+        let project = read_text(&format!("{head}{}{}", slot(3), slot(0))).unwrap();
+        assert_eq!((project.slots[0].number, project.slots[0].camera.fov_deg), (3, 60.0));
+        let error = read_text(&format!("{head}{}{}", slot(3), slot(3))).unwrap_err();
+        assert_eq!(error, "FILE: there is more than one slot 3");
+        let error = read_text(&format!("{head}{}", slot(10))).unwrap_err();
+        assert_eq!(error, "FILE: there is no slot 10: slots have numbers from 0 to 9");
+        let error =
+            read_text(&format!("{head}[[camera]]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]")).unwrap_err();
+        assert_eq!(error, "FILE: every `[[camera]]` needs a `name`");
+    }
+
+    #[test]
+    fn what_cannot_be_read_back_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        let twice = vec![full().slots[0].clone(); 2];
+        for project in [Project::default(), Project { slots: twice, ..full() }] {
+            let error = project.write(&path).unwrap_err();
+            assert!(error.to_string().starts_with(&*path.to_string_lossy()), "{error}");
+            assert!(!path.exists());
+        }
+        let error = full().write(&folder.path().join("missing/a.toml")).unwrap_err().to_string();
+        assert!(error.contains("missing"), "{error}");
+    }
+
+    #[test]
+    fn a_camera_survives_being_an_entry() {
+        for scale in [1.0, 1e4] {
+            let camera = Camera {
+                name: "a".into(),
+                position: Vec3::new(3.0, -2.0, 1.0) * scale,
+                forward: Vec3::new(0.1, 0.2, -0.4),
+                up: Vec3::X,
+                fov_y: 0.7,
+            };
+            let back = CameraEntry::from(&camera).camera();
+            assert_eq!((back.name, back.position, back.up), (camera.name, camera.position, camera.up));
+            assert!((back.fov_y - camera.fov_y).abs() < 1e-6);
+            // A millionth of the coordinates over a thousandth of them.
+            assert!(back.forward.angle_between(camera.forward) < 1e-3, "{scale}");
+        }
+        let nowhere = Camera { forward: Vec3::ZERO, ..Camera::looking_at("b", Vec3::ONE, Vec3::ZERO, 1.0) };
+        assert!(CameraEntry::from(&nowhere).camera().axes().is_some());
+    }
+
+    #[test]
+    fn a_complete_patch_is_its_settings() {
+        for settings in Preset::ALL.map(Preset::settings) {
+            let patch = SettingsPatch { preset: Some(Preset::Draft), ..SettingsPatch::complete(&settings) };
+            assert_eq!(patch.settings(), settings);
+        }
+        assert_eq!(SettingsPatch::complete(&Settings::default()).preset, None);
     }
 }

@@ -182,6 +182,11 @@ macro_rules! patch {
                 Self { preset: over.preset.or(self.preset), $($field: over.$field.or(self.$field),)* }
             }
 
+            /// A patch that sets everything, so that its settings are these whatever the presets are.
+            pub fn complete(settings: &Settings) -> Self {
+                Self { preset: None, $($field: Some(settings.$field),)* }
+            }
+
             /// The settings: those of the preset with the replacements.
             pub fn settings(&self) -> Settings {
                 let mut settings = self.preset.unwrap_or_default().settings();

@@ -24,7 +24,7 @@ pub(crate) struct Loaded {
 
 /// Opens and builds the scene.
 pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
-    let Opened { mut builder, mut warnings, settings: patch } = open(args)?;
+    let Opened { mut builder, mut warnings, settings: patch, .. } = open(args)?;
     if !args.lights.is_empty() {
         builder.lights = args.lights.iter().copied().map(Light::Rect).collect();
     }
