@@ -48,15 +48,14 @@ impl Baker {
     /// Builds the basis for a scene whose ray tracer there is already.
     pub fn with_tracer(scene: Arc<Scene>, tracer: Arc<dyn RayTracer>, settings: Settings) -> Self {
         let vertex_basis = VertexBasis::new(Arc::clone(&scene));
-        let plan = settings.plan();
-        let (basis, transport) = match settings.basis {
-            BasisKind::Vertex => operator(&scene, &tracer, vertex_basis.clone(), plan),
-            BasisKind::VertexArea => {
-                operator(&scene, &tracer, AreaVertexBasis::new(vertex_basis.clone()), plan)
-            }
-        };
+        let (basis, transport) = operator_of(settings.basis, &scene, &tracer, &vertex_basis, settings.plan());
         let energy = Energy::new(&scene, &*basis);
         Self { scene, tracer, settings, basis, vertex_basis, transport, energy }
+    }
+
+    /// The operator with other samples.
+    pub(crate) fn transport_with(&self, plan: Plan) -> Box<dyn Transport> {
+        operator_of(self.settings.basis, &self.scene, &self.tracer, &self.vertex_basis, plan).1
     }
 
     /// The scene.
@@ -72,6 +71,11 @@ impl Baker {
     /// The settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// The basis that light is stored in.
+    pub(crate) fn basis(&self) -> &dyn Basis {
+        &*self.basis
     }
 
     /// The piecewise linear basis on the vertices that all bases here are read back by.
@@ -139,6 +143,7 @@ impl Baker {
             bounces: state.bounces.iter().map(at_vertices).collect(),
             tail: state.tail.as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
+            standard_error: None,
         }
     }
 
@@ -193,6 +198,19 @@ impl Baker {
             *slot = (*slot).min(vertex);
         }
         first
+    }
+}
+
+fn operator_of(
+    kind: BasisKind,
+    scene: &Arc<Scene>,
+    tracer: &Arc<dyn RayTracer>,
+    vertex_basis: &VertexBasis,
+    plan: Plan,
+) -> (Arc<dyn Basis>, Box<dyn Transport>) {
+    match kind {
+        BasisKind::Vertex => operator(scene, tracer, vertex_basis.clone(), plan),
+        BasisKind::VertexArea => operator(scene, tracer, AreaVertexBasis::new(vertex_basis.clone()), plan),
     }
 }
 

@@ -16,8 +16,8 @@ const FORMAT_VERSION: u32 = 1;
 
 /// Irradiance at the vertices of a scene, W·m⁻² (lux where the scene's lights are photometric), linear Rec. 709.
 ///
-/// As a file it is a NumPy archive of the arrays `positions`, `normals`, `irradiance` and `tail` (n, 3), `bounces`
-/// (bounces, n, 3) and `valid` (n), and of `meta.json`.
+/// As a file it is a NumPy archive of the arrays `positions`, `normals`, `irradiance`, `tail` and `standard_error`
+/// (n, 3), `bounces` (bounces, n, 3) and `valid` (n), and of `meta.json`. `tail` and `standard_error` may be absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Where it comes from.
@@ -34,6 +34,8 @@ pub struct Solution {
     pub tail: Option<Vec<Vec3>>,
     /// Whether the vertex was measured itself. Others, such as those inside a wall, were filled in from neighbours.
     pub valid: Vec<bool>,
+    /// Standard error of `irradiance` from the sampling at each vertex, where it was measured.
+    pub standard_error: Option<Vec<Vec3>>,
 }
 
 /// Where a solution comes from: the member `meta.json` of its file.
@@ -132,10 +134,16 @@ impl Solution {
         for (k, bounce) in self.bounces.iter().enumerate() {
             self.check_vectors(&format!("bounces[{k}]"), bounce)?;
         }
-        if let Some(tail) = &self.tail {
-            self.check_vectors("tail", tail)?;
+        for (name, array) in self.optional_arrays() {
+            self.check_vectors(name, array)?;
         }
         self.check_length("valid", self.valid.len())
+    }
+
+    /// The arrays that not every solution has, by their names.
+    fn optional_arrays(&self) -> impl Iterator<Item = (&'static str, &Vec<Vec3>)> {
+        let all = [("tail", &self.tail), ("standard_error", &self.standard_error)];
+        all.into_iter().filter_map(|(name, array)| Some((name, array.as_ref()?)))
     }
 
     fn check_vectors(&self, array: &str, values: &[Vec3]) -> Result<(), SolutionError> {
@@ -200,8 +208,8 @@ impl Solution {
             npz.array("normals", &Array::from_vectors(&self.normals))?;
             npz.array("irradiance", &Array::from_vectors(&self.irradiance))?;
             npz.array("bounces", &self.bounces_array())?;
-            if let Some(tail) = &self.tail {
-                npz.array("tail", &Array::from_vectors(tail))?;
+            for (name, array) in self.optional_arrays() {
+                npz.array(name, &Array::from_vectors(array))?;
             }
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))
         })?;
@@ -227,6 +235,9 @@ impl Solution {
         if self.tail.is_some() {
             all.push(("tail", "(vertex, rgb) estimated part of the irradiance of all further bounces"));
         }
+        if self.standard_error.is_some() {
+            all.push(("standard_error", "(vertex, rgb) standard error of the irradiance from the samples at the vertex"));
+        }
         all.into_iter().map(|(name, meaning)| (name.to_owned(), meaning.to_owned())).collect()
     }
 
@@ -245,7 +256,8 @@ impl Solution {
             }
         }
         let positions = read_vectors(&mut npz, "positions")?;
-        let tail = if npz.has_array("tail") { Some(read_vectors(&mut npz, "tail")?) } else { None };
+        let tail = read_optional(&mut npz, "tail")?;
+        let standard_error = read_optional(&mut npz, "standard_error")?;
         let solution = Self {
             meta,
             normals: read_vectors(&mut npz, "normals")?,
@@ -253,6 +265,7 @@ impl Solution {
             bounces: read_bounces(&mut npz, positions.len())?,
             tail,
             valid: read_flags(&mut npz, "valid")?,
+            standard_error,
             positions,
         };
         solution.validate()?;
@@ -301,6 +314,10 @@ fn read_meta(npz: &mut NpzReader) -> Result<SolutionMeta, SolutionError> {
     }
     serde_json::from_slice(&json)
         .map_err(|error| format(format!("the meta.json of this solution is incomplete: {error}")))
+}
+
+fn read_optional(npz: &mut NpzReader, name: &str) -> Result<Option<Vec<Vec3>>, SolutionError> {
+    if npz.has_array(name) { read_vectors(npz, name).map(Some) } else { Ok(None) }
 }
 
 fn read_vectors(npz: &mut NpzReader, name: &str) -> Result<Vec<Vec3>, SolutionError> {

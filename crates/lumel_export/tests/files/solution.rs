@@ -20,6 +20,7 @@ fn solution(scene: &Scene) -> Solution {
         bounces: vec![half.clone(), half.iter().map(|e| 0.5 * *e).collect()],
         tail: Some(half.iter().map(|e| 0.5 * *e).collect()),
         valid: (0..irradiance.len()).map(|v| v != 2).collect(),
+        standard_error: Some(irradiance.iter().map(|e| 0.01 * *e).collect()),
         irradiance,
     }
 }
@@ -43,7 +44,7 @@ fn a_solution_comes_back_bit_for_bit() {
     assert_eq!(loaded, solution);
     assert_eq!(loaded.irradiance[0].x.to_bits(), (-0.0_f32).to_bits());
     solution.bounces.clear();
-    solution.tail = None;
+    (solution.tail, solution.standard_error) = (None, None);
     solution.meta.complete = false;
     solution.meta.statistics = json!({ "seconds": 1.5 });
     assert_eq!(saved_and_loaded(&solution, &path), solution);
@@ -127,6 +128,7 @@ fn arrays_that_disagree_are_named() {
     assert_eq!(message, "the solution has 3 values of \"bounces[1]\" for 4 vertices");
     assert!(refused(|s| s.valid.push(true)).contains("5 values of \"valid\""));
     assert!(refused(|s| s.tail = Some(vec![])).contains("0 values of \"tail\""));
+    assert!(refused(|s| s.standard_error = Some(vec![])).contains("0 values of \"standard_error\""));
     let message = refused(|s| s.irradiance[2].y = f32::NAN);
     assert_eq!(message, "the solution is not a finite number in \"irradiance\" at vertex 2");
     assert!(!path.exists());
@@ -175,7 +177,7 @@ fn arrays_of_a_wrong_shape_are_refused() {
         let mut npz = NpzReader::open(&path).unwrap();
         write_npz(&bad, |out| {
             out.bytes("meta.json", &npz.bytes("meta.json").unwrap())?;
-            for other in ["positions", "normals", "irradiance", "bounces", "tail", "valid"] {
+            for other in ["positions", "normals", "irradiance", "bounces", "tail", "standard_error", "valid"] {
                 let old = npz.array(other).unwrap();
                 out.array(other, if other == name { &array } else { &old })?;
             }
