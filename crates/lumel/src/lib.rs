@@ -17,16 +17,20 @@
 
 mod baker;
 mod dark;
+mod difference;
 mod estimate;
+mod light_file;
 mod measure;
 mod open;
 mod project;
 mod settings;
 
 pub use baker::{Baker, ResumeError};
+pub use difference::{Difference, Percentiles};
 pub use estimate::{Position, Remainder, Workload};
+pub use light_file::{Fitting, LightFile, LightFileError};
 pub use lumel_accel::{Bvh, RayTracer};
-pub use lumel_export::{Solution, SolutionSelection};
+pub use lumel_export::{RadFile, Solution, SolutionSelection};
 pub use lumel_import::PathPolicy;
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{Camera, Light, RectLight, Scene, SceneBuilder, Warnings};

@@ -4,7 +4,10 @@ use crate::args::{SceneArgs, SettingsArgs};
 use crate::console::Console;
 use crate::failure::{hinted, with_hint};
 use glam::Vec3;
-use lumel::{EmitterSampling, Light, OpenError, Opened, Project, Scene, Settings, SettingsPatch, Warnings};
+use lumel::{
+    EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings, SettingsPatch,
+    Warnings,
+};
 use lumel_scene::{Radiance, TriId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -152,6 +155,14 @@ pub(crate) fn file_stem(scene: &str) -> String {
     let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
     let stem = stem.strip_suffix(".lumel").unwrap_or(&stem);
     if stem.is_empty() { "scene".to_owned() } else { stem.to_owned() }
+}
+
+/// Advice for light that does not fit its scene.
+pub(crate) fn light_hint(error: LightFileError) -> anyhow::Error {
+    match error {
+        LightFileError::OtherScene { .. } | LightFileError::OtherPositions { .. } => belongs_hint(error),
+        error => error.into(),
+    }
 }
 
 /// Advice for a solution that does not fit its scene.

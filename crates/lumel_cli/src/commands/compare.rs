@@ -3,11 +3,10 @@
 use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::console::{self, Console};
-use crate::difference::{Difference, PERCENTS};
 use crate::failure::hinted;
-use crate::light_file::LightFile;
 use crate::report::significant;
 use anyhow::Context;
+use lumel::{Difference, LightFile, Percentiles};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -79,7 +78,7 @@ impl Comparison {
             "A {}\nB {}\n{} of {} vertices were measured in both\n\n",
             self.a, self.b, self.valid_vertices, self.vertices
         );
-        let percents = PERCENTS.map(|p| format!("{:>9}", format!("{p} %"))).concat();
+        let percents = Percentiles::PERCENTS.map(|p| format!("{:>9}", format!("{p} %"))).concat();
         text += &format!(
             "{:9} {:>10} {:>10} {:>9} {:>9} {percents}\n",
             "", "RMSE", "relative", "ratio", "correl."

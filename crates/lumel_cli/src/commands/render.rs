@@ -4,7 +4,6 @@ use crate::Outcome;
 use crate::args::{ProgressMode, RenderArgs};
 use crate::console::{self, Console};
 use crate::failure::hinted;
-use crate::light_file::LightFile;
 use crate::load::{self, Loaded};
 use crate::outputs::{self, Output};
 use crate::parse::CameraChoice;
@@ -13,7 +12,7 @@ use crate::report;
 use crate::session::{Session, thread_pool};
 use anyhow::Context;
 use glam::Vec3;
-use lumel::{Bvh, Camera, RayTracer, Scene};
+use lumel::{Bvh, Camera, LightFile, RayTracer, Scene};
 use lumel_picture::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
 use std::sync::Arc;
 
@@ -77,7 +76,7 @@ fn render(args: &RenderArgs, display: &Display, session: &Session) -> anyhow::Re
 
 fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<Vec<Vec3>> {
     let Some(path) = &args.solution else { return Ok(vec![Vec3::ZERO; scene.vertex_count()]) };
-    let fitting = LightFile::irradiance_for(path, scene, args.bounce)?;
+    let fitting = LightFile::irradiance_for(path, scene, args.bounce).map_err(load::light_hint)?;
     if !fitting.same_lighting {
         console.warning(&format!(
             "materials or lights have changed since the bake of {}; the picture mixes old light with new materials",

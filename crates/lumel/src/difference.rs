@@ -3,47 +3,51 @@
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// The shares of all values that the percentiles are of, percent.
-pub(crate) const PERCENTS: [f64; 4] = [50.0, 90.0, 99.0, 100.0];
-
 /// The difference of light A from light B. `None` stands for what does not exist, such as a ratio to darkness.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Difference {
+pub struct Difference {
     /// Root of the mean of (A − B)² over vertices and channels, W·m⁻².
-    pub(crate) rmse: f64,
+    pub rmse: f64,
     /// `rmse` over the root of the mean of B².
-    pub(crate) relative_rmse: Option<f64>,
+    pub relative_rmse: Option<f64>,
     /// Mean of A over mean of B.
-    pub(crate) mean_ratio: Option<f64>,
+    pub mean_ratio: Option<f64>,
     /// Pearson's correlation of A and B.
-    pub(crate) correlation: Option<f64>,
+    pub correlation: Option<f64>,
     /// Percentiles of |A − B| over the mean of B.
-    pub(crate) percentiles: Option<Percentiles>,
+    pub percentiles: Option<Percentiles>,
     /// Mean of A per channel, W·m⁻².
-    pub(crate) mean_a: [f64; 3],
+    pub mean_a: [f64; 3],
     /// Mean of B per channel, W·m⁻².
-    pub(crate) mean_b: [f64; 3],
+    pub mean_b: [f64; 3],
 }
 
 /// The values below which so many of all values lie.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Percentiles {
-    pub(crate) p50: f64,
-    pub(crate) p90: f64,
-    pub(crate) p99: f64,
-    pub(crate) p100: f64,
+pub struct Percentiles {
+    /// The median.
+    pub p50: f64,
+    /// Of nine in ten values.
+    pub p90: f64,
+    /// Of all but one in a hundred.
+    pub p99: f64,
+    /// The largest.
+    pub p100: f64,
 }
 
 impl Percentiles {
+    /// The shares of all values, percent.
+    pub const PERCENTS: [f64; 4] = [50.0, 90.0, 99.0, 100.0];
+
     /// From the least to the largest.
-    pub(crate) fn to_array(self) -> [f64; 4] {
+    pub fn to_array(self) -> [f64; 4] {
         [self.p50, self.p90, self.p99, self.p100]
     }
 }
 
 impl Difference {
     /// The difference at the vertices that count; `None` when there are none.
-    pub(crate) fn of(a: &[Vec3], b: &[Vec3], counts: &[bool]) -> Option<Self> {
+    pub fn of(a: &[Vec3], b: &[Vec3], counts: &[bool]) -> Option<Self> {
         let values = |light: &[Vec3]| -> Vec<DVec3> {
             let counted = light.iter().zip(counts).filter(|(_, counts)| **counts);
             counted.map(|(value, _)| value.as_dvec3()).collect()
@@ -99,7 +103,7 @@ fn percentiles(a: &[DVec3], b: &[DVec3], scale: f64) -> Option<Percentiles> {
         let rank = (percent / 100.0 * relative.len() as f64).ceil() as usize;
         relative[rank.clamp(1, relative.len()) - 1]
     };
-    let [p50, p90, p99, p100] = PERCENTS.map(at);
+    let [p50, p90, p99, p100] = Percentiles::PERCENTS.map(at);
     p100.is_finite().then_some(Percentiles { p50, p90, p99, p100 })
 }
 
