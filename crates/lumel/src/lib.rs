@@ -23,6 +23,7 @@ mod light_file;
 mod measure;
 mod open;
 mod project;
+mod samples;
 mod settings;
 
 pub use baker::{Baker, ResumeError};
@@ -36,7 +37,7 @@ pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{Camera, Light, RectLight, Scene, SceneBuilder, Warnings};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step};
 pub use lumel_transport::{Control, EmitterSampling, LightSampling};
-pub use measure::{PointMeasurement, measure_points};
+pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use open::{OpenError, OpenOptions, Opened, open};
 pub use project::{CameraEntry, LightEntry, Project, ProjectError, SlotEntry};
 pub use settings::{BasisKind, BounceLimit, Preset, Settings, SettingsPatch, Tail};
