@@ -10,7 +10,7 @@ const RADIUS: f32 = 2.5;
 const HALF_WIDTH: f32 = 0.75;
 
 /// Edges of triangles: a blue that shows on black and on white.
-const EDGE = vec4<f32>(0.25, 0.55, 1.0, 0.6);
+const EDGE = vec4<f32>(0.25, 0.55, 1.0, 0.4);
 
 struct Dot {
     @builtin(position) clip: vec4<f32>,

@@ -73,11 +73,14 @@ fn agx_curve(x: vec3<f32>) -> vec3<f32> {
     return AGX_Y0 + rise / pow(1.0 + excess * share * sqrt(share), vec3<f32>(1.0 / 1.5));
 }
 
-fn agx(c: vec3<f32>) -> vec3<f32> {
+/// The sRGB code of AgX: its last power and that of the code cancel where the code's curve is not straight.
+fn agx_code(c: vec3<f32>) -> vec3<f32> {
     // Zero has no logarithm; this is darker than the darkest.
     let inset = max(AGX_KEPT * c + dot(AGX_INSET, c), vec3<f32>(1e-9));
     let y = agx_curve(unit((log2(inset) - AGX_DARKEST) / AGX_STOPS));
-    return pow(unit((y - dot(AGX_INSET, y)) / AGX_KEPT), vec3<f32>(2.4));
+    let outset = unit((y - dot(AGX_INSET, y)) / AGX_KEPT);
+    let linear = pow(outset, vec3<f32>(2.4));
+    return select(1.055 * outset - 0.055, 12.92 * linear, linear <= vec3<f32>(0.0031308));
 }
 
 /// The colour of a pixel: mean luminance in two halves, and the share of it that shows surfaces.
@@ -107,7 +110,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     } else if (CURVE == 2u) {
         code = srgb_encode(unit(aces(c)));
     } else if (CURVE == 3u) {
-        code = srgb_encode(unit(agx(c)));
+        code = agx_code(c);
     } else if (CURVE == 4u) {
         code = c;
     } else {

@@ -59,6 +59,21 @@ fn false_colours_of_edges_are_those_of_the_surface_dimmed() {
 }
 
 #[test]
+fn edges_of_glaring_surfaces_are_white() {
+    let Some(renderer) = renderer() else { return };
+    let mut subject = scenes::everything();
+    subject.light.fill(Vec3::splat(1e12));
+    let uploaded = subject.on(renderer);
+    for &tone in ToneMapper::ALL {
+        let (stops, white) = (9.0, ToneMapper::DEFAULT_WHITE);
+        let picture = uploaded.show(SIZE, Samples::Four, Look::Irradiance { stops, tone, white });
+        let is_sharp = |pixel: &[u8; 3]| *pixel == [0; 3] || pixel.iter().all(|c| *c >= 254);
+        assert!(picture.pixels().iter().all(is_sharp), "{tone}");
+        assert!(picture.pixels().iter().any(|pixel| pixel[0] > 0), "{tone}");
+    }
+}
+
+#[test]
 fn two_devices_draw_the_same_bytes() {
     let (Some(renderer), Some(other)) = (renderer(), another_renderer()) else { return };
     let subject = scenes::everything();

@@ -93,7 +93,7 @@ fn light_that_is_no_number_does_not_reach_other_triangles() {
             let changed = picture.pixels().iter().zip(good.pixels()).filter(|(a, b)| a != b).count();
             let share = changed as f64 / good.pixels().len() as f64;
             // The six triangles around it.
-            assert!(share < 0.15, "{look:?} {value}: {share}");
+            assert!(share < 0.25, "{look:?} {value}: {share}");
             assert!(!value.is_nan() || changed == 0, "{look:?}");
         }
     }

@@ -34,7 +34,7 @@ pub(crate) fn cornell() -> &'static Subject {
 pub(crate) fn leather() -> Subject {
     let (scene, _) = builtin::scene("cornell-leather", 0).unwrap().build().unwrap();
     let target = Vec3::new(0.3, 0.3, 0.5592);
-    let camera = Camera::looking_at("near", target - Vec3::new(0.02, 0.01, 0.05), target, 0.9);
+    let camera = Camera::looking_at("near", target - Vec3::new(0.006, 0.003, 0.015), target, 0.9);
     let light = shine(&scene);
     Subject { scene, light, camera }
 }
