@@ -1,0 +1,355 @@
+//! The window: what is shown where, and what the keys do. The work is the [`Session`]'s.
+
+use crate::compare::Comparison;
+use crate::dialogs::{Dialog, Dialogs};
+use crate::dock::{self, Pane};
+use crate::input::{self, Command};
+use crate::notice::Level;
+use crate::panels;
+use crate::pick::Pick;
+use crate::prefs::{MAX_BOUNCES, Prefs, ViewPrefs};
+use crate::selection::Selection;
+use crate::session::{Hand, Session, Surroundings};
+use crate::solver::Wake;
+use crate::stage::Stage;
+use crate::theme;
+use crate::viewport::Viewport;
+use crate::widgets::Toasts;
+use crate::{document::OpenRequest, screenshot};
+use eframe::egui::{self, CentralPanel, Frame, Panel, ViewportCommand};
+use egui_tiles::Tree;
+use lumel::SamplerKind;
+use std::collections::HashSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The name under which settings are stored.
+pub const APP_ID: &str = "lumel-view";
+
+const PREFS_KEY: &str = "lumel_view.prefs";
+const DOCK_KEY: &str = "lumel_view.dock";
+
+/// How the program was started.
+#[derive(Clone, Debug, Default)]
+pub struct StartUp {
+    /// The scene to open first.
+    pub open: Option<OpenRequest>,
+    /// Folder for unsaved work; `None` to keep none.
+    pub data_folder: Option<PathBuf>,
+    /// Folder for screenshots.
+    pub picture_folder: PathBuf,
+    /// Threads of solves; 0 for all.
+    pub threads: usize,
+}
+
+/// The program.
+pub struct App {
+    /// What is open and going on.
+    pub session: Session,
+    /// What is kept between runs.
+    pub prefs: Prefs,
+    /// The picture; `None` without a graphics device.
+    pub stage: Option<Stage>,
+    /// What is asked of the user.
+    pub dialogs: Dialogs,
+    /// The spot that was clicked.
+    pub pick: Option<Pick>,
+    /// What is compared.
+    pub comparison: Comparison,
+    /// Whether panels are shown.
+    pub panels_visible: bool,
+    pub(crate) viewport: Viewport,
+    pub(crate) toasts: Toasts,
+    pub(crate) wake: Wake,
+    pub(crate) picture_folder: PathBuf,
+    dock: Tree<Pane>,
+    /// Keys that did something and must not fly too while they stay down.
+    pub(crate) spent_keys: HashSet<egui::Key>,
+}
+
+impl App {
+    /// The program in a new window.
+    ///
+    /// # Errors
+    /// When the system gives no threads.
+    pub fn new(cc: &eframe::CreationContext<'_>, start: StartUp) -> Result<Self, String> {
+        theme::apply(&cc.egui_ctx);
+        let stored = |key| cc.storage.and_then(|storage| storage.get_string(key));
+        let prefs: Prefs =
+            stored(PREFS_KEY).and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
+        let prefs = prefs.checked();
+        let tree = stored(DOCK_KEY).and_then(|text| serde_json::from_str(&text).ok());
+        let ctx = cc.egui_ctx.clone();
+        let wake: Wake = Arc::new(move || ctx.request_repaint());
+        let mut session = Session::new(Surroundings {
+            data_folder: start.data_folder,
+            threads: start.threads,
+            wake: Arc::clone(&wake),
+        })?;
+        session.settings = prefs.settings.clone();
+        let stage = cc.wgpu_render_state.clone().map(Stage::new);
+        match &stage {
+            Some(stage) if stage.gpu().is_software() => {
+                let text = format!(
+                    "Software renderer: {}. A graphics driver would draw faster.",
+                    stage.gpu().name()
+                );
+                session.notices.log(Level::Warning, text);
+            }
+            Some(stage) => session.notices.log(Level::Info, format!("Drawing with {}", stage.gpu().name())),
+            None => {
+                session.notices.push(Level::Error, "There is no graphics device: the scene cannot be shown")
+            }
+        }
+        if let Some(request) = start.open {
+            session.open(request);
+        }
+        Ok(Self {
+            session,
+            prefs,
+            stage,
+            dialogs: Dialogs::default(),
+            pick: None,
+            comparison: Comparison::default(),
+            panels_visible: true,
+            viewport: Viewport::default(),
+            toasts: Toasts::default(),
+            wake,
+            picture_folder: start.picture_folder,
+            dock: tree.filter(dock::is_whole).unwrap_or_else(dock::default_tree),
+            spent_keys: HashSet::new(),
+        })
+    }
+
+    /// How the picture is drawn.
+    pub fn view(&self) -> &ViewPrefs {
+        &self.prefs.view
+    }
+
+    /// Whether something moves in the picture.
+    pub(crate) fn viewport_moves(&self) -> bool {
+        self.viewport.is_moving()
+    }
+
+    /// Opens a scene, after asking if work would be lost.
+    pub fn open(&mut self, request: OpenRequest) {
+        match self.session.objection() {
+            Some(objection) => self.dialogs.ask(objection, request),
+            None => self.open_now(request),
+        }
+    }
+
+    pub(crate) fn open_now(&mut self, request: OpenRequest) {
+        self.session.open(request);
+    }
+
+    /// Arranges the panels as they were at first.
+    pub fn reset_panels(&mut self) {
+        self.dock = dock::default_tree();
+        self.panels_visible = true;
+    }
+
+    /// Brings a panel to the front.
+    pub fn show_panel(&mut self, pane: Pane) {
+        self.panels_visible = true;
+        dock::focus(&mut self.dock, pane);
+    }
+
+    /// Does what a key, a menu or a button asks for.
+    pub fn run(&mut self, command: Command, ctx: &egui::Context) {
+        match command {
+            Command::Open => self.dialogs.open(Dialog::open_scene(&self.session)),
+            Command::Reload => {
+                if let Some(request) = self.session.document.as_ref().map(|d| d.request.clone()) {
+                    self.open(request);
+                }
+            }
+            Command::SaveMesh => {
+                self.dialogs.open(Dialog::save_mesh(&self.session, self.prefs.view.selection))
+            }
+            Command::SaveProject => self.save_project(),
+            Command::SaveProjectAs => self.dialogs.open(Dialog::save_project(&self.session)),
+            Command::LoadSolution => self.dialogs.open(Dialog::load_solution(&self.session)),
+            Command::SaveSolution => self.dialogs.open(Dialog::save_solution(&self.session)),
+            Command::Screenshot => screenshot::from_window(self),
+            Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+            Command::Undo => self.session.undo(),
+            Command::Redo => self.session.redo(),
+            Command::PlaceLight => self.session.place_light(),
+            Command::AddLight => self.session.add_light(),
+            Command::RemoveLight => self.session.remove_light(),
+            Command::ToggleLight => self.session.toggle_light(),
+            Command::NextLight => self.session.next_light(),
+            Command::AlignUp => self.session.camera.align_up(),
+            Command::ResetCamera => self.session.reset_camera(),
+            Command::Solve => self.session.solve(),
+            Command::SolveAnew => self.session.solve_anew(),
+            Command::Stop => self.escape(),
+            Command::ToggleQmc => self.toggle_qmc(),
+            Command::ShowAll => self.prefs.view.selection = Selection::All,
+            Command::ShowDirect => self.prefs.view.selection = Selection::DIRECT,
+            Command::ShowIndirect => self.prefs.view.selection = Selection::Indirect,
+            Command::PreviousBounce => self.step_bounce(-1),
+            Command::NextBounce => self.step_bounce(1),
+            Command::Wireframe => self.prefs.view.wireframe = !self.prefs.view.wireframe,
+            Command::KeepLight => self.session.keep_light(),
+            Command::Split => self.comparison.toggle(&self.session),
+            Command::Help => self.dialogs.toggle_help(),
+            Command::Panels => self.panels_visible = !self.panels_visible,
+            Command::FullScreen => {
+                let full = ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
+                ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!full));
+            }
+            Command::SaveSlot(digit) => self.session.save_slot(digit),
+            Command::RecallSlot(digit) => self.session.recall_slot(digit),
+        }
+    }
+
+    fn save_project(&mut self) {
+        let path =
+            self.session.document.as_ref().and_then(|d| d.project.as_ref()).map(|(path, _)| path.clone());
+        match path {
+            Some(path) => {
+                if let Err(problem) = self.session.save_project(&path) {
+                    self.session.notices.push(Level::Error, format!("Cannot save the project: {problem}"));
+                }
+            }
+            None => self.dialogs.open(Dialog::save_project(&self.session)),
+        }
+    }
+
+    /// Closes what is above the picture, else stops the solve, else forgets the picked spot.
+    fn escape(&mut self) {
+        if self.dialogs.close_top() {
+            return;
+        }
+        if self.session.phase().is_some() {
+            self.session.stop();
+        } else {
+            self.pick = None;
+        }
+    }
+
+    fn toggle_qmc(&mut self) {
+        let sampler = &mut self.session.settings.sampler;
+        *sampler = if *sampler == SamplerKind::Random { SamplerKind::Sobol } else { SamplerKind::Random };
+        let text = format!("Sampler: {}", self.session.settings.sampler);
+        self.session.notices.push(Level::Info, text);
+    }
+
+    /// Shows the bounce before or after the one that is shown.
+    fn step_bounce(&mut self, step: i64) {
+        let last = (self.session.light.bounce_count() as i64 - 1).clamp(0, i64::from(MAX_BOUNCES).max(400));
+        let shown = match self.prefs.view.selection {
+            Selection::Range(first, to) => i64::from(if step < 0 { first } else { to }),
+            Selection::All | Selection::Indirect if step < 0 => last + 1,
+            Selection::All | Selection::Indirect => -1,
+        };
+        self.prefs.view.selection = Selection::bounce((shown + step).clamp(0, last) as u32);
+    }
+
+    /// Takes in files that were dropped on the window.
+    fn take_dropped(&mut self, ctx: &egui::Context) {
+        let files: Vec<PathBuf> =
+            ctx.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
+        for path in files {
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            if crate::session::SOLUTION_FORMATS.contains(&extension.as_str()) {
+                self.session.load_solution(&path, crate::session::Purpose::Show);
+            } else {
+                self.open(OpenRequest::new(path.to_string_lossy()));
+            }
+        }
+    }
+
+    fn handle_keys(&mut self, ctx: &egui::Context) {
+        self.spent_keys.retain(|key| ctx.input(|i| i.key_down(*key)));
+        // Keys belong to whoever writes a text.
+        if ctx.text_edit_focused() {
+            return;
+        }
+        let focused = ctx.memory(|memory| memory.focused());
+        let elsewhere = focused.is_some() && focused != self.viewport.id();
+        for (command, key) in ctx.input(input::pressed) {
+            // Space and Enter press the button that has the focus, Delete is for texts and tables.
+            let belongs_to_widget = elsewhere && matches!(key, egui::Key::Space | egui::Key::Enter);
+            let modal = self.dialogs.is_any_open() && !matches!(command, Command::Stop | Command::Help);
+            if belongs_to_widget || modal {
+                continue;
+            }
+            self.spent_keys.insert(key);
+            self.run(command, ctx);
+        }
+    }
+
+    fn main_area(&mut self, ui: &mut egui::Ui) {
+        if !self.panels_visible {
+            CentralPanel::default().frame(Frame::new()).show(ui, |ui| panels::viewport(self, ui));
+            return;
+        }
+        Panel::top("menu").frame(menu_frame()).show(ui, |ui| panels::menu(self, ui));
+        Panel::bottom("status").frame(menu_frame()).show(ui, |ui| panels::status(self, ui));
+        CentralPanel::default().frame(Frame::new().fill(theme::DEEP)).show(ui, |ui| {
+            let mut tree = std::mem::replace(&mut self.dock, Tree::empty(dock::id()));
+            tree.ui(&mut panels::Panes(self), ui);
+            // A panel may have asked for the default arrangement meanwhile.
+            if self.dock.root.is_none() {
+                self.dock = tree;
+            }
+        });
+    }
+}
+
+fn menu_frame() -> Frame {
+    Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 3))
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        let busy = ctx.input(|i| i.pointer.any_down()) || ctx.text_edit_focused();
+        let opened = self.session.document_generation;
+        self.session.poll(if busy { Hand::Busy } else { Hand::Free });
+        if self.session.document_generation != opened {
+            self.pick = None;
+            self.comparison = Comparison::default();
+            if let Some(document) = &self.session.document {
+                let name = document.request.name.clone();
+                let title = format!("{} - lumel", document.request.title());
+                self.prefs.opened(&name);
+                ctx.send_viewport_cmd(ViewportCommand::Title(title));
+            }
+        }
+        if let Some(pick) = &mut self.pick {
+            pick.poll();
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        self.take_dropped(&ctx);
+        self.handle_keys(&ctx);
+        self.main_area(ui);
+        crate::dialogs::show(self, &ctx);
+        self.toasts.add(self.session.notices.take_fresh());
+        self.toasts.show(&ctx, self.viewport.area());
+        if self.session.phase().is_some() {
+            // Progress is shown while nothing else changes.
+            ctx.request_repaint_after(std::time::Duration::from_millis(500));
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.prefs.settings = self.session.settings.clone();
+        for (key, text) in
+            [(PREFS_KEY, serde_json::to_string(&self.prefs)), (DOCK_KEY, serde_json::to_string(&self.dock))]
+        {
+            if let Ok(text) = text {
+                storage.set_string(key, text);
+            }
+        }
+    }
+
+    fn on_exit(&mut self) {
+        self.session.close();
+    }
+}

@@ -1,0 +1,171 @@
+//! What is open: a scene with all that is made from it once.
+
+use crate::camera::FlyCamera;
+use crate::lights::{EditLight, default_name};
+use crate::slots::Slots;
+use crate::spread::Neighbours;
+use lumel::{Bvh, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
+use lumel_picture::camera_for;
+use lumel_scene::{Light, TriId};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scene to open.
+#[derive(Clone, Debug, Default)]
+pub struct OpenRequest {
+    /// A file or a built-in scene.
+    pub name: String,
+    /// How to read it.
+    pub options: OpenOptions,
+}
+
+impl OpenRequest {
+    /// A scene with the default options.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), options: OpenOptions::default() }
+    }
+
+    /// What to call it in a title: the file's name.
+    pub fn title(&self) -> String {
+        let name = Path::new(&self.name).file_name();
+        name.map_or_else(|| self.name.clone(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
+/// An open scene.
+pub struct Document {
+    /// How it was opened.
+    pub request: OpenRequest,
+    /// The project file that it comes from.
+    pub project: Option<(PathBuf, Project)>,
+    /// Its surfaces, with the lights that it came with.
+    pub scene: Arc<Scene>,
+    /// Its ray tracer.
+    pub tracer: Arc<dyn RayTracer>,
+    /// Which vertices are connected.
+    pub neighbours: Arc<Neighbours>,
+    /// The area that each vertex stands for, m².
+    pub areas: Arc<Vec<f32>>,
+    /// Lights that cannot be edited here: points, spots and suns.
+    pub other_lights: Vec<Light>,
+    /// The view it opens with.
+    pub home: FlyCamera,
+    /// What had to be left out when it was read.
+    pub warnings: Vec<String>,
+}
+
+/// What a scene file says of the things that one edits.
+pub struct Contents {
+    /// Rectangle lights.
+    pub lights: Vec<EditLight>,
+    /// Settings of the bake; `None` unless it is a project that has some.
+    pub settings: Option<Settings>,
+    /// Numbered states.
+    pub slots: Slots,
+}
+
+/// Opens a scene and makes what is needed to look at it; takes seconds for large ones.
+///
+/// # Errors
+/// What is wrong with it, with the name of the file.
+pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
+    let named = |error: &dyn std::error::Error| {
+        let text = error_text(error);
+        if text.contains(&request.name) { text } else { format!("{text}: {}", request.name) }
+    };
+    let opened = lumel::open(&request.name, &request.options).map_err(|e| named(&e))?;
+    let (scene, more) = opened.builder.build().map_err(|e| named(&e))?;
+    let mut warnings = opened.warnings;
+    warnings.append(more);
+    let scene = Arc::new(scene);
+    let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(&scene));
+    let camera = camera_for(&scene, &*tracer);
+    let project = opened.project;
+    let contents = Contents {
+        lights: editable_lights(&scene, project.as_ref()),
+        settings: project
+            .as_ref()
+            .map(|p| p.bake.clone())
+            .filter(|p| *p != SettingsPatch::default())
+            .map(|p| p.settings()),
+        slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
+    };
+    let document = Document {
+        neighbours: Arc::new(Neighbours::new(&scene)),
+        areas: Arc::new(vertex_areas(&scene)),
+        other_lights: scene.lights().iter().filter(|l| !matches!(l, Light::Rect(_))).copied().collect(),
+        home: FlyCamera::from_camera(&camera).unwrap_or_default(),
+        warnings: warnings.iter().map(ToString::to_string).collect(),
+        project: project.map(|project| (PathBuf::from(&request.name), project)),
+        request: request.clone(),
+        scene,
+        tracer,
+    };
+    Ok((document, contents))
+}
+
+/// The rectangle lights of a scene. Those of a project keep their names, and those that are off.
+fn editable_lights(scene: &Scene, project: Option<&Project>) -> Vec<EditLight> {
+    let mut shining = scene.lights().iter().filter_map(|light| match light {
+        Light::Rect(rect) => Some(*rect),
+        _ => None,
+    });
+    let entries = project.map(|p| p.lights.as_slice()).unwrap_or_default();
+    if entries.is_empty() {
+        return shining.enumerate().map(|(i, rect)| EditLight::new(default_name(i), rect)).collect();
+    }
+    let light = |(i, entry): (usize, &lumel::LightEntry)| {
+        let texture = if entry.off { None } else { shining.next().and_then(|rect| rect.texture) };
+        EditLight::from_entry(i, entry, texture)
+    };
+    entries.iter().enumerate().map(light).collect()
+}
+
+/// A third of the triangles around each vertex, m².
+fn vertex_areas(scene: &Scene) -> Vec<f32> {
+    let mut areas = vec![0.0; scene.vertex_count()];
+    for (tri, corners) in scene.triangles().iter().enumerate() {
+        let third = scene.area(TriId(tri as u32)) / 3.0;
+        corners.iter().for_each(|&v| areas[v as usize] += third);
+    }
+    areas
+}
+
+/// An error and its causes in one line, without what the text before says already.
+pub fn error_text(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let more = error.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = error.source();
+    }
+    text
+}
+
+impl Document {
+    /// The scene under these lights.
+    ///
+    /// # Errors
+    /// A light that cannot be, such as one without area; says which.
+    pub fn relit(&self, lights: &[EditLight]) -> Result<Arc<Scene>, String> {
+        let editable = lights.iter().filter(|light| light.on).map(|light| Light::Rect(light.rect));
+        let all = editable.chain(self.other_lights.iter().copied()).collect();
+        self.scene.relit(all).map(Arc::new).map_err(|e| error_text(&e))
+    }
+
+    /// Whether anything shines in it under these lights, were emissive surfaces let to.
+    pub fn shines(&self, lights: &[EditLight]) -> bool {
+        lights.iter().any(|light| light.on && light.brightness() > 0.0)
+            || !self.other_lights.is_empty()
+            || !self.scene.sky().is_zero()
+            || (0..self.scene.triangle_count() as u32).any(|t| self.scene.material(TriId(t)).emits())
+    }
+
+    /// Length from corner to corner, metres: the scale of speeds and sizes.
+    pub fn diagonal(&self) -> f32 {
+        self.scene.bounds().diagonal().max(1e-6)
+    }
+}

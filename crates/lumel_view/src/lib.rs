@@ -1,0 +1,35 @@
+//! The interactive program: fly through a scene and watch light arrive in it.
+//!
+//! A [`Session`](session::Session) is all that is open and going on, without a window; the [`App`](app::App) shows it and
+//! takes what is done with keys and mouse; the [`Stage`](stage::Stage) draws the scene with `lumel_render`. Solves run
+//! on threads of their own ([`solver`]) and publish what they know; nothing that draws ever waits for them.
+
+pub mod app;
+pub mod camera;
+pub mod cli;
+pub mod compare;
+pub mod dialogs;
+pub mod dock;
+pub mod document;
+pub mod gizmo;
+pub mod history;
+pub mod input;
+pub mod instance;
+pub mod lights;
+pub mod notice;
+mod panels;
+pub mod pick;
+pub mod prefs;
+pub mod recovery;
+pub mod screenshot;
+pub mod selection;
+pub mod session;
+pub mod slots;
+pub mod solver;
+pub mod spread;
+pub mod stage;
+pub mod task;
+pub mod theme;
+pub mod values;
+pub mod viewport;
+pub mod widgets;

@@ -1,0 +1,69 @@
+//! `lumel-view`: the window, or a picture without one.
+
+use anyhow::Context;
+use clap::Parser;
+use eframe::egui::ViewportBuilder;
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup};
+use lumel_view::app::{APP_ID, App, StartUp};
+use lumel_view::cli::Cli;
+use lumel_view::{instance, screenshot};
+use std::io::Write;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// The window's size at first, points; it is remembered.
+const WINDOW_SIZE: [f32; 2] = [1280.0, 720.0];
+const MIN_WINDOW_SIZE: [f32; 2] = [720.0, 480.0];
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    // Warnings of libraries, if anybody asks for them with RUST_LOG.
+    let _ = env_logger::try_init();
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // A closed standard error is no reason to panic.
+            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(cli: &Cli) -> anyhow::Result<()> {
+    match (&cli.screenshot, cli.request()) {
+        (Some(path), Some(request)) => screenshot::without_window(&request, &cli.picture, path),
+        _ => window(cli),
+    }
+}
+
+fn window(cli: &Cli) -> anyhow::Result<()> {
+    instance::check_display()?;
+    let viewport = ViewportBuilder::default()
+        .with_inner_size(WINDOW_SIZE)
+        .with_min_inner_size(MIN_WINDOW_SIZE)
+        .with_title("lumel")
+        .with_app_id(APP_ID)
+        .with_drag_and_drop(true);
+    let mut wgpu = WgpuConfiguration::default();
+    if let WgpuSetup::CreateNew(setup) = &mut wgpu.wgpu_setup {
+        setup.device_descriptor = Arc::new(lumel_render::Gpu::device_descriptor);
+    }
+    let options = eframe::NativeOptions {
+        viewport,
+        renderer: eframe::Renderer::Wgpu,
+        wgpu_options: wgpu,
+        ..eframe::NativeOptions::default()
+    };
+    let start = StartUp {
+        open: cli.request(),
+        data_folder: eframe::storage_dir(APP_ID).map(|folder| folder.join("unsaved")),
+        picture_folder: screenshot::default_folder(),
+        threads: cli.threads,
+    };
+    let create = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
+        Ok(Box::new(App::new(cc, start)?))
+    };
+    eframe::run_native(APP_ID, options, Box::new(create))
+        .map_err(|error| anyhow::Error::msg(error.to_string()))
+        .context(instance::NO_WINDOW)
+}

@@ -1,0 +1,99 @@
+//! How the picture is drawn.
+
+use crate::app::App;
+use crate::prefs::{Unit, ViewMode, ViewPrefs};
+use crate::values::significant;
+use crate::widgets::{check, choice, heading, number, slider};
+use eframe::egui::{DragValue, Slider, Ui};
+use lumel_picture::ToneMapper;
+
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
+    let (stops, range) = app.stage.as_ref().map_or((0.0, None), |s| (s.stops(&app.prefs.view), s.range()));
+    let wireframes = app.stage.as_ref().is_some_and(|s| s.gpu().draws_wireframes());
+    let known = app.session.light.standard_error.is_some();
+    let view = &mut app.prefs.view;
+    choice(ui, "Surfaces show", view.mode.hint(), &mut view.mode, &ViewMode::ALL, |mode| {
+        mode.name().to_owned()
+    });
+    if view.mode == ViewMode::StandardError && !known {
+        super::hint(ui, "It is not known yet: solve, then press \"Measure standard error\" under Solve.");
+    }
+    if view.mode.is_exposed() {
+        exposure(ui, view, stops);
+    }
+    if view.mode.has_legend() {
+        colors(ui, view, range);
+    }
+    heading(ui, "Over the picture");
+    check(ui, "Smooth edges", "Four samples per pixel", &mut view.antialias);
+    let response = ui.add_enabled_ui(wireframes, |ui| {
+        check(ui, "Wireframe", "Edges of triangles (X)", &mut view.wireframe)
+    });
+    if !wireframes {
+        response.response.on_hover_text("This graphics device draws no lines for triangles");
+    }
+    check(
+        ui,
+        "Sample points",
+        "Where light is measured; red ones lie inside geometry",
+        &mut view.sample_points,
+    );
+    check(ui, "Rays of the picked vertex", "The rays of its first bounce", &mut view.rays);
+    check(ui, "Light handles", "Outlines of lights, and handles to drag the active one", &mut view.gizmo);
+}
+
+fn exposure(ui: &mut Ui, view: &mut ViewPrefs, metered: f32) {
+    check(ui, "Automatic exposure", "The picture is middle grey on the whole", &mut view.auto_exposure);
+    let mut stops = if view.auto_exposure { metered } else { view.stops };
+    let before = stops;
+    let hint = "Each stop doubles the light";
+    slider(ui, "Exposure", hint, Slider::new(&mut stops, -16.0..=16.0).suffix(" EV").max_decimals(2));
+    if stops != before {
+        (view.stops, view.auto_exposure) = (stops, false);
+    }
+    let mut tone = view.tone();
+    let hint = "What becomes of light that is brighter than the display";
+    let name = |tone| match tone {
+        ToneMapper::None => "None".to_owned(),
+        ToneMapper::Reinhard => "Reinhard".to_owned(),
+        ToneMapper::Aces => "ACES-like".to_owned(),
+        ToneMapper::Agx => "AgX-like".to_owned(),
+    };
+    if choice(ui, "Tone mapper", hint, &mut tone, ToneMapper::ALL, name).changed() || tone != view.tone() {
+        view.tone = tone.to_string();
+    }
+    if tone == ToneMapper::Reinhard {
+        let hint = "The luminance after exposure that becomes white";
+        slider(ui, "White", hint, Slider::new(&mut view.white, 0.5..=100.0).logarithmic(true));
+    }
+}
+
+fn colors(ui: &mut Ui, view: &mut ViewPrefs, range: Option<[f32; 2]>) {
+    check(ui, "Logarithmic", "Equal steps for equal ratios", &mut view.logarithmic);
+    if view.mode != ViewMode::FalseColor {
+        return;
+    }
+    choice(ui, "Unit", "What the legend says", &mut view.unit, &Unit::ALL, |unit| unit.symbol().to_owned());
+    if view.unit == Unit::Lux {
+        let hint = "Lumens per watt of the light's spectrum: 179 for white of equal energy; 1 where lights are \
+                    photometric";
+        number(ui, "Efficacy", hint, DragValue::new(&mut view.efficacy).range(0.001..=683.0).suffix(" lm/W"));
+    }
+    check(ui, "Automatic range", "From the 1st to the 99th percentile of the vertices", &mut view.auto_range);
+    if view.auto_range {
+        if let Some([lo, hi]) = range {
+            // What is edited next begins here.
+            view.range = [lo, hi];
+            let text = format!("{} to {} W/m²", significant(lo), significant(hi));
+            crate::widgets::value(ui, "Range", text);
+        }
+        return;
+    }
+    let [mut lo, mut hi] = view.range;
+    let speed = 0.01 * (hi - lo).abs().max(1e-6);
+    number(ui, "Darkest", "W/m²", DragValue::new(&mut lo).speed(speed).range(0.0..=1e9));
+    number(ui, "Brightest", "W/m²", DragValue::new(&mut hi).speed(speed).range(0.0..=1e9));
+    let least = if view.logarithmic { 1e-9 } else { 0.0 };
+    let lo = lo.max(least);
+    view.range = [lo, hi.max(lo * 1.001 + 1e-9)];
+}

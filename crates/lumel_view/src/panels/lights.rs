@@ -1,0 +1,156 @@
+//! The lights.
+
+use crate::app::App;
+use crate::input::Command;
+use crate::lights::{EditLight, Resize, half_edge_range};
+use crate::theme;
+use crate::values::significant;
+use crate::widgets::{check, heading, row, slider, value, vector};
+use eframe::egui::{Checkbox, DragValue, RichText, Slider, TextEdit, Ui};
+use glam::{Vec2, Vec3};
+
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
+    let Some(diagonal) = app.session.document.as_ref().map(crate::document::Document::diagonal) else {
+        super::hint(ui, "Open a scene first.");
+        return;
+    };
+    let ctx = ui.ctx().clone();
+    ui.horizontal_wrapped(|ui| {
+        for (command, text) in [
+            (Command::PlaceLight, "Place here"),
+            (Command::AddLight, "Add"),
+            (Command::RemoveLight, "Remove"),
+        ] {
+            let hint = format!("{} ({})", command.text(), command.keys());
+            if ui.button(text).on_hover_text(hint).clicked() {
+                app.run(command, &ctx);
+            }
+        }
+    });
+    list(app, ui);
+    let Some(light) = app.session.active_light() else {
+        let others = app.session.document.as_ref().map_or(0, |d| d.other_lights.len());
+        let text = if others > 0 {
+            format!(
+                "The scene has {others} lights that are points, spots or suns; they shine, but are not edited here."
+            )
+        } else {
+            "No lights. Space puts one where you are.".to_owned()
+        };
+        super::hint(ui, &text);
+        return;
+    };
+    properties(ui, light, diagonal);
+}
+
+fn list(app: &mut App, ui: &mut Ui) {
+    let active = app.session.active;
+    let mut chosen = None;
+    for (i, light) in app.session.lights.iter_mut().enumerate() {
+        ui.horizontal(|ui| {
+            let shines = ui.add(Checkbox::without_text(&mut light.on));
+            let name = format!("{} shines", light.name);
+            shines.widget_info(|| {
+                eframe::egui::WidgetInfo::selected(
+                    eframe::egui::accesskit::Role::CheckBox,
+                    true,
+                    light.on,
+                    &name,
+                )
+            });
+            shines.on_hover_text("Whether the light shines; a hidden light is not drawn either");
+            let text = if light.on { RichText::new(&light.name) } else { RichText::new(&light.name).weak() };
+            if ui.selectable_label(i == active, text).clicked() {
+                chosen = Some(i);
+            }
+        });
+    }
+    if let Some(i) = chosen {
+        app.session.active = i;
+    }
+}
+
+fn properties(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
+    heading(ui, "Active light");
+    row(ui, "Name", "", |ui| ui.add(TextEdit::singleline(&mut light.name).desired_width(150.0)));
+    size(ui, light, diagonal);
+    let (mut intensity, mut color) = light.intensity_and_color();
+    let hint = "Radiance of the brightest channel, W/(m² sr)";
+    let changed =
+        slider(ui, "Intensity", hint, Slider::new(&mut intensity, 0.0..=100_000.0).logarithmic(true))
+            .changed();
+    let mut rgb = color.to_array();
+    let recolored = row(ui, "Colour", "Linear Rec. 709", |ui| ui.color_edit_button_rgb(&mut rgb)).changed();
+    if changed || recolored {
+        color = if recolored { Vec3::from_array(rgb) } else { color };
+        light.set_intensity_and_color(intensity, color);
+    }
+    let mut constant = light.resize == Resize::KeepPower;
+    if check(ui, "Constant power", "Resizing keeps the power instead of the radiance", &mut constant)
+        .changed()
+    {
+        light.resize = if constant { Resize::KeepPower } else { Resize::KeepRadiance };
+    }
+    let power = light.power();
+    value(
+        ui,
+        "Power",
+        format!("{} {} {} W", significant(power.x), significant(power.y), significant(power.z)),
+    );
+    vector(ui, "Position", "Metres", &mut light.rect.center, 0.003 * diagonal);
+    direction(ui, light);
+}
+
+fn size(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
+    let range = half_edge_range(diagonal);
+    let before = light.half_edges();
+    let mut half = before;
+    let one = |ui: &mut Ui, name: &str, value: &mut f32| {
+        let slide = Slider::new(value, range.clone()).logarithmic(true).suffix(" m").max_decimals(3);
+        slider(ui, name, "Half of an edge, metres", slide).changed()
+    };
+    let changed = if light.square {
+        let changed = one(ui, "Size", &mut half.x);
+        half.y = half.x;
+        changed
+    } else {
+        one(ui, "Size u", &mut half.x) | one(ui, "Size v", &mut half.y)
+    };
+    if changed {
+        light.set_half_edges(half);
+    }
+    if check(ui, "Square", "Both edges are equally long", &mut light.square).changed() && light.square {
+        light.set_half_edges(Vec2::splat((before.x * before.y).sqrt()));
+    }
+}
+
+fn direction(ui: &mut Ui, light: &mut EditLight) {
+    let before = light.direction_deg();
+    let mut to = before;
+    row(ui, "Azimuth", "Where it shines: degrees to the left about +Y, from -z", |ui| {
+        ui.add(
+            DragValue::new(&mut to.x)
+                .clamp_existing_to_range(false)
+                .speed(0.5)
+                .range(-180.0..=180.0)
+                .suffix("°")
+                .max_decimals(1),
+        )
+    });
+    row(ui, "Elevation", "Where it shines: degrees upwards; -90 is straight down", |ui| {
+        ui.add(
+            DragValue::new(&mut to.y)
+                .clamp_existing_to_range(false)
+                .speed(0.5)
+                .range(-90.0..=90.0)
+                .suffix("°")
+                .max_decimals(1),
+        )
+    });
+    if to != before {
+        light.set_direction_deg(to);
+    }
+    ui.label(
+        RichText::new("Drag the handles in the picture to move or resize it.").color(theme::WEAK).small(),
+    );
+}

@@ -1,0 +1,121 @@
+//! The terms of the Neumann series as pictures: what emits, and what each application of the operator makes of it.
+
+use crate::app::App;
+use crate::selection::Selection;
+use crate::stage::{Quality, Showing};
+use crate::theme;
+use eframe::egui::{
+    self, Align2, Color32, CornerRadius, FontId, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+};
+
+/// More terms than this are not shown.
+const MAX_TERMS: usize = 24;
+
+/// A picture of the strip.
+struct Term {
+    /// `E`, `PTE`, `PTPTE` and so on.
+    symbol: String,
+    name: String,
+    /// Nothing for emission alone.
+    selection: Option<Selection>,
+    /// Stops that make it as bright as direct light.
+    brighter: f32,
+}
+
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
+    if app.session.light.is_empty() {
+        super::hint(
+            ui,
+            "Each bounce is one application of the light transport operator: E, PTE, PTPTE and so on. \
+             Solve to see them; click one to see it large.",
+        );
+        return;
+    }
+    let terms = terms(app);
+    let height = (ui.available_height() - 10.0).clamp(40.0, 220.0);
+    let width = (height * app.viewport.aspect()).clamp(40.0, 400.0);
+    ScrollArea::horizontal().id_salt("operator").auto_shrink([false, false]).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for (i, term) in terms.iter().enumerate() {
+                one(app, ui, i, term, vec2(width, height));
+            }
+        });
+    });
+}
+
+fn terms(app: &App) -> Vec<Term> {
+    let light = &app.session.light;
+    let mut terms = vec![
+        Term {
+            symbol: "Σ".into(), name: "All light".into(), selection: Some(Selection::All), brighter: 0.0
+        },
+        Term { symbol: "E".into(), name: "Emission".into(), selection: None, brighter: 0.0 },
+    ];
+    let power = |k: usize| app.session.stats.get(k).map_or(0.0, |s| s.power);
+    for k in 0..light.bounce_count().min(MAX_TERMS) {
+        let brighter =
+            if power(k) > 0.0 { (power(0) / power(k)).log2().clamp(0.0, 20.0) as f32 } else { 0.0 };
+        terms.push(Term {
+            symbol: format!("{}E", "PT".repeat(k + 1)),
+            name: if k == 0 { "Direct light".into() } else { format!("Bounce {k}") },
+            selection: Some(Selection::bounce(k as u32)),
+            // In steps, so that a picture is not drawn anew for every little change.
+            brighter: (brighter * 4.0).round() / 4.0,
+        });
+    }
+    terms
+}
+
+fn one(app: &mut App, ui: &mut Ui, index: usize, term: &Term, size: egui::Vec2) {
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, format!("Show {}", term.name))
+    });
+    if !ui.is_rect_visible(rect) {
+        return;
+    }
+    let scale = ui.ctx().pixels_per_point();
+    let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
+    // While something moves the small pictures wait: all the processor's time belongs to the large one.
+    let wait = app.session.is_solving() || app.viewport_moves();
+    let showing = Showing {
+        session: &app.session,
+        view: &app.prefs.view,
+        split: None,
+        marks: None,
+        quality: Quality::Still,
+    };
+    let texture = app.stage.as_mut().and_then(|stage| match stage.thumbnail_drawn(index).filter(|_| wait) {
+        Some(texture) => Some(texture),
+        None => stage.thumbnail(index, &showing, term.selection, term.brighter, pixels).ok().flatten(),
+    });
+    let painter = ui.painter();
+    if let Some(texture) = texture {
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(texture, rect, whole, Color32::WHITE);
+    }
+    let selected = term.selection == Some(app.prefs.view.selection);
+    let stroke = if selected { Stroke::new(2.0, theme::ACCENT) } else { Stroke::new(1.0, theme::LINE) };
+    painter.rect_stroke(rect, CornerRadius::same(3), stroke, StrokeKind::Inside);
+    label(painter, rect.left_top(), &term.symbol, Align2::LEFT_TOP);
+    if term.brighter > 0.0 {
+        label(painter, rect.right_top(), &format!("+{:.1} EV", term.brighter), Align2::RIGHT_TOP);
+    }
+    label(painter, rect.left_bottom(), &term.name, Align2::LEFT_BOTTOM);
+    if let (true, Some(selection)) = (response.clicked(), term.selection) {
+        app.prefs.view.selection = selection;
+    }
+}
+
+/// Text on a dark ground in a corner of a picture.
+fn label(painter: &egui::Painter, corner: egui::Pos2, text: &str, align: Align2) {
+    let inside = vec2(6.0, 4.0);
+    let at = pos2(
+        corner.x + if align.x() == egui::Align::Min { inside.x } else { -inside.x },
+        corner.y + if align.y() == egui::Align::Min { inside.y } else { -inside.y },
+    );
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(11.0), theme::TEXT);
+    let rect = align.anchor_size(at, galley.size());
+    painter.rect_filled(rect.expand2(vec2(4.0, 1.0)), 3.0, Color32::from_black_alpha(150));
+    painter.galley(rect.min, galley, theme::TEXT);
+}

@@ -1,0 +1,119 @@
+//! What lies over the picture: what is shown, the legend, the handles and the inspector.
+
+use super::{inspector, legend};
+use crate::app::App;
+use crate::prefs::ViewMode;
+use crate::selection::Selection;
+use crate::theme;
+use eframe::egui::{
+    self, Align2, Color32, ComboBox, DragValue, FontId, Frame, Margin, Rect, RichText, Ui, vec2,
+};
+
+/// Bounces that have a button of their own; further ones are reached by the range.
+const MAX_BUTTONS: usize = 9;
+
+pub(crate) fn over_picture(app: &mut App, ui: &mut Ui, rect: Rect) {
+    if app.session.document.is_none() {
+        return;
+    }
+    crate::viewport::paint_over(app, ui, rect);
+    legend::show(app, ui, rect);
+    captions(app, ui, rect);
+    bar(app, ui, rect);
+    inspector::show(app, ui, rect);
+}
+
+/// The names of both halves.
+fn captions(app: &App, ui: &Ui, rect: Rect) {
+    let Some(split) = app.comparison.split() else { return };
+    let right = match split.right {
+        crate::stage::Side::Current => "this light".to_owned(),
+        crate::stage::Side::Kept(id) => {
+            app.session.kept.iter().find(|k| k.id == id).map_or_else(String::new, |k| k.name.clone())
+        }
+    };
+    let x = rect.left() + split.at * rect.width();
+    let painter = ui.painter().with_clip_rect(rect);
+    let write = |text: String, at: egui::Pos2, align: Align2| {
+        let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), theme::TEXT);
+        let area = align.anchor_size(at, galley.size());
+        painter.rect_filled(area.expand2(vec2(6.0, 3.0)), 4.0, Color32::from_black_alpha(170));
+        painter.galley(area.min, galley, theme::TEXT);
+    };
+    let y = rect.top() + 52.0;
+    write(format!("this light: {}", app.prefs.view.selection), egui::pos2(x - 14.0, y), Align2::RIGHT_TOP);
+    write(format!("{right}: {}", split.selection), egui::pos2(x + 14.0, y), Align2::LEFT_TOP);
+}
+
+/// What is shown, at the top of the picture.
+fn bar(app: &mut App, ui: &mut Ui, rect: Rect) {
+    let area = Rect::from_min_size(rect.min + vec2(8.0, 8.0), vec2((rect.width() - 16.0).max(60.0), 34.0));
+    let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(area));
+    Frame::new()
+        .fill(Color32::from_rgba_unmultiplied(24, 25, 28, 215))
+        .corner_radius(6)
+        .inner_margin(Margin::symmetric(8, 4))
+        .show(&mut ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                mode(app, ui);
+                ui.add_space(6.0);
+                bounces(app, ui);
+            });
+        });
+}
+
+fn mode(app: &mut App, ui: &mut Ui) {
+    let shown = &mut app.prefs.view.mode;
+    let combo = ComboBox::from_id_salt("surfaces").width(112.0).selected_text(shown.name());
+    let response = combo.show_ui(ui, |ui| {
+        for mode in ViewMode::ALL {
+            ui.selectable_value(shown, mode, mode.name()).on_hover_text(mode.hint());
+        }
+    });
+    let name = "View mode";
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::ComboBox, true, name));
+    response.response.on_hover_text(app.prefs.view.mode.hint());
+}
+
+fn bounces(app: &mut App, ui: &mut Ui) {
+    let count = app.session.light.bounce_count();
+    let selection = &mut app.prefs.view.selection;
+    let mut button = |ui: &mut Ui, text: &str, hint: String, value: Selection| {
+        let chosen = *selection == value;
+        if ui.selectable_label(chosen, text).on_hover_text(hint).clicked() {
+            *selection = value;
+        }
+    };
+    button(ui, "All", "All light (B)".into(), Selection::All);
+    button(ui, "Direct", "Direct light: bounce 0 (G)".into(), Selection::DIRECT);
+    button(ui, "Indirect", "All bounces but direct light (J)".into(), Selection::Indirect);
+    if count < 2 {
+        return;
+    }
+    ui.label(RichText::new("Bounce").color(theme::WEAK));
+    for k in 1..count.min(MAX_BUTTONS + 1) {
+        button(ui, &k.to_string(), format!("Bounce {k} only"), Selection::bounce(k as u32));
+    }
+    ui.label(RichText::new("Range").color(theme::WEAK));
+    let last = count as u32 - 1;
+    let (mut from, mut to) = match *selection {
+        Selection::All => (0, last),
+        Selection::Indirect => (1, last),
+        Selection::Range(from, to) => (from, to),
+    };
+    let before = (from, to);
+    for (name, value) in [("First bounce", &mut from), ("Last bounce", &mut to)] {
+        let response = ui.add(DragValue::new(value).range(0..=last.max(before.1)).speed(0.05));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::SpinButton, true, name));
+        response.on_hover_text(name);
+    }
+    if (from, to) != before {
+        // The end that was not touched gives way.
+        *selection = if from != before.0 {
+            Selection::Range(from, to.max(from))
+        } else {
+            Selection::Range(from.min(to), to)
+        };
+    }
+}

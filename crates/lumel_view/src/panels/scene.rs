@@ -1,0 +1,85 @@
+//! What the scene consists of.
+
+use crate::app::App;
+use crate::theme;
+use crate::values::significant;
+use crate::widgets::{heading, value};
+use eframe::egui::{self, Color32, RichText, Sense, Ui, vec2};
+use lumel_picture::srgb_byte;
+
+/// More materials than this are only counted.
+const MAX_MATERIALS: usize = 200;
+
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
+    let Some(document) = &app.session.document else {
+        super::hint(ui, "Open a scene first.");
+        return;
+    };
+    let scene = &document.scene;
+    value(ui, "Scene", scene.name());
+    value(ui, "Vertices", grouped(scene.vertex_count()));
+    value(ui, "Triangles", grouped(scene.traced_count()));
+    let backs = scene.triangle_count() - scene.traced_count();
+    if backs > 0 {
+        value(ui, "Back sides", grouped(backs));
+    }
+    value(ui, "Objects", grouped(scene.object_names().len()));
+    value(ui, "Materials", grouped(scene.materials().len()));
+    value(ui, "Textures", grouped(scene.textures().len()));
+    let size = scene.bounds().max - scene.bounds().min;
+    value(
+        ui,
+        "Size",
+        format!("{} × {} × {} m", significant(size.x), significant(size.y), significant(size.z)),
+    );
+    let area: f64 = document.areas.iter().map(|a| f64::from(*a)).sum();
+    value(ui, "Surface", format!("{} m²", significant(area as f32)));
+    value(ui, "Lights", format!("{}", app.session.lights.len() + document.other_lights.len()));
+    let hidden = app.session.light.valid.iter().filter(|valid| !**valid).count();
+    if hidden > 0 {
+        value(ui, "Inside geometry", format!("{} vertices", grouped(hidden)));
+    }
+    value(ui, "Warnings", format!("{} (see the log)", document.warnings.len()));
+    heading(ui, "Materials");
+    for material in scene.materials().iter().take(MAX_MATERIALS) {
+        ui.horizontal(|ui| {
+            let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
+            let [r, g, b] = material.albedo.to_array().map(srgb_byte);
+            ui.painter().rect_filled(rect, 3.0, Color32::from_rgb(r, g, b));
+            let mut text = material.name.clone();
+            if material.albedo_texture.is_some() {
+                text += "  (textured)";
+            }
+            if material.emits() {
+                text += "  (emits)";
+            }
+            ui.add(egui::Label::new(RichText::new(text).color(theme::TEXT)).truncate());
+        });
+    }
+    if scene.materials().len() > MAX_MATERIALS {
+        super::hint(ui, &format!("and {} more", scene.materials().len() - MAX_MATERIALS));
+    }
+}
+
+/// A number with its thousands apart.
+fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grouped;
+
+    #[test]
+    fn thousands_are_apart() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1 000", "1 234 567"]);
+    }
+}

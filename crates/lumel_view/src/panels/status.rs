@@ -1,0 +1,110 @@
+//! The line at the bottom: what goes on, and what draws.
+
+use crate::app::App;
+use crate::solver::Phase;
+use crate::theme;
+use eframe::egui::{self, ProgressBar, RichText, Ui};
+use lumel::BounceLimit;
+
+pub(crate) fn status(app: &mut App, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        left(app, ui);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| right(app, ui));
+    });
+}
+
+fn left(app: &App, ui: &mut Ui) {
+    if let Some(phase) = app.session.phase() {
+        solving(app, ui, &phase);
+    } else if let Some(work) = app.session.background_work() {
+        ui.spinner();
+        ui.label(RichText::new(work).color(theme::TEXT));
+    } else {
+        let (text, color) = state(app);
+        ui.label(RichText::new(text).color(color));
+    }
+}
+
+/// What the light is worth while nothing goes on.
+fn state(app: &App) -> (String, egui::Color32) {
+    let session = &app.session;
+    if session.document.is_none() {
+        return ("Nothing is open".to_owned(), theme::WEAK);
+    }
+    if session.light.is_empty() {
+        return ("Not solved: press Enter".to_owned(), theme::WEAK);
+    }
+    if session.is_stale() {
+        return ("Lights or settings have changed: Enter solves anew".to_owned(), theme::WARNING);
+    }
+    match session.computed() {
+        Some(computed) if !computed.complete => ("Stopped: Enter goes on".to_owned(), theme::WARNING),
+        Some(computed) => (format!("Solved: {}", computed.label(&session.light)), theme::GOOD),
+        None => (String::new(), theme::WEAK),
+    }
+}
+
+fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
+    let Some(job) = app.session.job() else { return };
+    let progress = job.progress();
+    ui.add(ProgressBar::new(progress.share).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT));
+    let of = match app.session.settings.bounces {
+        BounceLimit::Count(n) => format!(" of {n}"),
+        BounceLimit::All => String::new(),
+    };
+    let mut text = match phase {
+        Phase::Preparing => "Preparing".to_owned(),
+        Phase::Probing => "Finding vertices inside geometry".to_owned(),
+        Phase::Bounce(0) => "Direct light".to_owned(),
+        Phase::Bounce(k) => format!("Bounce {k}{of}"),
+        Phase::StandardError => "Measuring the standard error".to_owned(),
+        Phase::Ended(_) => String::new(),
+    };
+    if progress.rays_per_second > 0.0 {
+        text += &format!("  |  {:.2} Mrays/s", progress.rays_per_second / 1e6);
+    }
+    if let Some(seconds) = progress.seconds_left {
+        text += &format!("  |  {} left", duration(seconds));
+    }
+    ui.label(RichText::new(text).color(theme::TEXT));
+}
+
+/// A time in words: "12 s", "3 min 20 s", "2 h 5 min".
+fn duration(seconds: f64) -> String {
+    let s = seconds.max(0.0).ceil() as u64;
+    match s {
+        0..60 => format!("{s} s"),
+        60..3600 => format!("{} min {} s", s / 60, s % 60),
+        _ => format!("{} h {} min", s / 3600, s % 3600 / 60),
+    }
+}
+
+fn right(app: &App, ui: &mut Ui) {
+    if let Some(stage) = &app.stage {
+        if stage.gpu().is_software() {
+            let text = RichText::new("software renderer").color(theme::WARNING);
+            ui.label(text)
+                .on_hover_text(format!("{}: a graphics driver would draw faster", stage.gpu().name()));
+        } else {
+            ui.label(RichText::new(stage.gpu().name()).color(theme::WEAK));
+        }
+        if app.prefs.view.mode.is_exposed() {
+            let auto = if app.prefs.view.auto_exposure { " auto" } else { "" };
+            ui.label(
+                RichText::new(format!("{:+.1} EV{auto}", stage.stops(&app.prefs.view))).color(theme::WEAK),
+            );
+        }
+    }
+    let speed = RichText::new(format!("speed {:.2}", app.prefs.speed)).color(theme::WEAK);
+    ui.label(speed).on_hover_text("Turn the wheel over the picture to fly faster or slower");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::duration;
+
+    #[test]
+    fn times_are_told_in_two_units() {
+        assert_eq!([0.2, 59.0, 200.0, 7500.0].map(duration), ["1 s", "59 s", "3 min 20 s", "2 h 5 min"]);
+    }
+}

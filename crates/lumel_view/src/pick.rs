@@ -1,0 +1,115 @@
+//! Reading the light where one clicks.
+
+use crate::selection::Light;
+use crate::solver::{Solved, Wake};
+use crate::task::Background;
+use glam::{Vec2, Vec3};
+use lumel::{Camera, Control, PointMeasurement, RayTracer, Scene, measure_points};
+use lumel_basis::PointReceivers;
+use lumel_picture::{Lens, View};
+use lumel_scene::{Irradiance, SurfacePoint, TriId};
+use std::sync::Arc;
+
+/// A place on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spot {
+    /// The place.
+    pub at: SurfacePoint,
+    /// Position, metres.
+    pub position: Vec3,
+    /// Unit normal on the lit side.
+    pub normal: Vec3,
+    /// The nearest vertex of the triangle.
+    pub vertex: usize,
+    /// Name of the object.
+    pub object: String,
+    /// Name of the material.
+    pub material: String,
+    /// Albedo.
+    pub albedo: Vec3,
+    /// Emitted radiance, W·m⁻²·sr⁻¹.
+    pub emission: Vec3,
+}
+
+/// A spot with what is measured there.
+pub struct Pick {
+    /// The spot.
+    pub spot: Spot,
+    /// A fresh measurement at the spot, when there is one.
+    pub measured: Option<PointMeasurement>,
+    measuring: Option<Background<PointMeasurement>>,
+}
+
+/// The lit surface that is seen at a point of the picture, 0..=1 from its top left.
+pub fn spot(scene: &Scene, tracer: &dyn RayTracer, camera: &Camera, aspect: f32, at: Vec2) -> Option<Spot> {
+    let ray = Lens::new(camera, aspect).ok()?.ray(at);
+    // As in the picture, one looks through the backs of one-sided faces.
+    let dark = |_: SurfacePoint| Irradiance::ZERO;
+    View::new(scene, tracer, &dark).surface(ray).map(|at| spot_at(scene, at))
+}
+
+fn spot_at(scene: &Scene, at: SurfacePoint) -> Spot {
+    let weights = at.bary.weights();
+    let nearest = (0..3).fold(0, |best, k| if weights[k] > weights[best] { k } else { best });
+    Spot {
+        at,
+        position: scene.position(at),
+        normal: scene.shading_normal(at),
+        vertex: scene.triangle(at.tri)[nearest] as usize,
+        object: scene.object_names().get(scene.object_id(at.tri).0 as usize).cloned().unwrap_or_default(),
+        material: scene.material(at.tri).name.clone(),
+        albedo: scene.albedo(at).0,
+        emission: scene.emission(at).0,
+    }
+}
+
+impl Spot {
+    /// The stored light at the spot: each bounce that is known, W·m⁻².
+    pub fn bounces(&self, scene: &Scene, light: &Light) -> Vec<Vec3> {
+        light.bounces.iter().chain(&light.current).map(|values| self.value(scene, values)).collect()
+    }
+
+    /// A quantity of the vertices at the spot, linear over its triangle.
+    pub fn value(&self, scene: &Scene, values: &[Vec3]) -> Vec3 {
+        let corners = scene.triangle(self.at.tri);
+        let weighted = corners.into_iter().zip(self.at.bary.weights());
+        weighted.map(|(v, weight)| values.get(v as usize).copied().unwrap_or_default() * weight).sum()
+    }
+
+    /// The triangle.
+    pub fn triangle(&self) -> TriId {
+        self.at.tri
+    }
+}
+
+impl Pick {
+    /// A spot of which nothing is measured yet.
+    pub fn new(spot: Spot) -> Self {
+        Self { spot, measured: None, measuring: None }
+    }
+
+    /// Measures the light at the spot anew, with its standard error, on another thread.
+    pub fn measure(&mut self, solved: &Arc<Solved>, wake: &Wake) {
+        let (solved, spot) = (Arc::clone(solved), self.spot.clone());
+        self.measured = None;
+        self.measuring = Some(Background::start("measuring", Arc::clone(wake), move || {
+            let points = PointReceivers::new([(spot.position, spot.normal)])
+                .map_err(|_| "the surface has no direction here".to_owned())?;
+            measure_points(&solved.baker, &solved.state, &points, &Control::default())
+                .map_err(|e| e.to_string())
+        }));
+    }
+
+    /// Takes in a measurement that is done.
+    pub fn poll(&mut self) {
+        if let Some(result) = self.measuring.as_ref().and_then(Background::poll) {
+            self.measuring = None;
+            self.measured = result.ok();
+        }
+    }
+
+    /// Whether a measurement is under way.
+    pub fn is_measuring(&self) -> bool {
+        self.measuring.is_some()
+    }
+}

@@ -1,0 +1,289 @@
+//! Settings that are kept from one run to the next.
+
+use crate::selection::Selection;
+use lumel::Settings;
+use lumel_picture::{Scale, ToneMapper};
+use serde::{Deserialize, Serialize};
+
+/// What surfaces show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ViewMode {
+    /// Albedo times light, as the eye would see it.
+    #[default]
+    Final,
+    /// Light on white surfaces.
+    Irradiance,
+    /// The share that surfaces reflect.
+    Albedo,
+    /// Where surfaces look.
+    Normals,
+    /// Light as colours with a legend.
+    FalseColor,
+    /// Standard error of the light, as colours.
+    StandardError,
+    /// Vertices that could not be measured.
+    Validity,
+    /// Length of the edges, as colours.
+    TriangleSize,
+}
+
+impl ViewMode {
+    /// All of them, in the order of the menu.
+    pub const ALL: [Self; 8] = [
+        Self::Final,
+        Self::Irradiance,
+        Self::Albedo,
+        Self::Normals,
+        Self::FalseColor,
+        Self::StandardError,
+        Self::Validity,
+        Self::TriangleSize,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Final => "Final colour",
+            Self::Irradiance => "Irradiance",
+            Self::Albedo => "Albedo",
+            Self::Normals => "Normals",
+            Self::FalseColor => "False colour",
+            Self::StandardError => "Standard error",
+            Self::Validity => "Validity",
+            Self::TriangleSize => "Triangle size",
+        }
+    }
+
+    /// What it shows.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::Final => "Radiance: albedo × irradiance / π, and what surfaces emit",
+            Self::Irradiance => "Arriving light without albedo, as on white surfaces",
+            Self::Albedo => "The share of light that surfaces reflect",
+            Self::Normals => "Where surfaces look: red +x, green +y, blue +z",
+            Self::FalseColor => "Luminance of the arriving light as colours, with a legend",
+            Self::StandardError => {
+                "Standard error of the arriving light at each vertex, where it was measured"
+            }
+            Self::Validity => "Red vertices lie inside geometry and have their neighbours' light",
+            Self::TriangleSize => "Mean length of the edges around each vertex, as colours",
+        }
+    }
+
+    /// Whether a legend explains its colours.
+    pub fn has_legend(self) -> bool {
+        matches!(self, Self::FalseColor | Self::StandardError | Self::TriangleSize)
+    }
+
+    /// Whether exposure and tone mapping matter.
+    pub fn is_exposed(self) -> bool {
+        matches!(self, Self::Final | Self::Irradiance)
+    }
+}
+
+/// What false colours are labelled with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unit {
+    /// Irradiance, W/m².
+    #[default]
+    Watts,
+    /// Illuminance: irradiance times the luminous efficacy.
+    Lux,
+    /// Doublings of 1 W/m².
+    Stops,
+}
+
+impl Unit {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Watts, Self::Lux, Self::Stops];
+
+    /// Its symbol.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Watts => "W/m²",
+            Self::Lux => "lux",
+            Self::Stops => "stops",
+        }
+    }
+}
+
+/// How the picture is drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ViewPrefs {
+    /// What surfaces show.
+    pub mode: ViewMode,
+    /// Which bounces.
+    pub selection: Selection,
+    /// Whether the exposure follows the picture.
+    pub auto_exposure: bool,
+    /// The exposure when it does not, stops.
+    pub stops: f32,
+    /// The tone mapper's name.
+    pub tone: String,
+    /// The luminance that the Reinhard tone mapper makes white.
+    pub white: f32,
+    /// Edges of triangles.
+    pub wireframe: bool,
+    /// Dots where light is measured.
+    pub sample_points: bool,
+    /// Rays of the picked vertex.
+    pub rays: bool,
+    /// The lights' outlines and handles.
+    pub gizmo: bool,
+    /// Smooth edges by four samples.
+    pub antialias: bool,
+    /// The unit of false colours.
+    pub unit: Unit,
+    /// Lumens per watt of the lights' spectrum; 1 for scenes with photometric lights.
+    pub efficacy: f32,
+    /// Whether the range of false colours follows the light.
+    pub auto_range: bool,
+    /// The range when it does not, W/m².
+    pub range: [f32; 2],
+    /// Equal steps for equal ratios.
+    pub logarithmic: bool,
+}
+
+impl Default for ViewPrefs {
+    fn default() -> Self {
+        Self {
+            mode: ViewMode::default(),
+            selection: Selection::default(),
+            auto_exposure: true,
+            stops: 0.0,
+            tone: ToneMapper::default().to_string(),
+            white: ToneMapper::DEFAULT_WHITE,
+            wireframe: false,
+            sample_points: false,
+            rays: true,
+            gizmo: true,
+            antialias: true,
+            unit: Unit::default(),
+            // White light of equal energy, as Ward's Radiance has it.
+            efficacy: 179.0,
+            auto_range: true,
+            range: [0.0, 1.0],
+            logarithmic: false,
+        }
+    }
+}
+
+impl ViewPrefs {
+    /// The tone mapper.
+    pub fn tone(&self) -> ToneMapper {
+        self.tone.parse().unwrap_or_default()
+    }
+
+    /// How the range of false colours is divided.
+    pub fn scale(&self) -> Scale {
+        if self.logarithmic { Scale::Log } else { Scale::Linear }
+    }
+}
+
+/// Everything that is kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Prefs {
+    /// Changes when older ones can no longer be read.
+    pub version: u32,
+    /// Scenes opened last, the last one first.
+    pub recent: Vec<String>,
+    /// Settings of the solve.
+    pub settings: Settings,
+    /// How the picture is drawn.
+    pub view: ViewPrefs,
+    /// How fast one flies, relative to the scene's size.
+    pub speed: f32,
+    /// How fast one looks around, degrees per point dragged.
+    pub look_speed: f32,
+}
+
+/// More scenes than this are forgotten.
+const MAX_RECENT: usize = 10;
+
+/// The version of [`Prefs`].
+const VERSION: u32 = 1;
+
+impl Default for Prefs {
+    fn default() -> Self {
+        Self {
+            version: VERSION,
+            recent: Vec::new(),
+            settings: Settings::default(),
+            view: ViewPrefs::default(),
+            speed: 1.0,
+            look_speed: 0.25,
+        }
+    }
+}
+
+impl Prefs {
+    /// What was kept, with what makes no sense made good.
+    pub fn checked(mut self) -> Self {
+        let default = Self::default();
+        if self.version != VERSION {
+            return default;
+        }
+        let sensible = |value: f32, lo: f32, hi: f32, default: f32| {
+            if (lo..=hi).contains(&value) { value } else { default }
+        };
+        self.speed = sensible(self.speed, SPEED[0], SPEED[1], default.speed);
+        self.look_speed = sensible(self.look_speed, 0.01, 2.0, default.look_speed);
+        self.view.stops = sensible(self.view.stops, -100.0, 100.0, 0.0);
+        self.view.white = sensible(self.view.white, 0.1, 1e3, default.view.white);
+        self.view.efficacy = sensible(self.view.efficacy, 1e-3, 1e4, default.view.efficacy);
+        if !self.view.range.iter().all(|x| x.is_finite()) || self.view.range[0] >= self.view.range[1] {
+            self.view.range = default.view.range;
+        }
+        self.settings.direct_samples = self.settings.direct_samples.clamp(1, MAX_DIRECT);
+        self.settings.indirect_samples = self.settings.indirect_samples.clamp(1, MAX_INDIRECT);
+        self
+    }
+
+    /// Puts a scene first among those opened last.
+    pub fn opened(&mut self, name: &str) {
+        self.recent.retain(|old| old != name);
+        self.recent.insert(0, name.to_owned());
+        self.recent.truncate(MAX_RECENT);
+    }
+}
+
+/// The range of the flying speed, relative to the scene.
+pub const SPEED: [f32; 2] = [0.01, 100.0];
+
+/// The most direct samples that the slider offers.
+pub const MAX_DIRECT: u32 = 4096;
+
+/// The most hemisphere samples that the slider offers.
+pub const MAX_INDIRECT: u32 = 65536;
+
+/// The most bounces that the slider offers.
+pub const MAX_BOUNCES: u32 = 16;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_makes_no_sense_is_made_good() {
+        let mut prefs = Prefs { speed: f32::NAN, look_speed: -1.0, ..Prefs::default() };
+        prefs.view.range = [3.0, 2.0];
+        prefs.view.tone = "sepia".into();
+        prefs.settings.indirect_samples = 0;
+        let good = prefs.checked();
+        assert_eq!((good.speed, good.look_speed, good.view.range), (1.0, 0.25, [0.0, 1.0]));
+        assert_eq!(good.view.tone(), ToneMapper::default());
+        assert_eq!(good.settings.indirect_samples, 1);
+        assert_eq!(Prefs { version: 0, speed: 3.0, ..Prefs::default() }.checked(), Prefs::default());
+    }
+
+    #[test]
+    fn scenes_opened_last_come_first_and_once() {
+        let mut prefs = Prefs::default();
+        ["a", "b", "a"].iter().for_each(|name| prefs.opened(name));
+        assert_eq!(prefs.recent, ["a", "b"]);
+        (0..20).for_each(|i| prefs.opened(&i.to_string()));
+        assert_eq!(prefs.recent.len(), MAX_RECENT);
+    }
+}

@@ -1,0 +1,191 @@
+//! Unsaved work on disk, so that neither a closed window nor a power cut loses it.
+//!
+//! After each bounce, and when the window is closed, the bounces so far are written as a solution
+//! (`NAME.checkpoint.npz`, which `lumel bake --resume` takes too) with a note of what they belong to
+//! (`NAME.recovery.json`). The next start offers to go on. Both are removed once the work is saved or given up.
+
+use crate::camera::FlyCamera;
+use crate::document::{OpenRequest, error_text};
+use lumel::{LightEntry, OpenOptions, PathPolicy, Settings, SlotEntry, Solution};
+use lumel_export::write_atomically;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+const NOTE_END: &str = ".recovery.json";
+const CHECKPOINT_END: &str = ".checkpoint.npz";
+
+/// What unsaved work belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Note {
+    /// The scene: an absolute path, or a built-in.
+    pub scene: String,
+    /// Longest edge after tessellation, metres.
+    pub max_edge: Option<f32>,
+    /// Levels of refinement of a built-in scene.
+    pub subdivide: Option<u32>,
+    /// Whether the scene's files may lie outside its folder.
+    pub paths_anywhere: bool,
+    /// All lights.
+    pub lights: Vec<LightEntry>,
+    /// Numbered states.
+    pub slots: Vec<SlotEntry>,
+    /// Settings of the solve.
+    pub settings: Settings,
+    /// The view.
+    pub camera: FlyCamera,
+    /// Bounces in the checkpoint, direct light included; 0 when there is none.
+    pub bounces: usize,
+    /// Whether the solve was finished.
+    pub complete: bool,
+    /// Process that wrote it: while it runs, the work is not lost.
+    pub process: u32,
+}
+
+/// The place of one session's unsaved work.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recovery {
+    folder: PathBuf,
+    name: String,
+}
+
+impl Recovery {
+    /// The place for this process.
+    pub fn of_this_process(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), name: format!("unsaved-{}", std::process::id()) }
+    }
+
+    /// Unsaved work that other processes left behind, the newest first.
+    pub fn left_behind(folder: &Path) -> Vec<(Self, Note)> {
+        let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+        let mut found: Vec<_> = entries
+            .flatten()
+            .filter_map(|entry| {
+                let file = entry.file_name().to_string_lossy().into_owned();
+                let name = file.strip_suffix(NOTE_END)?.to_owned();
+                let recovery = Self { folder: folder.to_owned(), name };
+                let note = recovery.note()?;
+                let modified = entry.metadata().and_then(|m| m.modified()).ok();
+                (!is_running(note.process)).then_some((modified, (recovery, note)))
+            })
+            .collect();
+        found.sort_by_key(|(modified, _)| std::cmp::Reverse(*modified));
+        found.into_iter().map(|(_, found)| found).collect()
+    }
+
+    fn file(&self, end: &str) -> PathBuf {
+        self.folder.join(format!("{}{end}", self.name))
+    }
+
+    /// The checkpoint.
+    pub fn checkpoint(&self) -> PathBuf {
+        self.file(CHECKPOINT_END)
+    }
+
+    /// The note; `None` when there is none or it is damaged.
+    pub fn note(&self) -> Option<Note> {
+        serde_json::from_slice(&fs::read(self.file(NOTE_END)).ok()?).ok()
+    }
+
+    /// Writes the work: first the bounces, then the note that names them.
+    ///
+    /// # Errors
+    /// What went wrong, with the file.
+    pub fn write(&self, note: &Note, solution: Option<&Solution>) -> Result<(), String> {
+        fs::create_dir_all(&self.folder).map_err(|e| format!("{e}: {}", self.folder.display()))?;
+        if let Some(solution) = solution {
+            solution.save(&self.checkpoint()).map_err(|e| error_text(&e))?;
+        }
+        let text = serde_json::to_vec_pretty(note).map_err(|e| e.to_string())?;
+        write_atomically(&self.file(NOTE_END), |out| out.write_all(&text)).map_err(|e| error_text(&e))
+    }
+
+    /// Removes both files, if they are there.
+    pub fn remove(&self) {
+        // The note first: a checkpoint without one is not offered. What cannot be removed is offered again.
+        let _ = fs::remove_file(self.file(NOTE_END));
+        let _ = fs::remove_file(self.checkpoint());
+    }
+}
+
+impl Note {
+    /// How to open its scene.
+    pub fn request(&self) -> OpenRequest {
+        let paths = if self.paths_anywhere { PathPolicy::Anywhere } else { PathPolicy::default() };
+        OpenRequest {
+            name: self.scene.clone(),
+            options: OpenOptions { paths, max_edge: self.max_edge, subdivide: self.subdivide },
+        }
+    }
+
+    /// What it is, for a question.
+    pub fn summary(&self) -> String {
+        let work = match (self.bounces, self.complete) {
+            (0, _) => "lights and views".to_owned(),
+            (n, true) => format!("a finished solve with {}", bounces(n)),
+            (n, false) => format!("a solve stopped after {}", bounces(n)),
+        };
+        format!("{}: {work}", self.request().title())
+    }
+}
+
+/// Direct light and so many bounces after it.
+fn bounces(n: usize) -> String {
+    match n {
+        1 => "direct light".to_owned(),
+        2 => "1 bounce".to_owned(),
+        n => format!("{} bounces", n - 1),
+    }
+}
+
+/// Whether a process still runs, as far as this system tells.
+fn is_running(process: u32) -> bool {
+    process != std::process::id() && Path::new("/proc").join(process.to_string()).exists()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn note() -> Note {
+        Note {
+            scene: "cornell-box".into(),
+            max_edge: Some(0.1),
+            subdivide: None,
+            paths_anywhere: false,
+            lights: Vec::new(),
+            slots: Vec::new(),
+            settings: Settings::default(),
+            camera: FlyCamera::default(),
+            bounces: 3,
+            complete: false,
+            // No process has this number.
+            process: u32::MAX,
+        }
+    }
+
+    #[test]
+    fn work_is_found_again_until_it_is_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(Recovery::left_behind(folder.path()), []);
+        let recovery = Recovery { folder: folder.path().join("deeper"), name: "unsaved-1".into() };
+        recovery.write(&note(), None).unwrap();
+        let found = Recovery::left_behind(&folder.path().join("deeper"));
+        assert_eq!(found, [(recovery.clone(), note())]);
+        assert_eq!(found[0].1.request().options.max_edge, Some(0.1));
+        assert_eq!(found[0].1.summary(), "cornell-box: a solve stopped after 2 bounces");
+        recovery.remove();
+        assert_eq!(Recovery::left_behind(&folder.path().join("deeper")), []);
+    }
+
+    #[test]
+    fn work_of_a_running_process_and_damaged_notes_are_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let parent = std::os::unix::process::parent_id();
+        let recovery = Recovery { folder: folder.path().to_owned(), name: "unsaved-2".into() };
+        recovery.write(&Note { process: parent, ..note() }, None).unwrap();
+        fs::write(folder.path().join("x.recovery.json"), "{\"scene\": 3").unwrap();
+        assert_eq!(Recovery::left_behind(folder.path()), []);
+    }
+}

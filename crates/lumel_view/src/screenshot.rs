@@ -1,0 +1,192 @@
+//! Pictures of the view as PNG files, from the window and without one.
+
+use crate::app::App;
+use crate::cli::ScreenshotArgs;
+use crate::document::{self, error_text};
+use crate::notice::Level;
+use crate::prefs::ViewPrefs;
+use crate::selection::{Light, Selection};
+use anyhow::Context;
+use lumel::LightFile;
+use lumel_export::write_png;
+use lumel_picture::{Picture, VertexLight, View, meter};
+use lumel_render::{Frame, Gpu, Lit, Look, Renderer, Samples};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Saves the picture of the window, named by the scene and the time, with its settings inside.
+pub(crate) fn from_window(app: &mut App) {
+    let Some(document) = &app.session.document else {
+        app.session.notices.push(Level::Warning, "Open a scene first");
+        return;
+    };
+    let picture =
+        app.stage.as_ref().map_or_else(|| Err("there is no graphics device".to_owned()), |s| s.picture());
+    let picture = match picture {
+        Ok(picture) => picture,
+        Err(problem) => {
+            app.session.notices.push(Level::Error, format!("No picture was saved: {problem}"));
+            return;
+        }
+    };
+    let title = document.request.title();
+    let stem = title.split('.').next().unwrap_or("scene").to_owned();
+    let path = app.picture_folder.join(format!("{stem}-{}.png", time_stamp(SystemTime::now())));
+    let texts = texts(app);
+    app.session.write(&path, "the picture", None, move |path| save(path, &picture, &texts));
+}
+
+fn texts(app: &App) -> Vec<(&'static str, String)> {
+    let (view, session) = (&app.prefs.view, &app.session);
+    let camera = session.camera;
+    let settings = serde_json::to_string(&session.settings).unwrap_or_default();
+    let view_text = serde_json::to_string(view).unwrap_or_default();
+    let stops = app.stage.as_ref().map_or(0.0, |stage| stage.stops(view));
+    let position = camera.position;
+    vec![
+        ("Title", session.document.as_ref().map_or_else(String::new, |d| d.scene.name().to_owned())),
+        ("Software", concat!("lumel-view ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("Creation Time", time_stamp(SystemTime::now())),
+        (
+            "Comment",
+            format!(
+                "{}, {}, exposure {stops} EV, tone {}; camera position={},{},{} yaw={} pitch={} roll={} fov={}",
+                view.mode.name(),
+                view.selection,
+                view.tone,
+                position.x,
+                position.y,
+                position.z,
+                camera.yaw_deg,
+                camera.pitch_deg,
+                camera.roll_deg,
+                camera.fov_deg
+            ),
+        ),
+        ("Settings", settings),
+        ("View", view_text),
+    ]
+}
+
+fn save(path: &Path, picture: &Picture, texts: &[(&str, String)]) -> Result<(), String> {
+    // A PNG text ends at a zero.
+    let texts: Vec<(&str, String)> =
+        texts.iter().map(|(key, text)| (*key, text.replace('\0', " "))).collect();
+    let texts: Vec<(&str, &str)> = texts.iter().map(|(key, text)| (*key, text.as_str())).collect();
+    write_png(path, picture.width(), picture.height(), picture.pixels(), &texts).map_err(|e| error_text(&e))
+}
+
+/// A time as text that sorts, UTC: 20261125-221530.
+fn time_stamp(time: SystemTime) -> String {
+    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let (days, second) = (seconds / 86_400, seconds % 86_400);
+    let [year, month, day] = civil(days as i64);
+    format!("{year:04}{month:02}{day:02}-{:02}{:02}{:02}", second / 3600, second % 3600 / 60, second % 60)
+}
+
+/// The date so many days after 1970-01-01; Hinnant, *chrono-Compatible Low-Level Date Algorithms*, 2013.
+fn civil(days: i64) -> [i64; 3] {
+    let z = days + 719_468;
+    let era = z.div_euclid(146_097);
+    let day_of_era = z.rem_euclid(146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted = (5 * day_of_year + 2) / 153;
+    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
+    [year_of_era + era * 400 + i64::from(month <= 2), month, day_of_year - (153 * shifted + 2) / 5 + 1]
+}
+
+/// Draws a scene without a window, with the renderer of the window.
+///
+/// # Errors
+/// A scene or solution that cannot be read, no graphics device, or a file that cannot be written.
+pub fn without_window(
+    scene: &crate::document::OpenRequest,
+    args: &ScreenshotArgs,
+    path: &Path,
+) -> anyhow::Result<()> {
+    let (document, contents) = document::open(scene).map_err(anyhow::Error::msg)?;
+    let light = match &args.solution {
+        Some(file) => crate::session::light_from(&LightFile::load_for(file, &document.scene)?),
+        None => Light::default(),
+    };
+    let selection = args.bounce.map_or(Selection::All, Selection::bounce);
+    if let Some(bounce) = args.bounce.filter(|b| *b as usize >= light.bounce_count()) {
+        anyhow::bail!(
+            "there is no bounce {bounce}: the solution has {} with direct light",
+            light.bounce_count()
+        );
+    }
+    let values = light.select(selection, document.scene.vertex_count());
+    let camera = match &args.camera {
+        Some(name) => {
+            document.scene.cameras().iter().find(|c| c.name == *name).cloned().with_context(|| {
+                let names: Vec<&str> = document.scene.cameras().iter().map(|c| c.name.as_str()).collect();
+                format!(
+                    "scene \"{}\" has no camera \"{name}\"; it has: {}",
+                    document.scene.name(),
+                    names.join(", ")
+                )
+            })?
+        }
+        None => document.home.camera(),
+    };
+    let [width, height] = args.size;
+    let gpu = Arc::new(Gpu::headless()?);
+    let renderer = Renderer::new(gpu);
+    let model = renderer.upload(&document.scene)?;
+    let buffer = renderer.light(&model);
+    renderer.set_light(&buffer, &values)?;
+    let lit = VertexLight::new(&document.scene, &values)?;
+    let view = View::new(&document.scene, &*document.tracer, &lit);
+    let stops = match args.exposure {
+        Some(stops) => stops,
+        None => meter(&view, &camera, width as f32 / height as f32)?,
+    };
+    let prefs = ViewPrefs::default();
+    let lamps: Vec<_> = contents.lights.iter().filter(|l| l.on).map(|l| l.rect).collect();
+    let target = renderer.target([width, height], Samples::Four)?;
+    renderer.draw(
+        &target,
+        &Frame {
+            model: &model,
+            camera: &camera,
+            light: Lit::One(&buffer),
+            lamps: &lamps,
+            look: Look::Radiance { stops, tone: prefs.tone(), white: prefs.white },
+            wireframe: false,
+            overlay: None,
+            sky: document.scene.sky(),
+        },
+    );
+    let picture = renderer.read(&target)?;
+    let texts = [
+        ("Title", document.scene.name().to_owned()),
+        ("Software", concat!("lumel-view ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("Comment", format!("{selection}, exposure {stops} EV, tone {}", prefs.tone)),
+    ];
+    save(path, &picture, &texts).map_err(anyhow::Error::msg)
+}
+
+/// Where screenshots go: the system's folder for pictures, else the current one.
+pub fn default_folder() -> PathBuf {
+    let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from);
+    let pictures = home.map(|home| home.join("Pictures")).filter(|folder| folder.is_dir());
+    pictures.unwrap_or_else(|| PathBuf::from("."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn time_stamps_are_dates() {
+        let stamp = |seconds| time_stamp(UNIX_EPOCH + Duration::from_secs(seconds));
+        assert_eq!(stamp(0), "19700101-000000");
+        assert_eq!(stamp(951_782_399), "20000228-235959");
+        assert_eq!(stamp(951_782_400), "20000229-000000");
+        assert_eq!(stamp(1_795_644_930), "20261125-221530");
+    }
+}

@@ -1,0 +1,151 @@
+//! Which bounces one sees.
+
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
+
+/// Light at the vertices of a scene, W·m⁻², bounce by bounce.
+pub type VertexValues = Arc<Vec<Vec3>>;
+
+/// A part of the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Selection {
+    /// All bounces and the estimate of those that were not computed.
+    #[default]
+    All,
+    /// All but direct light.
+    Indirect,
+    /// From one bounce to another, both included; 0 is direct light.
+    Range(u32, u32),
+}
+
+impl Selection {
+    /// Direct light only.
+    pub const DIRECT: Self = Self::Range(0, 0);
+
+    /// One bounce.
+    pub fn bounce(k: u32) -> Self {
+        Self::Range(k, k)
+    }
+
+    /// Whether bounce `k` is part of it.
+    pub fn contains(self, k: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Indirect => k > 0,
+            Self::Range(first, last) => (first as usize..=last as usize).contains(&k),
+        }
+    }
+
+    /// Whether the estimate of the bounces after the last is part of it.
+    pub fn contains_tail(self) -> bool {
+        matches!(self, Self::All | Self::Indirect)
+    }
+
+    /// Whether light without bounces apart can be shown in it.
+    pub fn is_all(self) -> bool {
+        self == Self::All
+    }
+}
+
+impl fmt::Display for Selection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::All => f.write_str("all light"),
+            Self::Indirect => f.write_str("indirect light"),
+            Self::DIRECT => f.write_str("direct light"),
+            Self::Range(a, b) if a == b => write!(f, "bounce {a}"),
+            Self::Range(a, b) => write!(f, "bounces {a} to {b}"),
+        }
+    }
+}
+
+/// Light as far as it is known, at every vertex.
+#[derive(Clone, Debug, Default)]
+pub struct Light {
+    /// Bounces that are done; empty where a file holds nothing but their sum.
+    pub bounces: Vec<VertexValues>,
+    /// What is known of the bounce being measured, spread over what is not.
+    pub current: Option<VertexValues>,
+    /// Estimate of all bounces that were not computed.
+    pub tail: Option<VertexValues>,
+    /// The sum, where a file does not tell bounces apart.
+    pub sum_only: Option<VertexValues>,
+    /// Whether each vertex was measured itself; empty while that is not known.
+    pub valid: Arc<Vec<bool>>,
+    /// Standard error of the sum, where it is known.
+    pub standard_error: Option<VertexValues>,
+}
+
+impl Light {
+    /// Whether there is nothing to see.
+    pub fn is_empty(&self) -> bool {
+        self.bounces.is_empty() && self.current.is_none() && self.sum_only.is_none()
+    }
+
+    /// Bounces that can be told apart, the one being measured included.
+    pub fn bounce_count(&self) -> usize {
+        self.bounces.len() + usize::from(self.current.is_some())
+    }
+
+    /// The chosen part at all of `n` vertices, W·m⁻²; zero where there is none.
+    pub fn select(&self, selection: Selection, n: usize) -> Vec<Vec3> {
+        if let Some(sum) = &self.sum_only {
+            return if selection.is_all() { sum.to_vec() } else { vec![Vec3::ZERO; n] };
+        }
+        let bounces = self.bounces.iter().chain(&self.current).enumerate();
+        let mut parts: Vec<&VertexValues> =
+            bounces.filter(|(k, _)| selection.contains(*k)).map(|(_, values)| values).collect();
+        parts.extend(self.tail.iter().filter(|_| selection.contains_tail()));
+        match parts.as_slice() {
+            [] => vec![Vec3::ZERO; n],
+            [only] => only.to_vec(),
+            parts => (0..n).map(|v| parts.iter().map(|p| p[v].as_dvec3()).sum::<DVec3>().as_vec3()).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light() -> Light {
+        let values = |x: f32| Arc::new(vec![Vec3::splat(x), Vec3::splat(10.0 * x)]);
+        Light {
+            bounces: vec![values(1.0), values(2.0), values(4.0)],
+            current: Some(values(8.0)),
+            tail: Some(values(16.0)),
+            ..Light::default()
+        }
+    }
+
+    #[test]
+    fn every_part_is_the_sum_of_its_bounces() {
+        let first = |selection| light().select(selection, 2)[0].x;
+        assert_eq!(first(Selection::All), 31.0);
+        assert_eq!(first(Selection::Indirect), 30.0);
+        assert_eq!(first(Selection::DIRECT), 1.0);
+        assert_eq!(first(Selection::Range(1, 2)), 6.0);
+        assert_eq!(first(Selection::bounce(3)), 8.0, "the bounce being measured");
+        assert_eq!(first(Selection::bounce(7)), 0.0);
+        assert_eq!(light().bounce_count(), 4);
+    }
+
+    #[test]
+    fn a_sum_has_no_bounces() {
+        let sum = Light { sum_only: Some(Arc::new(vec![Vec3::ONE; 2])), ..Light::default() };
+        assert_eq!(sum.select(Selection::All, 2), [Vec3::ONE; 2]);
+        assert_eq!(sum.select(Selection::DIRECT, 2), [Vec3::ZERO; 2]);
+        assert!(!sum.is_empty() && sum.bounce_count() == 0);
+        assert_eq!(Light::default().select(Selection::All, 2), [Vec3::ZERO; 2]);
+    }
+
+    #[test]
+    fn parts_have_names() {
+        let name = |s: Selection| s.to_string();
+        assert_eq!(name(Selection::DIRECT), "direct light");
+        assert_eq!(name(Selection::bounce(2)), "bounce 2");
+        assert_eq!(name(Selection::Range(1, 3)), "bounces 1 to 3");
+    }
+}

@@ -1,0 +1,304 @@
+//! Files that a session reads and writes, on other threads.
+
+use super::{Computed, Kept, Session};
+use crate::document::error_text;
+use crate::notice::Level;
+use crate::selection::{Light, Selection};
+use crate::task::Background;
+use lumel::{CameraEntry, LightFile, Project, SettingsPatch, Solution};
+use lumel_export::{Exposure, RadFile, write_glb, write_ply};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Light that was read from a file.
+pub struct LoadedLight {
+    path: PathBuf,
+    file: LightFile,
+    purpose: Purpose,
+}
+
+/// What to do with light from a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be the light of the scene.
+    Show,
+    /// To be compared with.
+    Compare,
+}
+
+/// A file that was written.
+pub struct SavedFile {
+    path: PathBuf,
+    /// The generation of the light that is in it, if it holds all of the light.
+    solution_of: Option<u64>,
+    what: String,
+}
+
+/// The formats of lit meshes, by extension.
+pub const MESH_FORMATS: [&str; 3] = ["glb", "ply", "obj"];
+
+/// The formats of solutions, by extension.
+pub const SOLUTION_FORMATS: [&str; 2] = ["npz", "rad"];
+
+/// The lower-case extension of a path if it is one of these.
+fn extension_of(path: &Path, formats: &[&str]) -> Result<String, String> {
+    let found = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if formats.contains(&found.as_str()) {
+        return Ok(found);
+    }
+    let all = formats.iter().map(|f| format!(".{f}")).collect::<Vec<_>>().join(", ");
+    Err(format!("the name must end in one of {all}: {}", path.display()))
+}
+
+impl Session {
+    /// Reads a solution for the open scene.
+    pub fn load_solution(&mut self, path: &Path, purpose: Purpose) {
+        let Some(document) = &self.document else {
+            self.notices.push(Level::Warning, "Open the scene of the solution first");
+            return;
+        };
+        let (scene, path) = (Arc::clone(&document.scene), path.to_owned());
+        let what = format!("reading {}", path.display());
+        self.loading = Some(Background::start(what, Arc::clone(&self.wake), move || {
+            let file = LightFile::load_for(&path, &scene).map_err(|e| error_text(&e))?;
+            Ok(LoadedLight { path, file, purpose })
+        }));
+    }
+
+    /// Writes the solution: all bounces (`.npz`), or their sum over π (`.rad`).
+    ///
+    /// # Errors
+    /// When there is nothing to write, or the name says no format.
+    pub fn save_solution(&mut self, path: &Path) -> Result<(), String> {
+        let format = extension_of(path, &SOLUTION_FORMATS)?;
+        let solution = self.solution().ok_or("there is no solution yet: solve first")?;
+        let (Some(document), false) = (&self.document, self.light.is_empty()) else {
+            return Err("there is no solution yet: solve first".to_owned());
+        };
+        let scene = Arc::clone(&document.scene);
+        let whole = format == "npz" && !self.is_solving();
+        let solution_of = whole.then_some(self.light_generation);
+        let what = if self.is_solving() { "the bounces so far" } else { "the solution" };
+        self.write(path, what, solution_of, move |path| {
+            if format == "npz" {
+                solution.save(path).map_err(|e| error_text(&e))
+            } else {
+                RadFile::from_irradiance(&scene, solution.sum()).write(path).map_err(|e| error_text(&e))
+            }
+        });
+        Ok(())
+    }
+
+    /// Writes the mesh with the chosen part of the light.
+    ///
+    /// # Errors
+    /// When nothing is open, the name says no format, or the file is the scene itself.
+    pub fn save_mesh(&mut self, path: &Path, selection: Selection) -> Result<(), String> {
+        let format = extension_of(path, &MESH_FORMATS)?;
+        let document = self.document.as_ref().ok_or("open a scene first")?;
+        self.refuse_sources(path)?;
+        let scene = Arc::clone(&document.scene);
+        let light = self.selected_light(selection);
+        let lit = !self.light.is_empty();
+        let what =
+            if lit { format!("the mesh with {selection}") } else { "the mesh without light".to_owned() };
+        self.write(path, &what, None, move |path| {
+            match format.as_str() {
+                "glb" => write_glb(path, &scene, &light, Exposure::Auto),
+                "ply" => write_ply(path, &scene, &light, Exposure::Auto),
+                _ => write_ply(path, &scene, &light, Exposure::Auto),
+            }
+            .map(drop)
+            .map_err(|e| error_text(&e))
+        });
+        Ok(())
+    }
+
+    /// Refuses to replace the files that the scene is made from.
+    fn refuse_sources(&self, path: &Path) -> Result<(), String> {
+        let Some(document) = &self.document else { return Ok(()) };
+        let source = Path::new(&document.request.name);
+        let mut sources = vec![source.to_owned()];
+        if let Some((file, project)) = &document.project {
+            sources.extend(project.scene.as_ref().map(|mesh| folder_of(file).join(mesh)));
+        }
+        let same = |a: &PathBuf| a.canonicalize().is_ok_and(|a| path.canonicalize().is_ok_and(|b| a == b));
+        if sources.iter().any(same) {
+            return Err(format!("this file is the open scene and would be replaced: {}", path.display()));
+        }
+        Ok(())
+    }
+
+    /// Writes a file on another thread and tells when it is there.
+    pub(crate) fn write(
+        &mut self,
+        path: &Path,
+        what: &str,
+        solution_of: Option<u64>,
+        write: impl FnOnce(&Path) -> Result<(), String> + Send + 'static,
+    ) {
+        let (path, what) = (path.to_owned(), what.to_owned());
+        let doing = format!("saving {}", path.display());
+        self.saving.push(Background::start(doing, Arc::clone(&self.wake), move || {
+            write(&path)?;
+            Ok(SavedFile { path, solution_of, what })
+        }));
+    }
+
+    /// Writes a project file: the scene by its name, lights, views, settings and slots.
+    ///
+    /// # Errors
+    /// When nothing is open, the mesh is not in the project's folder or below, or the file cannot be written.
+    pub fn save_project(&mut self, path: &Path) -> Result<(), String> {
+        extension_of(path, &["toml"])?;
+        let document = self.document.as_ref().ok_or("open a scene first")?;
+        let old = document.project.as_ref();
+        let mut project = old.map(|(_, project)| project.clone()).unwrap_or_default();
+        match old {
+            Some((file, Project { scene: Some(mesh), .. })) => {
+                project.scene = Some(relative(&folder_of(file).join(mesh), path)?);
+            }
+            Some(_) => {}
+            None if Path::new(&document.request.name).exists() => {
+                project.scene = Some(relative(Path::new(&document.request.name), path)?);
+            }
+            None => project.builtin = Some(document.request.name.clone()),
+        }
+        let options = &document.request.options;
+        project.max_edge = options.max_edge.or(project.max_edge);
+        project.subdivide = options.subdivide.or(project.subdivide);
+        project.lights = self.lights.iter().map(crate::lights::EditLight::entry).collect();
+        project.slots = self.slots.entries();
+        project.bake = SettingsPatch::complete(&self.settings);
+        let view = CameraEntry::from(&self.camera.camera());
+        project.cameras.retain(|camera| camera.name != view.name);
+        project.cameras.insert(0, view);
+        project.write(path).map_err(|e| error_text(&e))?;
+        self.edits_are_saved();
+        self.notices.push(Level::Info, format!("Saved the project: {}", path.display()));
+        if let Some(document) = &mut self.document {
+            document.request.name = path.to_string_lossy().into_owned();
+            document.project = Some((path.to_owned(), project));
+        }
+        Ok(())
+    }
+
+    pub(super) fn poll_files(&mut self) {
+        if let Some(result) = self.loading.as_ref().and_then(Background::poll) {
+            self.loading = None;
+            match result {
+                Ok(loaded) => self.take_in(loaded),
+                Err(problem) => {
+                    self.notices.push(Level::Error, format!("Cannot load the solution: {problem}"))
+                }
+            }
+        }
+        let mut done = Vec::new();
+        self.saving.retain(|task| task.poll().map(|result| done.push(result)).is_none());
+        for result in done {
+            match result {
+                Ok(saved) => self.saved(&saved),
+                Err(problem) => self.notices.push(Level::Error, format!("Cannot save: {problem}")),
+            }
+        }
+    }
+
+    fn saved(&mut self, saved: &SavedFile) {
+        self.notices.push(Level::Info, format!("Saved {}: {}", saved.what, saved.path.display()));
+        if saved.solution_of == Some(self.light_generation)
+            && let Some(computed) = &mut self.computed
+        {
+            computed.saved = true;
+            if let Some(recovery) = &self.recovery {
+                recovery.remove();
+            }
+        }
+    }
+
+    fn take_in(&mut self, loaded: LoadedLight) {
+        let LoadedLight { path, file, purpose } = loaded;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let light = light_from(&file);
+        if purpose == Purpose::Compare {
+            self.notices.push(Level::Info, format!("Kept for comparison: {name}"));
+            self.kept.push(Kept { name, light, id: self.next_kept });
+            self.next_kept += 1;
+            return;
+        }
+        self.end_solve();
+        let Some(document) = &self.document else { return };
+        let solution = match file {
+            LightFile::Solution(solution) => Some(Arc::new(*solution)),
+            LightFile::Rad(_) => None,
+        };
+        let relit = document.relit(&self.lights).ok();
+        let same_lights = match (&solution, &relit) {
+            (Some(solution), Some(scene)) => solution.has_lighting_of(scene),
+            _ => false,
+        };
+        if !same_lights && solution.is_some() {
+            let text = format!("{name} was computed for other lights or materials than there are now");
+            self.notices.push(Level::Warning, text);
+        }
+        self.computed = Some(Computed {
+            scene: relit.unwrap_or_else(|| Arc::clone(&document.scene)),
+            lights: same_lights
+                .then(|| self.lights.iter().filter(|light| light.on).map(|light| light.rect).collect()),
+            settings: solution.as_ref().and_then(|s| serde_json::from_value(s.meta.settings.clone()).ok()),
+            complete: solution.as_ref().is_none_or(|s| s.meta.complete),
+            saved: true,
+            solved: None,
+            file: solution,
+            origin: Some(name.clone()),
+        });
+        // Solving goes on where the file ends, so its settings are those one sees.
+        if let (true, Some(settings)) = (same_lights, self.computed.as_ref().and_then(|c| c.settings.clone()))
+        {
+            self.settings = settings;
+        }
+        self.stats.clear();
+        self.light = light;
+        self.light_generation += 1;
+        self.notices.push(Level::Info, format!("Loaded {name}"));
+    }
+}
+
+/// The light of a file, bounce by bounce where it tells them apart.
+pub fn light_from(file: &LightFile) -> Light {
+    match file {
+        LightFile::Solution(solution) => light_of_solution(solution),
+        LightFile::Rad(rad) => Light { sum_only: Some(Arc::new(rad.irradiance())), ..Light::default() },
+    }
+}
+
+fn light_of_solution(solution: &Solution) -> Light {
+    let sum_only = solution.bounces.is_empty().then(|| Arc::new(solution.irradiance.clone()));
+    Light {
+        bounces: solution.bounces.iter().cloned().map(Arc::new).collect(),
+        current: None,
+        tail: solution.tail.clone().map(Arc::new),
+        sum_only,
+        valid: Arc::new(solution.valid.clone()),
+        standard_error: solution.standard_error.clone().map(Arc::new),
+    }
+}
+
+fn folder_of(file: &Path) -> PathBuf {
+    match file.parent() {
+        Some(folder) if folder != Path::new("") => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// A mesh's path as seen from a project file, which may only name what lies in its folder or below.
+fn relative(mesh: &Path, project: &Path) -> Result<PathBuf, String> {
+    let folder = folder_of(project);
+    let absolute = |path: &Path| path.canonicalize().map_err(|e| format!("{e}: {}", path.display()));
+    let (mesh, folder) = (absolute(mesh)?, absolute(&folder)?);
+    mesh.strip_prefix(&folder).map(Path::to_owned).map_err(|_| {
+        format!(
+            "a project file reads nothing outside its folder; save it into the folder of the mesh: {}",
+            mesh.parent().unwrap_or(&mesh).display()
+        )
+    })
+}

@@ -1,0 +1,508 @@
+//! Solves in the background, on all cores, and what can be seen of them meanwhile.
+//!
+//! The thread that draws never waits for the threads that solve: it reads what was [`Published`] last and may ask to
+//! stop. A solve is cancelled within a few milliseconds.
+
+use crate::selection::{Light, VertexValues};
+use crate::spread::Neighbours;
+use glam::Vec3;
+use lumel::{
+    Baker, Control, Observer, Position, RayTracer, Remainder, Scene, Settings, Snapshot, SolveState, Step,
+    Workload,
+};
+use lumel_scene::luminance;
+use rayon::ThreadPool;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Time between two looks at a bounce that is being measured. The picture is to change twice a second at least.
+const SNAPSHOT_PERIOD: Duration = Duration::from_millis(400);
+
+/// The first look comes sooner: one has just pressed the key.
+const FIRST_SNAPSHOT: Duration = Duration::from_millis(120);
+
+/// Called from any thread when there is something new to draw.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// What a solve works with.
+#[derive(Clone)]
+pub struct Task {
+    /// The scene with the lights to solve for.
+    pub scene: Arc<Scene>,
+    /// Its ray tracer.
+    pub tracer: Arc<dyn RayTracer>,
+    /// For what is not measured yet.
+    pub neighbours: Arc<Neighbours>,
+    /// The area that each vertex stands for, m².
+    pub areas: Arc<Vec<f32>>,
+    /// The settings.
+    pub settings: Settings,
+}
+
+/// What to compute.
+pub enum Work {
+    /// All bounces, from the beginning or from what a stopped solve or a file has.
+    Solve(Start),
+    /// The standard error of a finished solve.
+    StandardError(Arc<Solved>),
+}
+
+/// Where a solve begins.
+pub enum Start {
+    /// With direct light.
+    Anew,
+    /// After the bounces of this state.
+    From(SolveState),
+    /// After the bounces of a solution that was saved; an error if it does not fit.
+    FromFile(Box<lumel::Solution>),
+}
+
+/// A solve that ended, well or because it was stopped.
+#[derive(Clone)]
+pub struct Solved {
+    /// What computed it.
+    pub baker: Arc<Baker>,
+    /// All bounces that were finished.
+    pub state: SolveState,
+}
+
+/// Where a job is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Phase {
+    /// Building what the solve needs.
+    Preparing,
+    /// Finding vertices that lie inside geometry.
+    Probing,
+    /// Measuring this bounce; 0 is direct light.
+    Bounce(u32),
+    /// Measuring the standard error.
+    StandardError,
+    /// It is over.
+    Ended(Ending),
+}
+
+/// How a job ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// All bounces that were asked for are there.
+    Done,
+    /// It was asked to stop.
+    Stopped,
+    /// It could not go on.
+    Failed(String),
+}
+
+/// What one bounce brought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BounceStats {
+    /// Luminance of the power that arrives, W.
+    pub power: f64,
+    /// Root mean square over the surfaces of what it changed, relative to that of all light so far.
+    pub change: f64,
+    /// Share of all light that later bounces will bring, as far as it can be told.
+    pub unfinished: Option<f64>,
+    /// How long it took; zero for a bounce that was resumed.
+    pub seconds: f64,
+}
+
+/// What can be seen of a job.
+#[derive(Clone, Debug)]
+pub struct Published {
+    /// Where it is.
+    pub phase: Phase,
+    /// The light so far.
+    pub light: Light,
+    /// One for each finished bounce.
+    pub stats: Vec<BounceStats>,
+    /// Changes with the light.
+    pub generation: u64,
+    /// Why the last checkpoint could not be written, if it could not.
+    pub checkpoint_problem: Option<String>,
+}
+
+/// A running or ended job.
+pub struct Job {
+    control: Arc<Control>,
+    shared: Arc<Shared>,
+    settings: Settings,
+    thread: Option<JoinHandle<()>>,
+    begun: Instant,
+}
+
+/// How far a job is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Share of the current step that is done.
+    pub share: f32,
+    /// Rays per second of the current step.
+    pub rays_per_second: f64,
+    /// Seconds until all is done, as far as it can be told.
+    pub seconds_left: Option<f64>,
+    /// Seconds since the start.
+    pub seconds: f64,
+}
+
+/// Keeps the state of a solve somewhere after each bounce.
+pub type Keep = Box<dyn Fn(&Baker, &SolveState) -> Result<(), String> + Send + Sync>;
+
+struct Shared {
+    published: Mutex<Published>,
+    solved: Mutex<Option<Arc<Solved>>>,
+    pace: Mutex<Pace>,
+    wake: Wake,
+}
+
+/// What the estimate of the time left is made from.
+#[derive(Default)]
+struct Pace {
+    workload: Option<Workload>,
+    step: Option<(Step, Instant)>,
+    elements: u64,
+    rays: u64,
+    remainders: Vec<Remainder>,
+}
+
+impl Job {
+    /// Starts a job on the threads of a pool; `keep` is called after each bounce of a solve.
+    pub fn start(task: Task, work: Work, pool: Arc<ThreadPool>, keep: Keep, wake: Wake) -> Self {
+        let control = Arc::new(Control::default());
+        let published = Published {
+            phase: Phase::Preparing,
+            light: Light::default(),
+            stats: Vec::new(),
+            generation: 0,
+            checkpoint_problem: None,
+        };
+        let shared = Arc::new(Shared {
+            published: Mutex::new(published),
+            solved: Mutex::default(),
+            pace: Mutex::default(),
+            wake,
+        });
+        let settings = task.settings.clone();
+        let thread = {
+            let (control, shared) = (Arc::clone(&control), Arc::clone(&shared));
+            std::thread::spawn(move || {
+                let run = AssertUnwindSafe(|| pool.install(|| run(&task, work, &control, &shared, &keep)));
+                // A panic is a bug in lumel; it must not take the window and its unsaved work with it.
+                let ending = catch_unwind(run).unwrap_or_else(|_| Ending::Failed(BUG.to_owned()));
+                shared.publish_phase(Phase::Ended(ending));
+            })
+        };
+        Self { control, shared, settings, thread: Some(thread), begun: Instant::now() }
+    }
+
+    /// Asks it to stop.
+    pub fn stop(&self) {
+        self.control.cancel();
+    }
+
+    /// Whether it was asked to stop.
+    pub fn is_stopping(&self) -> bool {
+        self.control.is_cancelled()
+    }
+
+    /// Waits until it has ended.
+    pub fn join(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            // Its panics are caught and told as its ending.
+            let _ = thread.join();
+        }
+    }
+
+    /// The settings it was started with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// What can be seen now; cheap, the light is shared.
+    pub fn published(&self) -> Published {
+        lock(&self.shared.published).clone()
+    }
+
+    /// The generation of the light and the phase, without the light.
+    pub fn glance(&self) -> (u64, Phase) {
+        let published = lock(&self.shared.published);
+        (published.generation, published.phase.clone())
+    }
+
+    /// How it ended; `None` while it runs.
+    pub fn ending(&self) -> Option<Ending> {
+        match &lock(&self.shared.published).phase {
+            Phase::Ended(ending) => Some(ending.clone()),
+            _ => None,
+        }
+    }
+
+    /// What it has computed, once it has ended.
+    pub fn solved(&self) -> Option<Arc<Solved>> {
+        lock(&self.shared.solved).clone()
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        let pace = lock(&self.shared.pace);
+        let seconds = self.begun.elapsed().as_secs_f64();
+        let mut progress = Progress { share: 0.0, rays_per_second: 0.0, seconds_left: None, seconds };
+        if let (Some(workload), Some((step, since))) = (&pace.workload, pace.step) {
+            let at = Position {
+                step,
+                seconds: since.elapsed().as_secs_f64(),
+                elements: self.control.elements() - pace.elements,
+                rays: self.control.rays() - pace.rays,
+            };
+            progress.share = workload.share(&at) as f32;
+            progress.rays_per_second = at.rays as f64 / at.seconds.max(1e-3);
+            progress.seconds_left = workload.seconds_left(&at, &pace.remainders);
+        }
+        progress
+    }
+}
+
+impl Drop for Job {
+    fn drop(&mut self) {
+        self.stop();
+        self.join();
+    }
+}
+
+const BUG: &str = "this is a bug in lumel; please report it with the scene and the settings";
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // What is behind these is written whole, so a panic elsewhere leaves nothing half-done.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    fn publish_light(&self, change: impl FnOnce(&mut Published)) {
+        {
+            let mut published = lock(&self.published);
+            change(&mut published);
+            published.generation += 1;
+        }
+        (self.wake)();
+    }
+
+    fn publish_phase(&self, phase: Phase) {
+        lock(&self.published).phase = phase;
+        (self.wake)();
+    }
+}
+
+fn run(task: &Task, work: Work, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
+    match work {
+        Work::Solve(start) => solve(task, start, control, shared, keep),
+        Work::StandardError(solved) => {
+            shared.publish_phase(Phase::StandardError);
+            let result = lumel::vertex_errors(&solved.baker, &solved.state, control);
+            *lock(&shared.solved) = Some(solved);
+            match result {
+                Ok(errors) => {
+                    shared.publish_light(|p| p.light.standard_error = Some(Arc::new(errors)));
+                    Ending::Done
+                }
+                Err(_) => Ending::Stopped,
+            }
+        }
+    }
+}
+
+fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
+    let (scene, tracer) = (Arc::clone(&task.scene), Arc::clone(&task.tracer));
+    let baker = Arc::new(Baker::with_tracer(scene, tracer, task.settings.clone()));
+    lock(&shared.pace).workload = Some(Workload::new(baker.elements_per_step(), &task.settings));
+    let mut state = match start {
+        Start::Anew => SolveState::new(),
+        Start::From(state) => state,
+        Start::FromFile(solution) => match baker.resume(&solution) {
+            Ok(state) => state,
+            Err(error) => return Ending::Failed(error.to_string()),
+        },
+    };
+    let watch = Watch::new(task, &baker, control, shared, keep);
+    watch.resumed(&state);
+    let result = std::thread::scope(|scope| {
+        scope.spawn(|| watch.publish_snapshots());
+        let _closing = Closing(&watch);
+        baker.run(&mut state, control, &watch)
+    });
+    let tail = state.tail.as_ref().map(|tail| Arc::new(baker.at_vertices(tail)));
+    let valid = Arc::new(baker.flags_at_vertices(&state.valid));
+    shared.publish_light(|p| {
+        p.light.current = None;
+        p.light.tail = tail;
+        p.light.valid = valid;
+    });
+    *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
+    match result {
+        Ok(()) => Ending::Done,
+        Err(lumel::SolveError::Cancelled(_)) => Ending::Stopped,
+        Err(error) => Ending::Failed(error.to_string()),
+    }
+}
+
+/// Follows a solve.
+struct Watch<'a> {
+    task: &'a Task,
+    baker: &'a Baker,
+    control: &'a Control,
+    shared: &'a Shared,
+    keep: &'a Keep,
+    clock: Instant,
+    /// Milliseconds of the clock from which on a snapshot is wanted.
+    due: AtomicU64,
+    /// Handed from the threads that solve to the one that publishes.
+    mail: Mutex<Option<Snapshot>>,
+    arrived: Condvar,
+    closed: AtomicBool,
+}
+
+impl<'a> Watch<'a> {
+    fn new(
+        task: &'a Task,
+        baker: &'a Baker,
+        control: &'a Control,
+        shared: &'a Shared,
+        keep: &'a Keep,
+    ) -> Self {
+        Self {
+            task,
+            baker,
+            control,
+            shared,
+            keep,
+            clock: Instant::now(),
+            due: AtomicU64::new(FIRST_SNAPSHOT.as_millis() as u64),
+            mail: Mutex::default(),
+            arrived: Condvar::new(),
+            closed: AtomicBool::new(false),
+        }
+    }
+
+    /// Publishes the bounces that are there from the start.
+    fn resumed(&self, state: &SolveState) {
+        for k in 0..state.bounces.len() {
+            let so_far = SolveState { bounces: state.bounces[..=k].to_vec(), ..state.clone() };
+            self.publish_bounce(&so_far, 0.0);
+        }
+    }
+
+    fn publish_bounce(&self, state: &SolveState, seconds: f64) {
+        let Some(last) = state.bounces.last() else { return };
+        let values: VertexValues = Arc::new(self.baker.at_vertices(last));
+        let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
+        let unfinished = self.baker.remainder(state);
+        let areas = &self.task.areas;
+        let power = areas.iter().zip(values.iter()).map(|(a, e)| f64::from(a * luminance(*e))).sum();
+        let total = self.baker.at_vertices(&state.total());
+        let change = mean_square(areas, &values).sqrt() / mean_square(areas, &total).sqrt();
+        let change = if change.is_finite() { change } else { 0.0 };
+        let stats = BounceStats { power, change, unfinished, seconds };
+        if let Some(share) = unfinished {
+            let after = state.bounces.len() as u32 - 1;
+            lock(&self.shared.pace).remainders.push(Remainder { after, share });
+        }
+        self.shared.publish_light(|p| {
+            p.light.bounces.push(values);
+            p.light.current = None;
+            p.light.valid = valid;
+            p.stats.push(stats);
+        });
+    }
+
+    /// Turns snapshots into light at vertices until the solve ends, beside the threads that solve.
+    fn publish_snapshots(&self) {
+        loop {
+            let snapshot = {
+                let mut mail = lock(&self.mail);
+                loop {
+                    if self.closed.load(Ordering::Acquire) {
+                        return;
+                    }
+                    if let Some(snapshot) = mail.take() {
+                        break snapshot;
+                    }
+                    mail = self.arrived.wait(mail).unwrap_or_else(PoisonError::into_inner);
+                }
+            };
+            let Step::Bounce(bounce) = snapshot.step else { continue };
+            let mut values = self.baker.at_vertices(&snapshot.current);
+            let measured = self.baker.flags_at_vertices(&snapshot.measured);
+            self.task.neighbours.spread(&mut values, &measured);
+            let current = Some(Arc::new(values));
+            // The bounce may have been finished meanwhile.
+            self.shared.publish_light(|p| {
+                if p.light.bounces.len() == bounce as usize {
+                    p.light.current = current;
+                }
+            });
+        }
+    }
+
+    fn close(&self) {
+        let _mail = lock(&self.mail);
+        self.closed.store(true, Ordering::Release);
+        self.arrived.notify_all();
+    }
+
+    fn next_due(&self, after: Duration) {
+        self.due.store((self.clock.elapsed() + after).as_millis() as u64, Ordering::Relaxed);
+    }
+}
+
+/// Lets the thread that publishes end, also after a panic.
+struct Closing<'a>(&'a Watch<'a>);
+
+impl Drop for Closing<'_> {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
+impl Observer for Watch<'_> {
+    fn step_started(&self, step: Step) {
+        {
+            let mut pace = lock(&self.shared.pace);
+            pace.step = Some((step, Instant::now()));
+            (pace.elements, pace.rays) = (self.control.elements(), self.control.rays());
+        }
+        self.next_due(FIRST_SNAPSHOT);
+        self.shared.publish_phase(match step {
+            Step::Probe => Phase::Probing,
+            Step::Bounce(k) => Phase::Bounce(k),
+        });
+    }
+
+    fn step_done(&self, step: Step, state: &SolveState) {
+        if !matches!(step, Step::Bounce(_)) {
+            return;
+        }
+        let seconds = lock(&self.shared.pace).step.map_or(0.0, |(_, since)| since.elapsed().as_secs_f64());
+        self.publish_bounce(state, seconds);
+        let problem = (self.keep)(self.baker, state).err();
+        lock(&self.shared.published).checkpoint_problem = problem;
+    }
+
+    fn wants_snapshot(&self) -> bool {
+        self.clock.elapsed().as_millis() as u64 >= self.due.load(Ordering::Relaxed)
+    }
+
+    fn snapshot(&self, snapshot: Snapshot) {
+        self.next_due(SNAPSHOT_PERIOD);
+        *lock(&self.mail) = Some(snapshot);
+        self.arrived.notify_one();
+    }
+}
+
+/// Mean of the squared luminance over the surfaces.
+fn mean_square(areas: &[f32], values: &[Vec3]) -> f64 {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for (&a, value) in areas.iter().zip(values) {
+        sum += f64::from(a) * f64::from(luminance(*value)).powi(2);
+        area += f64::from(a);
+    }
+    if area > 0.0 { sum / area } else { 0.0 }
+}

@@ -1,0 +1,491 @@
+//! The picture of the scene: what has to be drawn anew, and when.
+//!
+//! Everything a picture depends on is compared with what was drawn last; when nothing differs, nothing is drawn.
+
+use crate::camera::FlyCamera;
+use crate::prefs::{ViewMode, ViewPrefs};
+use crate::selection::{Light, Selection};
+use crate::session::Session;
+use crate::values;
+use eframe::egui::TextureId;
+use eframe::egui_wgpu::RenderState;
+use eframe::wgpu::FilterMode;
+use glam::Vec3;
+use lumel::{RectLight, Scene};
+use lumel_picture::{VertexLight, View, meter};
+use lumel_render::{
+    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Mark, Model, Overlay, RenderError, Renderer, Samples, Target,
+};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// While the view moves, the exposure is read this often.
+const METER_PERIOD: Duration = Duration::from_millis(250);
+
+/// At most this many dots for sample points: more cannot be told apart.
+const MAX_POINTS: usize = 200_000;
+
+/// The light of which buffer: that of the scene as a whole or left of the divider, and that right of it.
+const LEFT: usize = 0;
+const RIGHT: usize = 1;
+
+/// Which light is on one side of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// That of the session.
+    Current,
+    /// One that was kept, by its id.
+    Kept(u64),
+}
+
+/// Two lights side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// What is right of the divider.
+    pub right: Side,
+    /// Which bounces right of the divider.
+    pub selection: Selection,
+    /// Where the divider is, 0..=1.
+    pub at: f32,
+}
+
+/// What the values in a buffer are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Content {
+    document: u64,
+    light: u64,
+    side: Side,
+    mode: Values,
+    selection: Selection,
+}
+
+/// Modes whose buffers hold the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Values {
+    Light,
+    Mode(ViewMode),
+}
+
+/// All that a picture depends on.
+#[derive(Clone, PartialEq)]
+struct Drawn {
+    size: [u32; 2],
+    samples: Samples,
+    camera: FlyCamera,
+    contents: [Option<Content>; 2],
+    lamps: Vec<RectLight>,
+    look: Look,
+    wireframe: bool,
+    marks: Option<u64>,
+    split: Option<f32>,
+}
+
+/// Dots and lines on the picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// Dots.
+    pub points: Vec<Mark>,
+    /// Lines.
+    pub lines: Vec<[Mark; 2]>,
+    /// Changes with them.
+    pub generation: u64,
+}
+
+/// How much a picture may cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// As good as it gets.
+    Still,
+    /// Something moves or a solve needs the processor.
+    Live,
+}
+
+/// A small picture of one term of the series.
+pub struct Thumbnail {
+    target: Target,
+    texture: TextureId,
+    drawn: Option<(Drawn, Selection)>,
+    buffer: LightBuffer,
+    content: Option<Content>,
+}
+
+/// The renderer with what it shows.
+pub struct Stage {
+    state: RenderState,
+    renderer: Renderer,
+    model: Option<(u64, Arc<Model>)>,
+    buffers: Vec<LightBuffer>,
+    contents: [Option<Content>; 2],
+    target: Option<(Target, TextureId)>,
+    drawn: Option<Drawn>,
+    overlay: Option<(u64, Overlay)>,
+    thumbnails: Vec<Thumbnail>,
+    exposure: Metered,
+    ranges: Option<(Content, bool, [f32; 2])>,
+    /// Pictures drawn so far, for tests and benchmarks.
+    pub pictures: u64,
+}
+
+/// The exposure that was read last.
+#[derive(Default)]
+struct Metered {
+    stops: f32,
+    of: Option<(FlyCamera, Content, Vec<RectLight>)>,
+    at: Option<Instant>,
+}
+
+/// What the stage is to show.
+pub struct Showing<'a> {
+    /// The scene and its light.
+    pub session: &'a Session,
+    /// How.
+    pub view: &'a ViewPrefs,
+    /// Beside what.
+    pub split: Option<Split>,
+    /// Dots and lines.
+    pub marks: Option<&'a Marks>,
+    /// How good.
+    pub quality: Quality,
+}
+
+impl Stage {
+    /// A stage on the window's device.
+    pub fn new(state: RenderState) -> Self {
+        let gpu = Gpu::new(&state.adapter, state.device.clone(), state.queue.clone());
+        Self {
+            renderer: Renderer::new(Arc::new(gpu)),
+            state,
+            model: None,
+            buffers: Vec::new(),
+            contents: [None; 2],
+            target: None,
+            drawn: None,
+            overlay: None,
+            thumbnails: Vec::new(),
+            exposure: Metered::default(),
+            ranges: None,
+            pictures: 0,
+        }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        self.renderer.gpu()
+    }
+
+    /// The exposure in use, stops.
+    pub fn stops(&self, view: &ViewPrefs) -> f32 {
+        if view.auto_exposure { self.exposure.stops } else { view.stops }
+    }
+
+    /// The range of false colours in use; `None` where there are none.
+    pub fn range(&self) -> Option<[f32; 2]> {
+        match self.drawn.as_ref()?.look {
+            Look::FalseColor { range, .. } => Some(range),
+            _ => None,
+        }
+    }
+
+    /// Draws the picture if anything has changed. Returns the texture to show, once there is one.
+    ///
+    /// # Errors
+    /// A scene or a size that the device cannot hold.
+    pub fn show(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Option<TextureId>, RenderError> {
+        let Some(document) = &showing.session.document else { return Ok(None) };
+        self.load(showing.session.document_generation, &document.scene)?;
+        let drawn = self.wanted(showing, size)?;
+        if self.drawn.as_ref() == Some(&drawn) {
+            return Ok(self.target.as_ref().map(|(_, texture)| *texture));
+        }
+        self.fit_target(size, drawn.samples)?;
+        self.fit_overlay(showing.marks);
+        let (Some((_, model)), Some((target, texture))) = (&self.model, &self.target) else {
+            return Ok(None);
+        };
+        let light = match drawn.split {
+            Some(at) => Lit::Split { left: &self.buffers[LEFT], right: &self.buffers[RIGHT], at },
+            None => Lit::One(&self.buffers[LEFT]),
+        };
+        let frame = Frame {
+            model,
+            camera: &showing.session.camera.camera(),
+            light,
+            lamps: &drawn.lamps,
+            look: drawn.look,
+            wireframe: drawn.wireframe,
+            overlay: self.overlay.as_ref().map(|(_, overlay)| overlay),
+            sky: document.scene.sky(),
+        };
+        self.renderer.draw(target, &frame);
+        self.pictures += 1;
+        self.drawn = Some(drawn);
+        Ok(Some(*texture))
+    }
+
+    /// The picture as it was drawn last.
+    ///
+    /// # Errors
+    /// When there is none, or the device fails.
+    pub fn picture(&self) -> Result<lumel_picture::Picture, String> {
+        let (target, _) = self.target.as_ref().ok_or("there is no picture yet")?;
+        self.renderer.read(target).map_err(|e| crate::document::error_text(&e))
+    }
+
+    fn load(&mut self, generation: u64, scene: &Scene) -> Result<(), RenderError> {
+        if self.model.as_ref().is_some_and(|(loaded, _)| *loaded == generation) {
+            return Ok(());
+        }
+        self.model = None;
+        self.thumbnails.clear();
+        let model = self.renderer.upload(scene)?;
+        self.buffers = (0..2).map(|_| self.renderer.light(&model)).collect();
+        (self.contents, self.drawn, self.ranges) = ([None; 2], None, None);
+        self.exposure = Metered::default();
+        self.model = Some((generation, Arc::new(model)));
+        Ok(())
+    }
+
+    /// What is to be drawn, with the light in its buffers.
+    fn wanted(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Drawn, RenderError> {
+        let (session, view) = (showing.session, showing.view);
+        let left = content(session, Side::Current, view.mode, view.selection);
+        self.fill(LEFT, &left, session)?;
+        let split = showing.split.filter(|_| matches!(left.mode, Values::Light));
+        let right = split.map(|split| content(session, split.right, view.mode, split.selection));
+        if let Some(right) = &right {
+            self.fill(RIGHT, right, session)?;
+        }
+        let lamps: Vec<RectLight> = session.lights.iter().filter(|l| l.on).map(|l| l.rect).collect();
+        let look = self.look(showing, &left, &lamps, size);
+        let live = showing.quality == Quality::Live && self.gpu().is_software();
+        Ok(Drawn {
+            size,
+            samples: if view.antialias && !live { Samples::Four } else { Samples::One },
+            camera: session.camera,
+            contents: [Some(left), right],
+            lamps,
+            look,
+            wireframe: view.wireframe,
+            marks: showing.marks.map(|marks| marks.generation),
+            split: split.map(|split| split.at),
+        })
+    }
+
+    fn fill(&mut self, buffer: usize, content: &Content, session: &Session) -> Result<(), RenderError> {
+        if self.contents[buffer] == Some(*content) {
+            return Ok(());
+        }
+        let Some(values) = values_of(content, session) else { return Ok(()) };
+        self.renderer.set_light(&self.buffers[buffer], &values)?;
+        self.contents[buffer] = Some(*content);
+        Ok(())
+    }
+
+    fn look(&mut self, showing: &Showing<'_>, left: &Content, lamps: &[RectLight], size: [u32; 2]) -> Look {
+        let view = showing.view;
+        let (tone, white) = (view.tone(), view.white);
+        match view.mode {
+            ViewMode::Final | ViewMode::Irradiance => {
+                if view.auto_exposure {
+                    self.read_exposure(showing, left, lamps, size);
+                }
+                let stops = self.stops(view);
+                if view.mode == ViewMode::Final {
+                    Look::Radiance { stops, tone, white }
+                } else {
+                    Look::Irradiance { stops, tone, white }
+                }
+            }
+            ViewMode::Albedo => Look::Albedo,
+            ViewMode::Normals => Look::Normals,
+            ViewMode::Validity => Look::Plain,
+            ViewMode::StandardError if showing.session.light.standard_error.is_none() => Look::Plain,
+            ViewMode::FalseColor | ViewMode::StandardError | ViewMode::TriangleSize => {
+                Look::FalseColor { range: self.range_of(showing, left), scale: view.scale() }
+            }
+        }
+    }
+
+    fn range_of(&mut self, showing: &Showing<'_>, left: &Content) -> [f32; 2] {
+        let view = showing.view;
+        if !view.auto_range && view.mode == ViewMode::FalseColor {
+            return view.range;
+        }
+        if let Some((of, logarithmic, range)) = &self.ranges
+            && (of, *logarithmic) == (left, view.logarithmic)
+        {
+            return *range;
+        }
+        let values = values_of(left, showing.session).unwrap_or_default();
+        let range = values::automatic_range(&values, view.scale());
+        self.ranges = Some((*left, view.logarithmic, range));
+        range
+    }
+
+    /// Reads the exposure off the scene, now and then while it moves.
+    fn read_exposure(&mut self, showing: &Showing<'_>, left: &Content, lamps: &[RectLight], size: [u32; 2]) {
+        let session = showing.session;
+        // One exposure for all bounces would leave the later ones black: what is shown is what is metered.
+        let of = (session.camera, *left, lamps.to_vec());
+        let is_recent = self.exposure.at.is_some_and(|at| at.elapsed() < METER_PERIOD);
+        let hold = showing.quality == Quality::Live && is_recent;
+        if self.exposure.of.as_ref() == Some(&of) || hold {
+            return;
+        }
+        let Some(document) = &session.document else { return };
+        let (Ok(scene), Some(values)) = (document.relit(&session.lights), values_of(left, session)) else {
+            return;
+        };
+        let Ok(light) = VertexLight::new(&scene, &values) else { return };
+        let view = View::new(&scene, &*document.tracer, &light);
+        let aspect = size[0] as f32 / size[1].max(1) as f32;
+        if let Ok(stops) = meter(&view, &session.camera.camera(), aspect) {
+            self.exposure = Metered { stops, of: Some(of), at: Some(Instant::now()) };
+        }
+    }
+
+    fn fit_target(&mut self, size: [u32; 2], samples: Samples) -> Result<(), RenderError> {
+        if self.target.as_ref().is_some_and(|(t, _)| t.size() == size && t.samples() == samples) {
+            return Ok(());
+        }
+        let target = self.renderer.target(size, samples)?;
+        let old = self.target.take().map(|(_, texture)| texture);
+        let texture = show_target(&self.state, &target, old);
+        self.target = Some((target, texture));
+        Ok(())
+    }
+
+    fn fit_overlay(&mut self, marks: Option<&Marks>) {
+        let Some(marks) = marks else {
+            self.overlay = None;
+            return;
+        };
+        if self.overlay.as_ref().is_none_or(|(generation, _)| *generation != marks.generation) {
+            let overlay =
+                Overlay::new(&self.renderer, &marks.points, &marks.lines).with_hidden(Hidden::Faint);
+            self.overlay = Some((marks.generation, overlay));
+        }
+    }
+
+    /// A small picture of some bounces from the camera of the session; `brighter` stops are added to its exposure.
+    ///
+    /// # Errors
+    /// As [`Self::show`].
+    pub fn thumbnail(
+        &mut self,
+        index: usize,
+        showing: &Showing<'_>,
+        selection: Option<Selection>,
+        brighter: f32,
+        size: [u32; 2],
+    ) -> Result<Option<TextureId>, RenderError> {
+        let Some(document) = &showing.session.document else { return Ok(None) };
+        self.load(showing.session.document_generation, &document.scene)?;
+        let Some((_, model)) = self.model.clone() else { return Ok(None) };
+        // Without a selection the surfaces are dark: emission alone.
+        let dark = Selection::Range(u32::MAX, u32::MAX);
+        let wanted = content(showing.session, Side::Current, ViewMode::Final, selection.unwrap_or(dark));
+        let tone = showing.view.tone();
+        let stops = self.stops(showing.view) + brighter;
+        let drawn = Drawn {
+            size,
+            samples: Samples::One,
+            camera: showing.session.camera,
+            contents: [Some(wanted), None],
+            // Bounces are what arrives on surfaces; only emission and the sum show what glows.
+            lamps: if selection.is_none_or(Selection::is_all) {
+                showing.session.lights.iter().filter(|l| l.on).map(|l| l.rect).collect()
+            } else {
+                Vec::new()
+            },
+            look: Look::Radiance { stops, tone, white: showing.view.white },
+            wireframe: false,
+            marks: None,
+            split: None,
+        };
+        while self.thumbnails.len() <= index {
+            let target = self.renderer.target(size, Samples::One)?;
+            let texture = show_target(&self.state, &target, None);
+            let buffer = self.renderer.light(&model);
+            self.thumbnails.push(Thumbnail { target, texture, drawn: None, buffer, content: None });
+        }
+        let thumbnail = &mut self.thumbnails[index];
+        if thumbnail.target.size() != size {
+            thumbnail.target = self.renderer.target(size, Samples::One)?;
+            thumbnail.texture = show_target(&self.state, &thumbnail.target, Some(thumbnail.texture));
+            thumbnail.drawn = None;
+        }
+        let key = Some((drawn.clone(), selection.unwrap_or(dark)));
+        if thumbnail.drawn == key {
+            return Ok(Some(thumbnail.texture));
+        }
+        if thumbnail.content != Some(wanted) {
+            let values = values_of(&wanted, showing.session).unwrap_or_default();
+            self.renderer.set_light(&thumbnail.buffer, &values)?;
+            thumbnail.content = Some(wanted);
+        }
+        let frame = Frame {
+            model: &model,
+            camera: &showing.session.camera.camera(),
+            light: Lit::One(&thumbnail.buffer),
+            lamps: &drawn.lamps,
+            look: drawn.look,
+            wireframe: false,
+            overlay: None,
+            sky: document.scene.sky(),
+        };
+        self.renderer.draw(&thumbnail.target, &frame);
+        thumbnail.drawn = key;
+        Ok(Some(thumbnail.texture))
+    }
+
+    /// A thumbnail as it was drawn last.
+    pub fn thumbnail_drawn(&self, index: usize) -> Option<TextureId> {
+        self.thumbnails.get(index).filter(|t| t.drawn.is_some()).map(|t| t.texture)
+    }
+}
+
+/// Dots where light is measured.
+pub fn sample_marks(session: &Session) -> Vec<Mark> {
+    let Some(solved) = session.computed().and_then(|c| c.solved.clone()) else { return Vec::new() };
+    let points = solved.baker.sample_points(&solved.state.valid, MAX_POINTS);
+    let color = |valid: bool| if valid { [90, 210, 140, 255] } else { [235, 70, 60, 255] };
+    points.into_iter().map(|(position, valid)| Mark { position, color: color(valid) }).collect()
+}
+
+fn show_target(state: &RenderState, target: &Target, old: Option<TextureId>) -> TextureId {
+    let mut renderer = state.renderer.write();
+    match old {
+        Some(id) => {
+            let filter = FilterMode::Nearest;
+            renderer.update_egui_texture_from_wgpu_texture(&state.device, target.view(), filter, id);
+            id
+        }
+        None => renderer.register_native_texture(&state.device, target.view(), FilterMode::Nearest),
+    }
+}
+
+fn content(session: &Session, side: Side, mode: ViewMode, selection: Selection) -> Content {
+    let mode = match mode {
+        ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => Values::Light,
+        mode => Values::Mode(mode),
+    };
+    let light = if side == Side::Current { session.light_generation } else { 0 };
+    Content { document: session.document_generation, light, side, mode, selection }
+}
+
+fn values_of(content: &Content, session: &Session) -> Option<Vec<Vec3>> {
+    let document = session.document.as_ref()?;
+    let none = Light::default();
+    let light = match content.side {
+        Side::Current => &session.light,
+        Side::Kept(id) => session.kept.iter().find(|kept| kept.id == id).map_or(&none, |kept| &kept.light),
+    };
+    let mode = match content.mode {
+        Values::Light => ViewMode::Final,
+        Values::Mode(mode) => mode,
+    };
+    let values = values::of_vertices(mode, &document.scene, light, content.selection);
+    // What is not known is dark.
+    Some(values.unwrap_or_else(|| vec![Vec3::splat(0.05); document.scene.vertex_count()]))
+}
