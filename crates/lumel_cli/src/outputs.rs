@@ -4,7 +4,7 @@ use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
 use lumel::{Baker, Solution};
-use lumel_export::{Exposure, RadFile, write_glb, write_ply};
+use lumel_export::{Exposure, RadFile, check_obj, write_glb, write_obj, write_ply};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -18,6 +18,8 @@ enum Format {
     Glb,
     /// The lit mesh.
     Ply,
+    /// The lit mesh without irradiance, and files beside it.
+    Obj,
     /// Irradiance over π.
     Rad,
     /// A picture.
@@ -25,10 +27,11 @@ enum Format {
 }
 
 /// All formats by their extension.
-const FORMATS: [(&str, Format); 5] = [
+const FORMATS: [(&str, Format); 6] = [
     ("npz", Format::Npz),
     ("glb", Format::Glb),
     ("ply", Format::Ply),
+    ("obj", Format::Obj),
     ("rad", Format::Rad),
     ("png", Format::Png),
 ];
@@ -61,6 +64,14 @@ impl Output {
         self.format == Format::Png
     }
 
+    /// Checks that what is written beside it replaces no files of others.
+    pub(crate) fn check_company(&self) -> anyhow::Result<()> {
+        if self.format == Format::Obj {
+            check_obj(&self.path)?;
+        }
+        Ok(())
+    }
+
     /// Writes the file. Returns its size in bytes.
     pub(crate) fn write(
         &self,
@@ -76,6 +87,9 @@ impl Output {
             }
             Format::Ply => {
                 write_ply(path, scene, light, Exposure::Auto)?;
+            }
+            Format::Obj => {
+                write_obj(path, scene, light, Exposure::Auto)?;
             }
             Format::Rad => RadFile::from_irradiance(scene, light).write(path)?,
             Format::Png => picture::write_default(path, scene, &**baker.tracer(), light, cancel)?,
@@ -149,12 +163,12 @@ mod tests {
     fn extensions_tell_the_format_in_any_case() {
         assert_eq!(Output::new(Path::new("a.GLB")).unwrap().format, Format::Glb);
         assert_eq!(Output::new(Path::new("x/a.b.npz")).unwrap().format, Format::Npz);
-        for bad in ["a", "a.obj", ".npz", "a.npz/"] {
+        for bad in ["a", "a.mtl", ".npz", "a.npz/"] {
             let result = Output::new(Path::new(bad));
             assert!(result.is_err() || bad.ends_with('/'), "{bad}");
         }
         let error = Output::new(Path::new("a.exr")).unwrap_err();
-        assert_eq!(crate::failure::hint(&error), Some("use one of .npz, .glb, .ply, .rad, .png"));
+        assert_eq!(crate::failure::hint(&error), Some("use one of .npz, .glb, .ply, .obj, .rad, .png"));
     }
 
     #[test]

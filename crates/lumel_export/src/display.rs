@@ -2,7 +2,7 @@
 
 use crate::ExportError;
 use glam::Vec3;
-use lumel_scene::{Albedo, Irradiance, Radiance, Scene, SurfacePoint};
+use lumel_scene::{Albedo, Barycentrics, Irradiance, Radiance, Scene, SurfacePoint, TriId};
 use std::path::Path;
 
 /// The share of lit vertices that an automatic exposure shows without clipping. The rest are bright spots beside lamps.
@@ -55,11 +55,26 @@ pub(crate) fn seen_radiance(scene: &Scene, at: SurfacePoint, irradiance: Vec3) -
     scene.emission(at) + Irradiance(irradiance).reflected(scene.albedo(at)).radiance()
 }
 
-/// A linear value, clamped to 0..=1, on the sRGB curve.
-pub(crate) fn srgb_byte(linear: f32) -> u8 {
+/// Where on its first triangle each vertex is.
+pub(crate) fn first_places(scene: &Scene) -> Vec<Option<SurfacePoint>> {
+    let mut places = vec![None; scene.vertex_count()];
+    for (tri, vertices) in scene.triangles().iter().enumerate() {
+        for (vertex, bary) in vertices.iter().zip(Barycentrics::CORNERS) {
+            places[*vertex as usize].get_or_insert(SurfacePoint { tri: TriId(tri as u32), bary });
+        }
+    }
+    places
+}
+
+/// A linear value, clamped to 0..=1, on the sRGB curve: 0..=1.
+pub(crate) fn srgb(linear: f32) -> f64 {
     let c = f64::from(linear.clamp(0.0, 1.0));
-    let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The same as a byte.
+pub(crate) fn srgb_byte(linear: f32) -> u8 {
+    (255.0 * srgb(linear)).round() as u8
 }
 
 /// Checks that there is a finite irradiance for every vertex.

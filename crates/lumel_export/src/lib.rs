@@ -2,7 +2,8 @@
 //!
 //! - [`Solution`] is the result of a bake: a NumPy archive that Python opens in one line,
 //!   `numpy.load("a.npz")["irradiance"]`.
-//! - [`write_glb`] and [`write_ply`] write the lit mesh for other programs, [`RadFile`] the course's format.
+//! - [`write_glb`], [`write_ply`] and [`write_obj`] write the lit mesh for other programs, [`RadFile`] the course's
+//!   format.
 //! - [`write_png`] writes pictures.
 //! - [`write_npz`] and [`NpzReader`] are what solutions and checkpoints are made of.
 //!
@@ -15,6 +16,8 @@ mod error;
 mod glb;
 mod npy;
 mod npz;
+mod obj;
+mod pixels;
 mod ply;
 mod png;
 mod rad;
@@ -26,6 +29,7 @@ pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
 pub use glb::write_glb;
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};
+pub use obj::{check_obj, write_obj};
 pub use ply::write_ply;
 pub use png::write_png;
 pub use rad::{RadFile, position_md5};

@@ -1,9 +1,9 @@
 //! Lit meshes as PLY, for tools that look at points and meshes.
 
-use crate::display::{check_irradiance, seen_radiance, srgb_byte};
+use crate::display::{check_irradiance, first_places, seen_radiance, srgb_byte};
 use crate::{ExportError, Exposure, write_atomically};
 use glam::Vec3;
-use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use lumel_scene::Scene;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -66,17 +66,6 @@ fn write_vertices(out: &mut impl Write, scene: &Scene, irradiance: &[Vec3], expo
         out.write_all(&shown.to_array().map(srgb_byte))?;
     }
     Ok(())
-}
-
-/// Where on its first triangle each vertex is.
-fn first_places(scene: &Scene) -> Vec<Option<SurfacePoint>> {
-    let mut places = vec![None; scene.vertex_count()];
-    for (tri, vertices) in scene.triangles().iter().enumerate() {
-        for (vertex, bary) in vertices.iter().zip(Barycentrics::CORNERS) {
-            places[*vertex as usize].get_or_insert(SurfacePoint { tri: TriId(tri as u32), bary });
-        }
-    }
-    places
 }
 
 fn write_faces(out: &mut impl Write, scene: &Scene) -> io::Result<()> {

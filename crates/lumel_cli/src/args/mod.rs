@@ -78,8 +78,9 @@ pub(crate) struct BakeArgs {
 
     /// A file to write, any number of times; its extension tells the format.
     ///
-    /// .npz: all bounces as NumPy arrays, for every other command. .glb, .ply: the lit mesh. .rad: irradiance over π
-    /// per vertex. .png: a picture, as `lumel render` draws it by default.
+    /// .npz: all bounces as NumPy arrays, for every other command. .glb, .ply: the lit mesh. .obj: the lit mesh in
+    /// colours only, with NAME.mtl and NAME_textures beside it. .rad: irradiance over π per vertex. .png: a picture,
+    /// as `lumel render` draws it by default.
     ///
     /// Without any, NAME.npz is written into the current folder, where NAME is that of the scene. Existing files are
     /// replaced, but only by whole ones.

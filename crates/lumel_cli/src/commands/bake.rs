@@ -62,6 +62,7 @@ impl Plan {
         }
         paths.push(&checkpoint);
         outputs::check(&paths, &load::source_files(&args.scene.scene))?;
+        outputs.iter().try_for_each(Output::check_company)?;
         Ok(Self { outputs, checkpoint })
     }
 }

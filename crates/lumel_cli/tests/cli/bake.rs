@@ -4,8 +4,8 @@ use serde_json::Value;
 #[test]
 fn every_kind_of_output_is_written_and_can_be_read() {
     let place = Place::new();
-    let run = place.bake_furnace("-o a.npz -o b.GLB -o c.ply -o d.rad -o e.png").done();
-    assert_eq!(place.files(), ["a.npz", "b.GLB", "c.ply", "d.rad", "e.png"]);
+    let run = place.bake_furnace("-o a.npz -o b.GLB -o c.ply -o d.rad -o e.png -o f.obj").done();
+    assert_eq!(place.files(), ["a.npz", "b.GLB", "c.ply", "d.rad", "e.png", "f.mtl", "f.obj"]);
     let solution = place.solution("a.npz");
     assert_eq!(solution.bounces.len(), 3);
     assert!(solution.meta.complete && solution.meta.statistics["rays"].as_u64().unwrap() > 1000);
@@ -16,7 +16,12 @@ fn every_kind_of_output_is_written_and_can_be_read() {
     let picture = image::open(place.path("e.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (960, 720));
     assert!(picture.to_rgb8().pixels().any(|pixel| pixel.0 != [0; 3]));
-    for file in ["a.npz", "b.GLB", "c.ply", "d.rad", "e.png"] {
+    let triangles = |scene: &str| -> Value {
+        let info = crate::common::run(&mut place.lumel(&format!("info {scene} --json"))).done();
+        serde_json::from_str::<Value>(&info.stdout).unwrap()["triangles"].clone()
+    };
+    assert_eq!(triangles("f.obj"), triangles("furnace"));
+    for file in ["a.npz", "b.GLB", "c.ply", "d.rad", "e.png", "f.obj"] {
         assert!(run.stdout.contains(&format!("wrote {file}, ")), "{}", run.stdout);
     }
 }

@@ -11,13 +11,15 @@ fn outputs_are_checked_before_the_bake() {
         run(&mut place.lumel(&line)).failed(words)
     };
     let unknown = refused("-o a.npz -o b.exr", "b.exr");
-    assert!(unknown.stderr.contains(".npz, .glb, .ply, .rad, .png"), "{}", unknown.stderr);
+    assert!(unknown.stderr.contains(".npz, .glb, .ply, .obj, .rad, .png"), "{}", unknown.stderr);
     refused("-o noextension", "no extension");
     refused("-o missing/a.npz", "does not exist");
     refused("-o folder.npz", "folder");
     refused("-o a.npz -o ./a.npz", "twice");
     refused("-o a.npz -o a.checkpoint.npz", "checkpoint");
-    assert_eq!(place.files(), ["folder.npz"]);
+    place.write("theirs.mtl", "newmtl wood\n");
+    refused("-o a.npz -o theirs.obj", "theirs.mtl");
+    assert_eq!(place.files(), ["folder.npz", "theirs.mtl"]);
 }
 
 #[test]

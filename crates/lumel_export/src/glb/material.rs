@@ -1,12 +1,11 @@
 //! The materials and pictures of a GLB file.
 
 use super::Binary;
-use crate::display::srgb_byte;
+use crate::pixels::{self, srgb_pixels};
 use crate::png::encode_png;
 use glam::Vec3;
 use lumel_scene::{
-    Encoding, MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, TriId, UvTransform,
-    Wrap,
+    MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, TriId, UvTransform, Wrap,
 };
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -110,7 +109,7 @@ impl Materials {
 
 /// Base colour factor and texture of a material: its albedo, or what it emits.
 fn base_color(scene: &Scene, material: &Material, exposure: f32) -> (Vec3, Option<TextureRef>) {
-    let largest = |texture: TextureRef| largest(&scene.textures()[texture.texture.index()]);
+    let largest = |texture: TextureRef| pixels::largest(&scene.textures()[texture.texture.index()]);
     match (material.emits(), material.albedo_texture, material.emission_texture) {
         (false, Some(texture), _) => (material.albedo * largest(texture), Some(texture)),
         (false, None, _) => (material.albedo.min(Vec3::splat(MAX_ALBEDO)), None),
@@ -118,11 +117,6 @@ fn base_color(scene: &Scene, material: &Material, exposure: f32) -> (Vec3, Optio
         // The vertex colours hold all that is seen.
         (true, _, None) => (Vec3::ONE, None),
     }
-}
-
-/// What stored texels are divided by so that all fit a picture of bytes.
-fn largest(texture: &Texture) -> f32 {
-    if texture.bytes().is_some() { 1.0 } else { texture.max().max_element().max(1.0) }
 }
 
 fn describe(material: &Material, factor: Vec3, base_texture: Option<Value>) -> Value {
@@ -182,16 +176,8 @@ fn transform(transform: &UvTransform) -> Option<Value> {
 /// glTF takes base colour textures as sRGB: others are converted, and brighter ones scaled to fit.
 fn encode(texture: &Texture) -> io::Result<Image> {
     let (width, height) = texture.size();
-    let pixels: Vec<[u8; 3]> = match texture.bytes() {
-        Some((rgba, Encoding::Srgb)) => rgba.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
-        _ => {
-            let scale = 1.0 / largest(texture);
-            let texels = (0..height).flat_map(|y| (0..width).map(move |x| texture.texel(x, y)));
-            texels.map(|texel| (texel * scale).to_array().map(srgb_byte)).collect()
-        }
-    };
     let mut png = Vec::new();
-    encode_png(&mut png, width, height, &pixels, &[])?;
+    encode_png(&mut png, width, height, &srgb_pixels(texture), &[])?;
     Ok(Image { name: texture.name.clone(), png, wrap: [texture.wrap_u, texture.wrap_v] })
 }
 

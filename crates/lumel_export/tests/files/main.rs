@@ -7,6 +7,8 @@ mod glb;
 #[cfg(test)]
 mod npz;
 #[cfg(test)]
+mod obj;
+#[cfg(test)]
 mod ply;
 #[cfg(test)]
 mod rad;

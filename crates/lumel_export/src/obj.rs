@@ -1,0 +1,213 @@
+//! Lit meshes as OBJ, for programs that read little else.
+
+mod material;
+
+use crate::display::{check_irradiance, first_places, seen_radiance, srgb};
+use crate::{ExportError, Exposure, write_atomically};
+use glam::Vec3;
+use lumel_scene::{MaterialId, ObjectId, Scene, TriId};
+use material::Materials;
+use std::collections::btree_map::{BTreeMap, Entry};
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+
+/// How files of ours begin.
+const MARK: &str = "# lumel";
+
+/// Writes the lit scene as OBJ. Returns the exposure used.
+///
+/// `NAME.obj` comes with `NAME.mtl` and, where materials have textures, with PNG files in `NAME_textures`. A vertex has
+/// `v x y z r g b`, whose colour is radiance times exposure on the sRGB curve, as that of [`write_ply`]; `vn`; and, in
+/// a scene with textures, `vt`. Backs of two-sided surfaces are faces of their own with vertices of their own, because
+/// OBJ cannot say that a material has two sides and the two are lit differently.
+///
+/// Irradiance itself has no place in OBJ: write PLY, GLB or a solution beside it. Programs that multiply vertex colours
+/// with materials, lumel among them, show the surface's colour twice. Materials have `Kd`, `Ke`, `map_Kd` and `map_Ke`;
+/// textures are sRGB of 8 bits, bytes of sRGB textures as they were. Textures that are turned on the surface have that
+/// in the `vt` of their faces; where albedo and emission are turned differently, the emission is its mean. A texture
+/// that is clamped in one direction only repeats in both. Vertex tints and normal maps are left out.
+///
+/// Each file appears whole or not at all, the OBJ file last. Textures of an older export stay where they are.
+///
+/// # Errors
+/// Irradiance that does not fit the scene or is not finite, an exposure that is not positive, files of others in the
+/// way (see [`check_obj`]), and all that [`write_atomically`] meets.
+///
+/// [`write_ply`]: crate::write_ply
+pub fn write_obj(
+    path: &Path,
+    scene: &Scene,
+    irradiance: &[Vec3],
+    exposure: Exposure,
+) -> Result<f32, ExportError> {
+    check_irradiance(path, scene, irradiance)?;
+    let exposure = exposure.factor(path, irradiance)?;
+    let files = Files::beside(path)?;
+    files.check()?;
+    let faces = faces(scene);
+    let materials = Materials::new(scene, faces.keys().map(|(_, material)| *material), &files.folder_name);
+    materials.write_textures(scene, &files.folder)?;
+    let head = head(scene);
+    write_atomically(&files.mtl, |out| {
+        write!(out, "{head}")?;
+        materials.write(out)
+    })?;
+    write_atomically(path, |out| {
+        write!(out, "{head}{}\nmtllib {}\n", about(exposure), files.mtl_name)?;
+        write_vertices(out, scene, irradiance, exposure, materials.have_textures())?;
+        write_faces(out, scene, &faces, &materials)
+    })?;
+    Ok(exposure)
+}
+
+/// Checks that the files beside an OBJ file to be written would replace none that lumel has not written.
+///
+/// # Errors
+/// A material library that somebody else has made, or names that cannot be given.
+pub fn check_obj(path: &Path) -> Result<(), ExportError> {
+    Files::beside(path)?.check()
+}
+
+/// The files that belong to an OBJ file.
+struct Files {
+    mtl: PathBuf,
+    mtl_name: String,
+    folder: PathBuf,
+    folder_name: String,
+}
+
+impl Files {
+    fn beside(path: &Path) -> Result<Self, ExportError> {
+        let mtl = path.with_extension("mtl");
+        if mtl == path {
+            return Err(ExportError::content(path, "this is the name of the material library; use .obj"));
+        }
+        let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else {
+            return Err(ExportError::content(
+                path,
+                "the name must be Unicode text, to be written into the file",
+            ));
+        };
+        let (mtl_name, folder_name) = (format!("{stem}.mtl"), format!("{stem}_textures"));
+        Ok(Self { mtl, mtl_name, folder: path.with_file_name(&folder_name), folder_name })
+    }
+
+    fn check(&self) -> Result<(), ExportError> {
+        if self.folder.exists() && !self.folder.is_dir() {
+            let problem = "this is needed as a folder for textures; choose another name";
+            return Err(ExportError::content(&self.folder, problem));
+        }
+        // What cannot be read is for writing to complain about.
+        let Ok(old) = File::open(&self.mtl) else { return Ok(()) };
+        let mut start = Vec::new();
+        let _ = io::Read::take(BufReader::new(old), MARK.len() as u64).read_until(b'\n', &mut start);
+        if start.is_empty() || start == MARK.as_bytes() {
+            return Ok(());
+        }
+        let problem = "this material library is not of lumel and would be replaced; choose another name";
+        Err(ExportError::content(&self.mtl, problem))
+    }
+}
+
+fn head(scene: &Scene) -> String {
+    format!("{MARK} {}, scene {}\n", env!("CARGO_PKG_VERSION"), printable(scene.name()))
+}
+
+fn about(exposure: f32) -> String {
+    format!(
+        "# vertex colours: sRGB of radiance times {exposure}\n\
+         # irradiance has no place in this format; a .ply, .glb or .npz has it\n"
+    )
+}
+
+/// A name on a line of its own. A backslash at the end would join the next line.
+fn printable(name: &str) -> String {
+    let text: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let text = text.trim();
+    text.strip_suffix('\\').map_or_else(|| text.to_owned(), |rest| format!("{rest}_"))
+}
+
+/// Triangles by object and material.
+fn faces(scene: &Scene) -> BTreeMap<(ObjectId, MaterialId), Vec<TriId>> {
+    let mut faces: BTreeMap<_, Vec<TriId>> = BTreeMap::new();
+    for tri in (0..scene.triangle_count() as u32).map(TriId) {
+        faces.entry((scene.object_id(tri), scene.material_id(tri))).or_default().push(tri);
+    }
+    faces
+}
+
+fn write_vertices(
+    out: &mut impl Write,
+    scene: &Scene,
+    irradiance: &[Vec3],
+    exposure: f32,
+    with_uvs: bool,
+) -> io::Result<()> {
+    let places = first_places(scene);
+    for (vertex, p) in scene.positions().iter().enumerate() {
+        let light = |at| seen_radiance(scene, at, irradiance[vertex]).0 * exposure;
+        let [r, g, b] = places[vertex].map_or(Vec3::ZERO, light).to_array().map(srgb);
+        writeln!(out, "v {} {} {} {r:.4} {g:.4} {b:.4}", p.x, p.y, p.z)?;
+    }
+    for n in scene.normals() {
+        writeln!(out, "vn {} {} {}", n.x, n.y, n.z)?;
+    }
+    for uv in scene.uvs().iter().filter(|_| with_uvs) {
+        write_uv(out, *uv)?;
+    }
+    Ok(())
+}
+
+/// A coordinate whose `v` points down, in a format where it points up.
+fn write_uv(out: &mut impl Write, uv: glam::Vec2) -> io::Result<()> {
+    writeln!(out, "vt {} {}", uv.x, 1.0 - uv.y)
+}
+
+fn write_faces(
+    out: &mut impl Write,
+    scene: &Scene,
+    faces: &BTreeMap<(ObjectId, MaterialId), Vec<TriId>>,
+    materials: &Materials,
+) -> io::Result<()> {
+    let mut object = None;
+    // Numbers count from 1. Coordinates of turned textures follow those of the vertices.
+    let mut n_uvs = scene.vertex_count();
+    for ((of, material), triangles) in faces {
+        if object.replace(of) != Some(of) {
+            writeln!(out, "o {}", printable(&scene.object_names()[of.index()]))?;
+        }
+        writeln!(out, "usemtl {}", materials.name(*material))?;
+        let mut turned: BTreeMap<u32, usize> = BTreeMap::new();
+        if let Some(transform) = materials.turned(*material) {
+            for vertex in triangles.iter().flat_map(|&tri| scene.triangle(tri)) {
+                if let Entry::Vacant(new) = turned.entry(vertex) {
+                    write_uv(out, transform.apply(scene.uvs()[vertex as usize]))?;
+                    n_uvs += 1;
+                    new.insert(n_uvs);
+                }
+            }
+        }
+        for &tri in triangles {
+            write!(out, "f")?;
+            for vertex in scene.triangle(tri) {
+                let v = vertex as usize + 1;
+                if materials.have_textures() {
+                    write!(out, " {v}/{}/{v}", turned.get(&vertex).unwrap_or(&v))?;
+                } else {
+                    write!(out, " {v}//{v}")?;
+                }
+            }
+            writeln!(out)?;
+        }
+    }
+    Ok(())
+}
+
+/// Creates a folder that may be there already.
+fn create_folder(folder: &Path) -> Result<(), ExportError> {
+    match fs::create_dir(folder) {
+        Err(error) if !folder.is_dir() => Err(ExportError::io(folder, error)),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,20 @@
+//! Textures as pictures of bytes.
+
+use crate::display::srgb_byte;
+use lumel_scene::{Encoding, Texture};
+
+/// What stored texels are divided by so that all fit a picture of bytes.
+pub(crate) fn largest(texture: &Texture) -> f32 {
+    if texture.bytes().is_some() { 1.0 } else { texture.max().max_element().max(1.0) }
+}
+
+/// The texels over the [`largest`] as sRGB, row by row from the top; those that are sRGB bytes already stay as they are.
+pub(crate) fn srgb_pixels(texture: &Texture) -> Vec<[u8; 3]> {
+    if let Some((rgba, Encoding::Srgb)) = texture.bytes() {
+        return rgba.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+    }
+    let (width, height) = texture.size();
+    let scale = 1.0 / largest(texture);
+    let texels = (0..height).flat_map(|y| (0..width).map(move |x| texture.texel(x, y)));
+    texels.map(|texel| (texel * scale).to_array().map(srgb_byte)).collect()
+}
