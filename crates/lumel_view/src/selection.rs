@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Light at the vertices of a scene, W·m⁻², bounce by bounce.
 pub type VertexValues = Arc<Vec<Vec3>>;
@@ -64,6 +65,8 @@ impl fmt::Display for Selection {
 /// Light as far as it is known, at every vertex.
 #[derive(Clone, Debug, Default)]
 pub struct Light {
+    /// Tells the light of one solve or file from that of others.
+    pub id: u64,
     /// Bounces that are done; empty where a file holds nothing but their sum.
     pub bounces: Vec<VertexValues>,
     /// What is known of the bounce being measured, spread over what is not.
@@ -78,7 +81,15 @@ pub struct Light {
     pub standard_error: Option<VertexValues>,
 }
 
+/// Numbers solves and files.
+static NEXT: AtomicU64 = AtomicU64::new(1);
+
 impl Light {
+    /// Darkness with a number of its own.
+    pub fn new() -> Self {
+        Self { id: NEXT.fetch_add(1, Ordering::Relaxed), ..Self::default() }
+    }
+
     /// Whether there is nothing to see.
     pub fn is_empty(&self) -> bool {
         self.bounces.is_empty() && self.current.is_none() && self.sum_only.is_none()

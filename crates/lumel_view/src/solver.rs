@@ -171,7 +171,7 @@ impl Job {
         let control = Arc::new(Control::default());
         let published = Published {
             phase: Phase::Preparing,
-            light: Light::default(),
+            light: Light::new(),
             stats: Vec::new(),
             generation: 0,
             checkpoint_problem: None,

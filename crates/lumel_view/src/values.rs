@@ -5,7 +5,7 @@ use crate::selection::{Light, Selection};
 use glam::Vec3;
 use lumel::Scene;
 use lumel_picture::{FalseColor, Legend, Scale};
-use lumel_scene::luminance;
+use lumel_scene::{Barycentrics, SurfacePoint, TriId, luminance};
 
 /// Colour of vertices that were measured, linear.
 const VALID: Vec3 = Vec3::new(0.45, 0.5, 0.52);
@@ -26,6 +26,17 @@ pub fn of_vertices(mode: ViewMode, scene: &Scene, light: &Light, selection: Sele
         ViewMode::Validity => Some(validity(n, &light.valid)),
         ViewMode::TriangleSize => Some(edge_lengths(scene).into_iter().map(Vec3::splat).collect()),
     }
+}
+
+/// The albedo at every vertex, to see a scene by before there is light.
+pub fn preview(scene: &Scene) -> Vec<Vec3> {
+    let mut values = vec![Vec3::ZERO; scene.vertex_count()];
+    for (tri, corners) in scene.triangles().iter().enumerate() {
+        for (&vertex, bary) in corners.iter().zip(Barycentrics::CORNERS) {
+            values[vertex as usize] = scene.albedo(SurfacePoint { tri: TriId(tri as u32), bary }).0;
+        }
+    }
+    values
 }
 
 fn validity(n: usize, valid: &[bool]) -> Vec<Vec3> {

@@ -8,8 +8,7 @@ use crate::prefs::SPEED;
 use crate::stage::{Marks, Quality, Showing};
 use crate::theme;
 use eframe::egui::{
-    self, Align2, Color32, CursorIcon, FontId, Id, PointerButton, Rect, Response, Sense, Stroke, Ui, pos2,
-    vec2,
+    self, Color32, CursorIcon, FontId, Id, PointerButton, Rect, Response, Sense, Stroke, Ui, pos2, vec2,
 };
 use glam::Vec2;
 use std::time::{Duration, Instant};
@@ -138,7 +137,16 @@ fn picture(app: &mut App, ui: &mut Ui, rect: Rect) {
 
 fn message(ui: &Ui, rect: Rect, text: &str) {
     ui.painter().rect_filled(rect, 0.0, theme::DEEP);
-    ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(15.0), theme::WEAK);
+    let mut job = egui::text::LayoutJob::simple(
+        text.to_owned(),
+        FontId::proportional(15.0),
+        theme::WEAK,
+        (rect.width() - 40.0).max(40.0),
+    );
+    job.halign = egui::Align::Center;
+    let galley = ui.painter().layout_job(job);
+    let top = rect.center() - vec2(0.0, 0.5 * galley.size().y);
+    ui.painter().galley(top, galley, theme::WEAK);
 }
 
 fn welcome(app: &App, ui: &Ui, rect: Rect) {

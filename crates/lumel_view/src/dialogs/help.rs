@@ -17,7 +17,7 @@ pub(super) fn show(app: &mut App, ctx: &egui::Context) {
         });
         ui.add_space(4.0);
         let height = ctx.content_rect().height() - 140.0;
-        ScrollArea::vertical().max_height(height).show(ui, |ui| {
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             ui.columns(3, |columns| {
                 let [left, middle, right] = columns else { return };
                 group(left, Group::Camera);

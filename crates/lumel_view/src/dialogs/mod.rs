@@ -64,7 +64,9 @@ impl Dialogs {
 
 /// A window above everything; the picture stays in sight.
 fn modal(ctx: &egui::Context, id: &str, width: f32, add: impl FnOnce(&mut egui::Ui)) {
-    Modal::new(Id::unique(id)).backdrop_color(egui::Color32::from_black_alpha(120)).show(ctx, |ui| {
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(egui::Margin::same(18));
+    let backdrop = egui::Color32::from_black_alpha(120);
+    Modal::new(Id::unique(id)).frame(frame).backdrop_color(backdrop).show(ctx, |ui| {
         ui.set_width(width.min(ctx.content_rect().width() - 60.0));
         add(ui);
     });

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::selection::Selection;
-use crate::stage::{Quality, Showing};
+use crate::stage::{Quality, Showing, Thumbnail};
 use crate::theme;
 use eframe::egui::{
     self, Align2, Color32, CornerRadius, FontId, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
@@ -52,7 +52,8 @@ fn terms(app: &App) -> Vec<Term> {
         Term { symbol: "E".into(), name: "Emission".into(), selection: None, brighter: 0.0 },
     ];
     let power = |k: usize| app.session.stats.get(k).map_or(0.0, |s| s.power);
-    for k in 0..light.bounce_count().min(MAX_TERMS) {
+    // A bounce has a picture once it is done.
+    for k in 0..light.bounces.len().min(MAX_TERMS) {
         let brighter =
             if power(k) > 0.0 { (power(0) / power(k)).log2().clamp(0.0, 20.0) as f32 } else { 0.0 };
         terms.push(Term {
@@ -76,19 +77,18 @@ fn one(app: &mut App, ui: &mut Ui, index: usize, term: &Term, size: egui::Vec2) 
     }
     let scale = ui.ctx().pixels_per_point();
     let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
-    // While something moves the small pictures wait: all the processor's time belongs to the large one.
-    let wait = app.session.is_solving() || app.viewport_moves();
-    let showing = Showing {
-        session: &app.session,
-        view: &app.prefs.view,
-        split: None,
-        marks: None,
-        quality: Quality::Still,
+    let live = app.session.is_solving() || app.viewport_moves();
+    let quality = if live { Quality::Live } else { Quality::Still };
+    let showing = Showing { session: &app.session, view: &app.prefs.view, split: None, marks: None, quality };
+    let finished = app.session.light.bounces.len() as u32;
+    let selection = match term.selection {
+        // What is being measured changes all the time.
+        Some(Selection::All) if live && finished > 0 => Some(Selection::Range(0, finished - 1)),
+        selection => selection,
     };
-    let texture = app.stage.as_mut().and_then(|stage| match stage.thumbnail_drawn(index).filter(|_| wait) {
-        Some(texture) => Some(texture),
-        None => stage.thumbnail(index, &showing, term.selection, term.brighter, pixels).ok().flatten(),
-    });
+    let glows = term.selection.is_none_or(Selection::is_all);
+    let wanted = Thumbnail { index, selection, glows, brighter: term.brighter, size: pixels };
+    let texture = app.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
     let painter = ui.painter();
     if let Some(texture) = texture {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));

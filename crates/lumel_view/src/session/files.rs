@@ -6,7 +6,7 @@ use crate::notice::Level;
 use crate::selection::{Light, Selection};
 use crate::task::Background;
 use lumel::{CameraEntry, LightFile, Project, SettingsPatch, Solution};
-use lumel_export::{Exposure, RadFile, write_glb, write_ply};
+use lumel_export::{Exposure, RadFile, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -106,7 +106,7 @@ impl Session {
             match format.as_str() {
                 "glb" => write_glb(path, &scene, &light, Exposure::Auto),
                 "ply" => write_ply(path, &scene, &light, Exposure::Auto),
-                _ => write_ply(path, &scene, &light, Exposure::Auto),
+                _ => write_obj(path, &scene, &light, Exposure::Auto),
             }
             .map(drop)
             .map_err(|e| error_text(&e))
@@ -267,13 +267,14 @@ impl Session {
 pub fn light_from(file: &LightFile) -> Light {
     match file {
         LightFile::Solution(solution) => light_of_solution(solution),
-        LightFile::Rad(rad) => Light { sum_only: Some(Arc::new(rad.irradiance())), ..Light::default() },
+        LightFile::Rad(rad) => Light { sum_only: Some(Arc::new(rad.irradiance())), ..Light::new() },
     }
 }
 
 fn light_of_solution(solution: &Solution) -> Light {
     let sum_only = solution.bounces.is_empty().then(|| Arc::new(solution.irradiance.clone()));
     Light {
+        id: Light::new().id,
         bounces: solution.bounces.iter().cloned().map(Arc::new).collect(),
         current: None,
         tail: solution.tail.clone().map(Arc::new),

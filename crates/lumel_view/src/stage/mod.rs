@@ -2,15 +2,21 @@
 //!
 //! Everything a picture depends on is compared with what was drawn last; when nothing differs, nothing is drawn.
 
+mod content;
+mod strip;
+
+pub use content::Side;
+pub use strip::Thumbnail;
+
 use crate::camera::FlyCamera;
 use crate::prefs::{ViewMode, ViewPrefs};
-use crate::selection::{Light, Selection};
+use crate::selection::Selection;
 use crate::session::Session;
 use crate::values;
+use content::Content;
 use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::FilterMode;
-use glam::Vec3;
 use lumel::{RectLight, Scene};
 use lumel_picture::{VertexLight, View, meter};
 use lumel_render::{
@@ -18,6 +24,7 @@ use lumel_render::{
 };
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use strip::Strip;
 
 /// While the view moves, the exposure is read this often.
 const METER_PERIOD: Duration = Duration::from_millis(250);
@@ -29,15 +36,6 @@ const MAX_POINTS: usize = 200_000;
 const LEFT: usize = 0;
 const RIGHT: usize = 1;
 
-/// Which light is on one side of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// That of the session.
-    Current,
-    /// One that was kept, by its id.
-    Kept(u64),
-}
-
 /// Two lights side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
@@ -47,23 +45,6 @@ pub struct Split {
     pub selection: Selection,
     /// Where the divider is, 0..=1.
     pub at: f32,
-}
-
-/// What the values in a buffer are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Content {
-    document: u64,
-    light: u64,
-    side: Side,
-    mode: Values,
-    selection: Selection,
-}
-
-/// Modes whose buffers hold the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Values {
-    Light,
-    Mode(ViewMode),
 }
 
 /// All that a picture depends on.
@@ -100,15 +81,6 @@ pub enum Quality {
     Live,
 }
 
-/// A small picture of one term of the series.
-pub struct Thumbnail {
-    target: Target,
-    texture: TextureId,
-    drawn: Option<(Drawn, Selection)>,
-    buffer: LightBuffer,
-    content: Option<Content>,
-}
-
 /// The renderer with what it shows.
 pub struct Stage {
     state: RenderState,
@@ -119,7 +91,7 @@ pub struct Stage {
     target: Option<(Target, TextureId)>,
     drawn: Option<Drawn>,
     overlay: Option<(u64, Overlay)>,
-    thumbnails: Vec<Thumbnail>,
+    strip: Strip,
     exposure: Metered,
     ranges: Option<(Content, bool, [f32; 2])>,
     /// Pictures drawn so far, for tests and benchmarks.
@@ -161,7 +133,7 @@ impl Stage {
             target: None,
             drawn: None,
             overlay: None,
-            thumbnails: Vec::new(),
+            strip: Strip::default(),
             exposure: Metered::default(),
             ranges: None,
             pictures: 0,
@@ -236,7 +208,7 @@ impl Stage {
             return Ok(());
         }
         self.model = None;
-        self.thumbnails.clear();
+        self.strip = Strip::default();
         let model = self.renderer.upload(scene)?;
         self.buffers = (0..2).map(|_| self.renderer.light(&model)).collect();
         (self.contents, self.drawn, self.ranges) = ([None; 2], None, None);
@@ -248,10 +220,10 @@ impl Stage {
     /// What is to be drawn, with the light in its buffers.
     fn wanted(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Drawn, RenderError> {
         let (session, view) = (showing.session, showing.view);
-        let left = content(session, Side::Current, view.mode, view.selection);
+        let left = Content::new(session, Side::Current, view.mode, view.selection);
         self.fill(LEFT, &left, session)?;
-        let split = showing.split.filter(|_| matches!(left.mode, Values::Light));
-        let right = split.map(|split| content(session, split.right, view.mode, split.selection));
+        let split = showing.split.filter(|_| left.is_light());
+        let right = split.map(|split| Content::new(session, split.right, view.mode, split.selection));
         if let Some(right) = &right {
             self.fill(RIGHT, right, session)?;
         }
@@ -275,7 +247,7 @@ impl Stage {
         if self.contents[buffer] == Some(*content) {
             return Ok(());
         }
-        let Some(values) = values_of(content, session) else { return Ok(()) };
+        let Some(values) = content.values(session) else { return Ok(()) };
         self.renderer.set_light(&self.buffers[buffer], &values)?;
         self.contents[buffer] = Some(*content);
         Ok(())
@@ -285,6 +257,7 @@ impl Stage {
         let view = showing.view;
         let (tone, white) = (view.tone(), view.white);
         match view.mode {
+            ViewMode::Final | ViewMode::Irradiance if left.is_preview() => Look::Plain,
             ViewMode::Final | ViewMode::Irradiance => {
                 if view.auto_exposure {
                     self.read_exposure(showing, left, lamps, size);
@@ -316,7 +289,7 @@ impl Stage {
         {
             return *range;
         }
-        let values = values_of(left, showing.session).unwrap_or_default();
+        let values = left.values(showing.session).unwrap_or_default();
         let range = values::automatic_range(&values, view.scale());
         self.ranges = Some((*left, view.logarithmic, range));
         range
@@ -333,7 +306,7 @@ impl Stage {
             return;
         }
         let Some(document) = &session.document else { return };
-        let (Ok(scene), Some(values)) = (document.relit(&session.lights), values_of(left, session)) else {
+        let (Ok(scene), Some(values)) = (document.relit(&session.lights), left.values(session)) else {
             return;
         };
         let Ok(light) = VertexLight::new(&scene, &values) else { return };
@@ -366,83 +339,6 @@ impl Stage {
             self.overlay = Some((marks.generation, overlay));
         }
     }
-
-    /// A small picture of some bounces from the camera of the session; `brighter` stops are added to its exposure.
-    ///
-    /// # Errors
-    /// As [`Self::show`].
-    pub fn thumbnail(
-        &mut self,
-        index: usize,
-        showing: &Showing<'_>,
-        selection: Option<Selection>,
-        brighter: f32,
-        size: [u32; 2],
-    ) -> Result<Option<TextureId>, RenderError> {
-        let Some(document) = &showing.session.document else { return Ok(None) };
-        self.load(showing.session.document_generation, &document.scene)?;
-        let Some((_, model)) = self.model.clone() else { return Ok(None) };
-        // Without a selection the surfaces are dark: emission alone.
-        let dark = Selection::Range(u32::MAX, u32::MAX);
-        let wanted = content(showing.session, Side::Current, ViewMode::Final, selection.unwrap_or(dark));
-        let tone = showing.view.tone();
-        let stops = self.stops(showing.view) + brighter;
-        let drawn = Drawn {
-            size,
-            samples: Samples::One,
-            camera: showing.session.camera,
-            contents: [Some(wanted), None],
-            // Bounces are what arrives on surfaces; only emission and the sum show what glows.
-            lamps: if selection.is_none_or(Selection::is_all) {
-                showing.session.lights.iter().filter(|l| l.on).map(|l| l.rect).collect()
-            } else {
-                Vec::new()
-            },
-            look: Look::Radiance { stops, tone, white: showing.view.white },
-            wireframe: false,
-            marks: None,
-            split: None,
-        };
-        while self.thumbnails.len() <= index {
-            let target = self.renderer.target(size, Samples::One)?;
-            let texture = show_target(&self.state, &target, None);
-            let buffer = self.renderer.light(&model);
-            self.thumbnails.push(Thumbnail { target, texture, drawn: None, buffer, content: None });
-        }
-        let thumbnail = &mut self.thumbnails[index];
-        if thumbnail.target.size() != size {
-            thumbnail.target = self.renderer.target(size, Samples::One)?;
-            thumbnail.texture = show_target(&self.state, &thumbnail.target, Some(thumbnail.texture));
-            thumbnail.drawn = None;
-        }
-        let key = Some((drawn.clone(), selection.unwrap_or(dark)));
-        if thumbnail.drawn == key {
-            return Ok(Some(thumbnail.texture));
-        }
-        if thumbnail.content != Some(wanted) {
-            let values = values_of(&wanted, showing.session).unwrap_or_default();
-            self.renderer.set_light(&thumbnail.buffer, &values)?;
-            thumbnail.content = Some(wanted);
-        }
-        let frame = Frame {
-            model: &model,
-            camera: &showing.session.camera.camera(),
-            light: Lit::One(&thumbnail.buffer),
-            lamps: &drawn.lamps,
-            look: drawn.look,
-            wireframe: false,
-            overlay: None,
-            sky: document.scene.sky(),
-        };
-        self.renderer.draw(&thumbnail.target, &frame);
-        thumbnail.drawn = key;
-        Ok(Some(thumbnail.texture))
-    }
-
-    /// A thumbnail as it was drawn last.
-    pub fn thumbnail_drawn(&self, index: usize) -> Option<TextureId> {
-        self.thumbnails.get(index).filter(|t| t.drawn.is_some()).map(|t| t.texture)
-    }
 }
 
 /// Dots where light is measured.
@@ -463,29 +359,4 @@ fn show_target(state: &RenderState, target: &Target, old: Option<TextureId>) -> 
         }
         None => renderer.register_native_texture(&state.device, target.view(), FilterMode::Nearest),
     }
-}
-
-fn content(session: &Session, side: Side, mode: ViewMode, selection: Selection) -> Content {
-    let mode = match mode {
-        ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => Values::Light,
-        mode => Values::Mode(mode),
-    };
-    let light = if side == Side::Current { session.light_generation } else { 0 };
-    Content { document: session.document_generation, light, side, mode, selection }
-}
-
-fn values_of(content: &Content, session: &Session) -> Option<Vec<Vec3>> {
-    let document = session.document.as_ref()?;
-    let none = Light::default();
-    let light = match content.side {
-        Side::Current => &session.light,
-        Side::Kept(id) => session.kept.iter().find(|kept| kept.id == id).map_or(&none, |kept| &kept.light),
-    };
-    let mode = match content.mode {
-        Values::Light => ViewMode::Final,
-        Values::Mode(mode) => mode,
-    };
-    let values = values::of_vertices(mode, &document.scene, light, content.selection);
-    // What is not known is dark.
-    Some(values.unwrap_or_else(|| vec![Vec3::splat(0.05); document.scene.vertex_count()]))
 }

@@ -1,0 +1,97 @@
+//! What the light buffers of the renderer hold.
+
+use crate::prefs::ViewMode;
+use crate::selection::{Light, Selection};
+use crate::session::Session;
+use crate::values;
+use glam::Vec3;
+
+/// Which light is on one side of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// That of the session.
+    Current,
+    /// One that was kept, by its id.
+    Kept(u64),
+}
+
+/// What the values in a buffer are: equal ones need no new upload.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Content {
+    document: u64,
+    light: Version,
+    side: Side,
+    values: Values,
+    selection: Selection,
+}
+
+/// Which light the values come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Version {
+    /// Bounces that are done: they stay as they are while others are measured.
+    Finished(u64),
+    /// Light that may still change, by its generation.
+    Generation(u64),
+}
+
+/// Modes whose buffers hold the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Values {
+    Light,
+    /// Before there is light: albedo, to see what is there.
+    Preview,
+    Mode(ViewMode),
+}
+
+impl Content {
+    /// What a mode shows of a part of the light.
+    pub(super) fn new(session: &Session, side: Side, mode: ViewMode, selection: Selection) -> Self {
+        let light = light_of(session, side);
+        let unlit = light.is_none_or(Light::is_empty) && side == Side::Current;
+        let values = match mode {
+            ViewMode::Final | ViewMode::Irradiance if unlit => Values::Preview,
+            ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => Values::Light,
+            mode => Values::Mode(mode),
+        };
+        let is_done = |last: u32| light.is_some_and(|l| (last as usize) < l.bounces.len());
+        let version = match (side, selection) {
+            (Side::Kept(_), _) => Version::Finished(0),
+            (Side::Current, Selection::Range(_, last)) if is_done(last) && values == Values::Light => {
+                Version::Finished(session.light.id)
+            }
+            (Side::Current, _) => Version::Generation(session.light_generation),
+        };
+        Self { document: session.document_generation, light: version, side, values, selection }
+    }
+
+    /// Whether it is light, of which there can be two side by side.
+    pub(super) fn is_light(&self) -> bool {
+        self.values == Values::Light
+    }
+
+    /// Whether it stands in for light that is not there yet.
+    pub(super) fn is_preview(&self) -> bool {
+        self.values == Values::Preview
+    }
+
+    /// The values, one for each vertex; `None` when nothing is open.
+    pub(super) fn values(&self, session: &Session) -> Option<Vec<Vec3>> {
+        let scene = &session.document.as_ref()?.scene;
+        let none = Light::default();
+        let light = light_of(session, self.side).unwrap_or(&none);
+        let values = match self.values {
+            Values::Light => values::of_vertices(ViewMode::Final, scene, light, self.selection),
+            Values::Preview => Some(values::preview(scene)),
+            Values::Mode(mode) => values::of_vertices(mode, scene, light, self.selection),
+        };
+        // What is not known is dark.
+        Some(values.unwrap_or_else(|| vec![Vec3::splat(0.05); scene.vertex_count()]))
+    }
+}
+
+fn light_of(session: &Session, side: Side) -> Option<&Light> {
+    match side {
+        Side::Current => Some(&session.light),
+        Side::Kept(id) => session.kept.iter().find(|kept| kept.id == id).map(|kept| &kept.light),
+    }
+}

@@ -1,0 +1,113 @@
+//! Small pictures of the terms of the series.
+
+use super::{Content, Quality, Showing, Side, Stage, show_target};
+use crate::camera::FlyCamera;
+use crate::prefs::ViewMode;
+use crate::selection::Selection;
+use eframe::egui::TextureId;
+use lumel::RectLight;
+use lumel_render::{Frame, LightBuffer, Lit, Look, RenderError, Samples, Target};
+
+/// What a small picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thumbnail {
+    /// Its place in the strip.
+    pub index: usize,
+    /// Some bounces; nothing for what emits.
+    pub selection: Option<Selection>,
+    /// Whether lamps are drawn: bounces are what arrives on surfaces, so only emission and the sum show what glows.
+    pub glows: bool,
+    /// Stops that are added to the exposure of the large picture.
+    pub brighter: f32,
+    /// Its size, pixels.
+    pub size: [u32; 2],
+}
+
+/// All of them.
+#[derive(Default)]
+pub(super) struct Strip {
+    cells: Vec<Cell>,
+}
+
+struct Cell {
+    target: Target,
+    texture: TextureId,
+    buffer: LightBuffer,
+    content: Option<Content>,
+    drawn: Option<Drawn>,
+}
+
+/// All that a small picture depends on.
+#[derive(Clone, PartialEq)]
+struct Drawn {
+    content: Content,
+    camera: FlyCamera,
+    lamps: Vec<RectLight>,
+    look: Look,
+}
+
+impl Stage {
+    /// The texture of a small picture, drawn anew if what it shows has changed.
+    ///
+    /// While something moves or a solve runs, only new content is drawn: the processor's time belongs to the large
+    /// picture and to the solve.
+    ///
+    /// # Errors
+    /// As [`Stage::show`].
+    pub fn thumbnail(
+        &mut self,
+        showing: &Showing<'_>,
+        wanted: &Thumbnail,
+    ) -> Result<Option<TextureId>, RenderError> {
+        let session = showing.session;
+        let Some(document) = &session.document else { return Ok(None) };
+        self.load(session.document_generation, &document.scene)?;
+        let Some((_, model)) = self.model.clone() else { return Ok(None) };
+        // No bounce has this number: the surfaces are dark.
+        let dark = Selection::Range(u32::MAX, u32::MAX);
+        let selection = wanted.selection.unwrap_or(dark);
+        let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
+        let stops = self.stops(showing.view) + wanted.brighter;
+        let lamps =
+            session.lights.iter().filter(|light| light.on && wanted.glows).map(|light| light.rect).collect();
+        let look = Look::Radiance { stops, tone: showing.view.tone(), white: showing.view.white };
+        let drawn = Drawn { content, camera: session.camera, lamps, look };
+        while self.strip.cells.len() <= wanted.index {
+            let target = self.renderer.target(wanted.size, Samples::One)?;
+            let texture = show_target(&self.state, &target, None);
+            let buffer = self.renderer.light(&model);
+            self.strip.cells.push(Cell { target, texture, buffer, content: None, drawn: None });
+        }
+        let cell = &mut self.strip.cells[wanted.index];
+        if cell.target.size() != wanted.size {
+            cell.target = self.renderer.target(wanted.size, Samples::One)?;
+            show_target(&self.state, &cell.target, Some(cell.texture));
+            cell.drawn = None;
+        }
+        let is_current = match (&cell.drawn, showing.quality) {
+            (None, _) => false,
+            (Some(old), Quality::Live) => old.content == drawn.content,
+            (Some(old), Quality::Still) => *old == drawn,
+        };
+        if is_current {
+            return Ok(Some(cell.texture));
+        }
+        if cell.content != Some(content) {
+            self.renderer.set_light(&cell.buffer, &content.values(session).unwrap_or_default())?;
+            cell.content = Some(content);
+        }
+        let frame = Frame {
+            model: &model,
+            camera: &session.camera.camera(),
+            light: Lit::One(&cell.buffer),
+            lamps: &drawn.lamps,
+            look,
+            wireframe: false,
+            overlay: None,
+            sky: document.scene.sky(),
+        };
+        self.renderer.draw(&cell.target, &frame);
+        cell.drawn = Some(drawn);
+        Ok(Some(cell.texture))
+    }
+}
