@@ -236,7 +236,10 @@ impl Solution {
             all.push(("tail", "(vertex, rgb) estimated part of the irradiance of all further bounces"));
         }
         if self.standard_error.is_some() {
-            all.push(("standard_error", "(vertex, rgb) standard error of the irradiance from the samples at the vertex"));
+            all.push((
+                "standard_error",
+                "(vertex, rgb) standard error of the irradiance from the samples at the vertex",
+            ));
         }
         all.into_iter().map(|(name, meaning)| (name.to_owned(), meaning.to_owned())).collect()
     }

@@ -207,7 +207,7 @@ pub(crate) struct MeasureArgs {
     #[arg(conflicts_with_all = ["points", "normals"])]
     pub(crate) points_file: Option<PathBuf>,
 
-    /// Write `points`, `normals`, `irradiance`, `bounces` and `standard_error` to this file.
+    /// Write `points`, `normals`, `irradiance`, `bounces`, `standard_error` and `bounce_errors` to this file.
     #[arg(short, long, value_name = "FILE.npz")]
     pub(crate) output: Option<PathBuf>,
 

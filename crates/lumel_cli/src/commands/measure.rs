@@ -107,7 +107,7 @@ fn reuse(
     }
     let settings = stored_settings(&solution)
         .with_context(|| format!("the settings of this solution are unknown: {}", file.display()))?;
-    let stored = settings_patch(&settings);
+    let stored = SettingsPatch::complete(&settings);
     let (baker, _) = session.timed("build", || Baker::new(Arc::clone(scene), settings));
     let mut state = baker.resume(&solution).map_err(|error| {
         let error = anyhow::Error::new(error).context(format!("cannot use {}", file.display()));
@@ -133,45 +133,18 @@ fn stored_settings(solution: &Solution) -> anyhow::Result<Settings> {
     Ok(Settings { bounces: BounceLimit::Count(last as u32), tail, ..settings })
 }
 
-/// Settings as a patch that leaves nothing open.
-fn settings_patch(settings: &Settings) -> SettingsPatch {
-    let Settings {
-        basis,
-        bounces,
-        remainder,
-        tail,
-        direct_samples,
-        indirect_samples,
-        sampler,
-        light_sampling,
-        emitters,
-        seed,
-    } = settings.clone();
-    SettingsPatch {
-        preset: None,
-        basis: Some(basis),
-        bounces: Some(bounces),
-        remainder: Some(remainder),
-        tail: Some(tail),
-        direct_samples: Some(direct_samples),
-        indirect_samples: Some(indirect_samples),
-        sampler: Some(sampler),
-        light_sampling: Some(light_sampling),
-        emitters: Some(emitters),
-        seed: Some(seed),
-    }
-}
-
 fn save(path: &Path, points: &Points, measured: &PointMeasurement) -> anyhow::Result<()> {
-    let n = points.positions.len();
-    let bounces = measured.bounces.iter().flatten().flat_map(|e| e.to_array()).collect();
-    let shape = vec![measured.bounces.len(), n, 3];
+    let by_bounce = |values: &[Vec<Vec3>]| Array {
+        shape: vec![values.len(), points.positions.len(), 3],
+        data: ArrayData::F32(values.iter().flatten().flat_map(|e| e.to_array()).collect()),
+    };
     write_npz(path, |npz| {
         npz.array("points", &Array::from_vectors(&points.positions))?;
         npz.array("normals", &Array::from_vectors(&points.normals))?;
         npz.array("irradiance", &Array::from_vectors(&measured.irradiance))?;
-        npz.array("bounces", &Array { shape, data: ArrayData::F32(bounces) })?;
-        npz.array("standard_error", &Array::from_vectors(&measured.standard_error))
+        npz.array("bounces", &by_bounce(&measured.bounces))?;
+        npz.array("standard_error", &Array::from_vectors(&measured.standard_error))?;
+        npz.array("bounce_errors", &by_bounce(&measured.bounce_errors))
     })?;
     Ok(())
 }
@@ -184,14 +157,15 @@ fn written(path: &Path, points: &Points) -> anyhow::Result<String> {
 
 fn json(points: &Points, measured: &PointMeasurement) -> String {
     let arrays = |vectors: &[Vec3]| vectors.iter().map(|v| json!(v.to_array())).collect::<Vec<_>>();
-    let bounces: Vec<_> = measured.bounces.iter().map(|bounce| arrays(bounce)).collect();
+    let by_bounce = |values: &[Vec<Vec3>]| values.iter().map(|bounce| arrays(bounce)).collect::<Vec<_>>();
     let object = json!({
         "unit": "W/m^2",
         "points": arrays(&points.positions),
         "normals": arrays(&points.normals),
         "irradiance": arrays(&measured.irradiance),
-        "bounces": bounces,
+        "bounces": by_bounce(&measured.bounces),
         "standard_error": arrays(&measured.standard_error),
+        "bounce_errors": by_bounce(&measured.bounce_errors),
     });
     object.to_string() + "\n"
 }

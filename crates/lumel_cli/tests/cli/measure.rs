@@ -37,6 +37,7 @@ fn direct_light_has_its_closed_form() {
     }
     assert_eq!(measured["bounces"].as_array().unwrap().len(), 1);
     assert_eq!(measured["bounces"][0], measured["irradiance"]);
+    assert_eq!(measured["bounce_errors"][0], measured["standard_error"]);
 }
 
 #[test]
@@ -68,6 +69,7 @@ fn points_from_a_file_are_measured_into_a_file() {
     assert_eq!(vectors(&mut npz, "normals"), normals);
     let (irradiance, error) = (vectors(&mut npz, "irradiance"), vectors(&mut npz, "standard_error"));
     assert_eq!(npz.array("bounces").unwrap().shape, [3, 3, 3]);
+    assert_eq!(npz.array("bounce_errors").unwrap().shape, [3, 3, 3]);
     let bounces = vectors(&mut npz, "bounces");
     for i in 0..3 {
         let sum = bounces[i] + bounces[3 + i] + bounces[6 + i];
