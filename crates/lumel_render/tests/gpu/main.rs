@@ -1,5 +1,7 @@
 //! What the renderer draws, on any adapter: a software one will do.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are no tests to Clippy")]
+
 mod agreement;
 mod common;
 mod golden;

@@ -69,6 +69,16 @@ fn dots_behind_surfaces_are_hidden_or_faint() {
 }
 
 #[test]
+fn dots_that_are_seen_do_not_show_what_is_behind_surfaces_too() {
+    let Some(renderer) = renderer() else { return };
+    let uploaded = scenes::cornell().on(renderer);
+    let translucent = Mark { position: SEEN, color: [20, 240, 30, 128] };
+    let overlay = Overlay::new(renderer, &[translucent], &[]);
+    let seen = with(&uploaded, Samples::One, 0.0, &overlay);
+    assert_eq!(with(&uploaded, Samples::One, 0.0, &overlay.with_hidden(Hidden::Faint)), seen);
+}
+
+#[test]
 fn dots_on_a_slanted_surface_are_whole() {
     let Some(renderer) = renderer() else { return };
     let uploaded = scenes::cornell().on(renderer);

@@ -90,18 +90,20 @@ fn a_divider_shows_one_light_left_of_it_and_another_right_of_it() {
     let Some(renderer) = renderer() else { return };
     let subject = scenes::everything();
     let uploaded = subject.on(renderer);
-    let dark = renderer.light(&uploaded.model);
+    let dim = renderer.light(&uploaded.model);
+    let values: Vec<Vec3> = subject.light.iter().map(|e| 0.2 * *e).collect();
+    renderer.set_light(&dim, &values).unwrap();
     let lit = uploaded.frame(irradiance(0.0));
-    let at = |at| Frame { light: Lit::Split { left: &uploaded.light, right: &dark, at }, ..lit };
+    let at = |at| Frame { light: Lit::Split { left: &uploaded.light, right: &dim, at }, ..lit };
     let whole = uploaded.draw(SIZE, Samples::Four, &lit);
-    let black = uploaded.draw(SIZE, Samples::Four, &Frame { light: Lit::One(&dark), ..lit });
-    assert!(share_beyond(&whole, &black, 1) > 0.5);
+    let other = uploaded.draw(SIZE, Samples::Four, &Frame { light: Lit::One(&dim), ..lit });
+    assert!(share_beyond(&whole, &other, 1) > 0.5);
     for (share, columns) in
         [(0.5, 60), (0.254, 30), (0.0, 0), (1.0, 120), (-3.0, 0), (9.0, 120), (f32::NAN, 0)]
     {
         let split = uploaded.draw(SIZE, Samples::Four, &at(share));
         for (i, pixel) in split.pixels().iter().enumerate() {
-            let expected = if i as u32 % SIZE[0] < columns { &whole } else { &black };
+            let expected = if i as u32 % SIZE[0] < columns { &whole } else { &other };
             assert_eq!(pixel, &expected.pixels()[i], "pixel {i} at {share}");
         }
     }
