@@ -9,6 +9,7 @@ use glam::Vec3;
 use lumel::SolutionSelection;
 use lumel_picture::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, SettingsArgs, ThreadArgs};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Bakes diffuse global illumination into the vertices of a mesh.
@@ -41,6 +42,16 @@ pub(crate) enum Command {
     Measure(MeasureArgs),
     Info(InfoArgs),
     Compare(CompareArgs),
+    /// Open the viewer: fly through a scene, move lights and watch the light arrive
+    ///
+    /// Runs the program lumel-view that lies beside lumel, else the one on the path, with all that follows;
+    /// `lumel view --help` is its help.
+    #[command(disable_help_flag = true, after_help = "Example:\n  lumel view atrium")]
+    View {
+        /// A scene and options of lumel-view.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<OsString>,
+    },
     /// Print a script that completes lumel's command lines in a shell
     #[command(
         after_help = "Example:\n  lumel completions bash > ~/.local/share/bash-completion/completions/lumel"

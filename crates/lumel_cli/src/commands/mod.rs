@@ -7,6 +7,7 @@ mod man;
 mod measure;
 mod render;
 mod summary;
+mod view;
 
 use crate::Outcome;
 use crate::args::Command;
@@ -21,6 +22,7 @@ pub(crate) fn run(command: &Command, console: &Arc<Console>) -> anyhow::Result<O
         Command::Measure(args) => measure::run(args, console),
         Command::Info(args) => info::run(args, console),
         Command::Compare(args) => compare::run(args, console),
+        Command::View { arguments } => view::run(arguments),
         Command::Completions { shell } => man::completions(*shell),
         Command::Man { dir } => man::run(dir.as_deref()),
     }

@@ -13,3 +13,5 @@ mod project;
 mod refusals;
 mod render;
 mod resume;
+#[cfg(unix)]
+mod view;
