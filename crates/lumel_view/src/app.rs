@@ -320,6 +320,7 @@ impl eframe::App for App {
             }
         }
         if let Some(pick) = &mut self.pick {
+            pick.measure(self.session.computed().and_then(|c| c.solved.as_ref()), &self.wake);
             pick.poll();
         }
     }

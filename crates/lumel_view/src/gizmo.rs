@@ -71,6 +71,10 @@ fn arrow_length(camera: &Camera, light: &EditLight) -> f32 {
 fn handles(projection: &Projection, camera: &Camera, light: &EditLight) -> Vec<(Handle, Pos2)> {
     let length = arrow_length(camera, light);
     let mut all = Vec::new();
+    // With the eye in the light, its axes would be strewn over the picture.
+    if projection.point(light.rect.center).is_none() {
+        return all;
+    }
     let mut add = |handle, p| all.extend(projection.point(p).map(|at| (handle, at)));
     add(Handle::Center, light.rect.center);
     for (k, axis) in AXES.into_iter().enumerate() {

@@ -38,6 +38,8 @@ pub struct Pick {
     /// A fresh measurement at the spot, when there is one.
     pub measured: Option<PointMeasurement>,
     measuring: Option<Background<PointMeasurement>>,
+    /// The solve that the measurement gathers.
+    of: Option<Arc<Solved>>,
 }
 
 /// The lit surface that is seen at a point of the picture, 0..=1 from its top left.
@@ -85,13 +87,23 @@ impl Spot {
 impl Pick {
     /// A spot of which nothing is measured yet.
     pub fn new(spot: Spot) -> Self {
-        Self { spot, measured: None, measuring: None }
+        Self { spot, measured: None, measuring: None, of: None }
     }
 
-    /// Measures the light at the spot anew, with its standard error, on another thread.
-    pub fn measure(&mut self, solved: &Arc<Solved>, wake: &Wake) {
-        let (solved, spot) = (Arc::clone(solved), self.spot.clone());
-        self.measured = None;
+    /// Measures the light at the spot anew, with its standard error, on another thread; once for each solve.
+    ///
+    /// A measurement that does not belong to the solve, or to none, is forgotten.
+    pub fn measure(&mut self, solved: Option<&Arc<Solved>>, wake: &Wake) {
+        let same = match (&self.of, solved) {
+            (Some(of), Some(solved)) => Arc::ptr_eq(of, solved),
+            (None, None) => true,
+            _ => false,
+        };
+        if same {
+            return;
+        }
+        (self.of, self.measured, self.measuring) = (solved.cloned(), None, None);
+        let (Some(solved), spot) = (solved.cloned(), self.spot.clone()) else { return };
         self.measuring = Some(Background::start("measuring", Arc::clone(wake), move || {
             let points = PointReceivers::new([(spot.position, spot.normal)])
                 .map_err(|_| "the surface has no direction here".to_owned())?;

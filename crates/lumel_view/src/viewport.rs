@@ -27,7 +27,7 @@ const SLOW: f32 = 0.2;
 const SETTLE: Duration = Duration::from_millis(220);
 
 /// Longest time that one frame flies for: after a pause one does not jump.
-const MAX_STEP: f32 = 0.1;
+const MAX_STEP: f32 = 0.25;
 
 /// What the viewport remembers from frame to frame.
 #[derive(Default)]
@@ -187,11 +187,6 @@ fn click(app: &mut App, response: &Response) {
     let aspect = rect.width() / rect.height().max(1.0);
     let spot = pick::spot(&document.scene, &*document.tracer, &camera, aspect, at);
     app.pick = spot.map(Pick::new);
-    if let (Some(pick), Some(solved)) =
-        (&mut app.pick, app.session.computed().and_then(|c| c.solved.as_ref()))
-    {
-        pick.measure(solved, &app.wake);
-    }
 }
 
 fn wheel(app: &mut App, ui: &Ui, response: &Response) {

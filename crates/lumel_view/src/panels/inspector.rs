@@ -98,9 +98,9 @@ fn light(app: &App, pick: &Pick, document: &crate::document::Document, ui: &mut 
     let note = if pick.is_measuring() {
         "Measuring..."
     } else if measured.is_some() {
-        "Measured: green, ± standard error of the samples here."
+        "Measured here: green channel ± standard error of the samples."
     } else {
-        "Solve to the end, then click to measure here."
+        "It is measured here once the solve is done."
     };
     ui.label(RichText::new(note).color(theme::WEAK).small());
 }
