@@ -1,12 +1,13 @@
 //! `cargo x`: tests, checks and benchmarks of the lumel workspace.
 
+mod system;
 mod tidy;
 mod tools;
 
 use anyhow::{Context, Result, bail};
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, ExitCode};
+use std::process::{Command, ExitCode, Stdio};
 
 const USAGE: &str = "\
 usage: cargo x COMMAND [ARGUMENTS]
@@ -45,6 +46,9 @@ fn dispatch() -> Result<()> {
     }
 }
 
+/// Features of all builds here: with the same ones everywhere, nothing is built twice.
+const FEATURES: [&str; 2] = ["--features", "lumel_view/inspection"];
+
 /// The root of the workspace.
 fn root() -> PathBuf {
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
@@ -65,19 +69,34 @@ fn run(mut command: Command) -> Result<()> {
     Ok(())
 }
 
+/// Runs a program without a word; whether all went well.
+fn succeeds(command: &mut Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+}
+
+/// A Cargo command on all crates.
+fn cargo_on_all(command: &str) -> Command {
+    let mut command = cargo(&[command, "--workspace"]);
+    command.args(FEATURES);
+    command
+}
+
 fn test(arguments: &[String]) -> Result<()> {
-    let mut command = cargo(&["test", "--workspace"]);
+    let mut command = cargo_on_all("test");
     command.args(arguments);
     tools::provide(&mut command)?;
+    system::provide()?;
     run(command)
 }
 
 fn ci() -> Result<()> {
     run(cargo(&["fmt", "--all", "--check"]))?;
     tidy::tidy()?;
-    run(cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
-    let mut doc = cargo(&["doc", "--workspace", "--no-deps"]);
-    doc.env("RUSTDOCFLAGS", "-D warnings");
+    let mut clippy = cargo_on_all("clippy");
+    clippy.args(["--all-targets", "--", "-D", "warnings"]);
+    run(clippy)?;
+    let mut doc = cargo_on_all("doc");
+    doc.arg("--no-deps").env("RUSTDOCFLAGS", "-D warnings");
     run(doc)?;
     test(&[])
 }

@@ -3,6 +3,7 @@
 use crate::{cargo, root};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A file longer than this has more than one concept in it.
@@ -18,9 +19,11 @@ const ORDER: &[&str] = &[
     "lumel_transport",
     "lumel_solve",
     "lumel_picture",
+    "lumel_render",
     "lumel_export",
     "lumel",
     "lumel_cli",
+    "lumel_view",
 ];
 
 /// Radiosity and radiance differ by pi; where the types that keep them apart are defined, where directions are
@@ -46,7 +49,17 @@ const LICENCES: &[&str] = &[
     "0BSD",
     "Unlicense",
     "MIT-0",
+    "BSL-1.0",
+    // Fonts.
+    "OFL-1.1",
+    "Ubuntu-font-1.0",
 ];
+
+/// Licences of what only tests use.
+const TEST_LICENCES: &[&str] = &["MPL-2.0"];
+
+/// Members of the workspace that are for ourselves.
+const FOR_OURSELVES: &[&str] = &["lumel_testkit", "xtask"];
 
 pub(crate) fn tidy() -> Result<()> {
     let mut problems = Vec::new();
@@ -71,7 +84,7 @@ fn check_sources(problems: &mut Vec<String>) -> Result<()> {
         let product = name.starts_with("crates/")
             && name.contains("/src/")
             && !PI_ALLOWED.iter().any(|allowed| name.contains(allowed));
-        // What follows belongs to the tests.
+        // What follows `cfg(test)` belongs to the tests.
         let mut in_product = product && !name.ends_with("tests.rs");
         for (i, line) in text.lines().enumerate() {
             in_product &= line.trim() != "#[cfg(test)]";
@@ -101,7 +114,7 @@ fn unfinished(line: &str) -> bool {
         .any(|mark| line.contains(mark))
 }
 
-/// All Rust files below a folder, build outputs apart, in order.
+/// All Rust and WGSL files below a folder, build outputs apart, in order.
 fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -113,7 +126,7 @@ fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             if path.is_dir() && name != "target" && !name.starts_with('.') {
                 folders.push(path);
-            } else if name.ends_with(".rs") {
+            } else if name.ends_with(".rs") || name.ends_with(".wgsl") {
                 found.push(path);
             }
         }
@@ -155,36 +168,130 @@ fn check_crate_graph(metadata: &Value, problems: &mut Vec<String>) {
 }
 
 fn check_licences(metadata: &Value, problems: &mut Vec<String>) {
+    let shipped = shipped(metadata);
     for package in packages(metadata).filter(|p| !p["source"].is_null()) {
-        let name = package["name"].as_str().unwrap_or_default();
-        let licence = package["license"].as_str().unwrap_or_default();
-        if !is_allowed(licence) {
+        let text = |field: &str| package[field].as_str().unwrap_or_default();
+        let (name, licence) = (text("name"), text("license"));
+        let in_tests_only = !shipped.contains(text("id"));
+        if !is_allowed(licence, |l| LICENCES.contains(&l) || in_tests_only && TEST_LICENCES.contains(&l)) {
             problems.push(format!("{name} has the licence \"{licence}\", which is not in our list"));
         }
     }
 }
 
-/// Whether an SPDX expression can be met with licences of our list.
-fn is_allowed(expression: &str) -> bool {
-    let flat = expression.replace('/', " OR ").replace(['(', ')'], " ");
-    // "A OR B AND C" without parentheses reads as alternatives of conjunctions.
-    flat.split(" OR ")
-        .any(|alternative| alternative.split(" AND ").all(|licence| LICENCES.contains(&licence.trim())))
+/// Ids of the packages that our programs and libraries are built from, on any system.
+fn shipped(metadata: &Value) -> BTreeSet<&str> {
+    let nodes: BTreeMap<&str, &Value> = metadata["resolve"]["nodes"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(|node| Some((node["id"].as_str()?, node)))
+        .collect();
+    let ours = packages(metadata).filter(|p| p["source"].is_null());
+    let ours = ours.filter(|p| !p["name"].as_str().is_some_and(|name| FOR_OURSELVES.contains(&name)));
+    let mut open: Vec<&str> = ours.filter_map(|p| p["id"].as_str()).collect();
+    let mut found = BTreeSet::new();
+    while let Some(id) = open.pop() {
+        if found.insert(id) {
+            let dependencies = nodes.get(id).and_then(|node| node["deps"].as_array()).into_iter().flatten();
+            let is_built_in = |dependency: &&Value| {
+                dependency["dep_kinds"].as_array().into_iter().flatten().any(|kind| kind["kind"] != "dev")
+            };
+            open.extend(dependencies.filter(is_built_in).filter_map(|dependency| dependency["pkg"].as_str()));
+        }
+    }
+    found
+}
+
+/// Whether an SPDX expression can be met with allowed licences. `/` is an old way to write OR.
+fn is_allowed(expression: &str, allowed: impl Fn(&str) -> bool) -> bool {
+    let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
+    let mut words = spaced.split_whitespace().peekable();
+    any_of(&mut words, &allowed) && words.next().is_none()
+}
+
+type Words<'a> = std::iter::Peekable<std::str::SplitWhitespace<'a>>;
+
+fn any_of(words: &mut Words<'_>, allowed: &impl Fn(&str) -> bool) -> bool {
+    let mut met = all_of(words, allowed);
+    while words.next_if_eq(&"OR").is_some() {
+        met |= all_of(words, allowed);
+    }
+    met
+}
+
+fn all_of(words: &mut Words<'_>, allowed: &impl Fn(&str) -> bool) -> bool {
+    let mut met = one(words, allowed);
+    while words.next_if_eq(&"AND").is_some() {
+        met &= one(words, allowed);
+    }
+    met
+}
+
+fn one(words: &mut Words<'_>, allowed: &impl Fn(&str) -> bool) -> bool {
+    match words.next() {
+        Some("(") => any_of(words, allowed) & words.next_if_eq(&")").is_some(),
+        Some(licence) if words.next_if_eq(&"WITH").is_some() => {
+            words.next().is_some_and(|exception| allowed(&format!("{licence} WITH {exception}")))
+        }
+        Some(licence) => allowed(licence),
+        None => false,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
-    fn licence_expressions_are_alternatives_of_conjunctions() {
-        assert!(is_allowed("MIT OR Apache-2.0"));
-        assert!(is_allowed("MIT/Apache-2.0"));
-        assert!(is_allowed("(MIT OR Apache-2.0) AND Unicode-3.0"));
-        assert!(is_allowed("GPL-3.0 OR MIT"));
-        assert!(!is_allowed("GPL-3.0"));
-        assert!(!is_allowed("MIT AND GPL-3.0"));
-        assert!(!is_allowed(""));
+    fn licence_expressions_are_met_by_the_licences_of_the_list() {
+        let met = |expression| is_allowed(expression, |licence| LICENCES.contains(&licence));
+        for good in [
+            "MIT",
+            "MIT OR Apache-2.0",
+            "MIT/Apache-2.0",
+            "(MIT OR Apache-2.0) AND Unicode-3.0",
+            "(GPL-3.0 OR MIT) AND (OFL-1.1 AND Ubuntu-font-1.0)",
+            "GPL-3.0 OR MIT AND Zlib",
+            "Apache-2.0 WITH LLVM-exception",
+        ] {
+            assert!(met(good), "{good}");
+        }
+        for bad in [
+            "",
+            "GPL-3.0",
+            "MIT AND GPL-3.0",
+            "(MIT OR Apache-2.0) AND GPL-3.0",
+            "GPL-3.0 OR MIT AND LGPL-3.0",
+            "MIT WITH an-exception",
+            "(MIT",
+            "MIT Apache-2.0",
+            "MPL-2.0",
+        ] {
+            assert!(!met(bad), "{bad}");
+        }
+    }
+
+    #[test]
+    fn what_only_tests_use_is_not_shipped() {
+        let package = |name: &str, source: Value| json!({"id": name, "name": name, "source": source});
+        let dep = |name: &str, kinds: &[Value]| {
+            let kinds: Vec<Value> = kinds.iter().map(|kind| json!({"kind": kind})).collect();
+            json!({"pkg": name, "dep_kinds": kinds})
+        };
+        let metadata = json!({
+            "packages": [package("lumel", Value::Null), package("xtask", Value::Null), package("a", json!("registry"))],
+            "resolve": {"nodes": [
+                {"id": "lumel", "deps": [
+                    dep("a", &[Value::Null]), dep("t", &[json!("dev")]), dep("b", &[json!("dev"), json!("build")]),
+                ]},
+                {"id": "a", "deps": [dep("c", &[Value::Null])]},
+                {"id": "t", "deps": [dep("u", &[Value::Null])]},
+                {"id": "xtask", "deps": [dep("v", &[Value::Null])]},
+            ]},
+        });
+        assert_eq!(Vec::from_iter(shipped(&metadata)), ["a", "b", "c", "lumel"]);
     }
 
     #[test]

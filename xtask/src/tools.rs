@@ -1,9 +1,9 @@
 //! Programs that read our files as users do: NumPy and Khronos' glTF validator.
 
-use crate::{root, say};
+use crate::{root, say, succeeds};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// Sets up the programs below `target` and tells the tests where they are.
 ///
@@ -62,8 +62,4 @@ fn gltf_validator() -> Option<PathBuf> {
     install.args(["install", "--silent", "--no-save", "--prefix"]).arg(&folder).arg("gltf-validator");
     (std::fs::create_dir_all(&folder).is_ok() && succeeds(&mut install) && succeeds(&mut probe))
         .then_some(modules)
-}
-
-fn succeeds(command: &mut Command) -> bool {
-    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }
