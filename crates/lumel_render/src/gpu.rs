@@ -17,14 +17,13 @@ pub enum GpuError {
     #[error(
         "no graphics adapter found ({0})\n  hint: install the driver of the graphics card, or a software one (Debian: `apt-get install libvulkan1 mesa-vulkan-drivers`)"
     )]
-    NoAdapter(#[source] wgpu::RequestAdapterError),
+    NoAdapter(wgpu::RequestAdapterError),
     /// The adapter does not work.
     #[error("graphics adapter \"{name}\" cannot be used: {error}")]
     NoDevice {
         /// Its name.
         name: String,
         /// What the driver says.
-        #[source]
         error: wgpu::RequestDeviceError,
     },
 }
