@@ -22,9 +22,13 @@ use lumel::SamplerKind;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// The name under which settings are stored.
 pub const APP_ID: &str = "lumel-view";
+
+/// How often progress is shown when nothing else changes; new light comes sooner.
+const PROGRESS_PERIOD: Duration = Duration::from_millis(700);
 
 const PREFS_KEY: &str = "lumel_view.prefs";
 const DOCK_KEY: &str = "lumel_view.dock";
@@ -40,6 +44,19 @@ pub struct StartUp {
     pub picture_folder: PathBuf,
     /// Threads of solves; 0 for all.
     pub threads: usize,
+    /// Who paints what is behind the panels.
+    pub ground: Ground,
+}
+
+/// Who paints what is behind the panels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ground {
+    /// The panels themselves.
+    #[default]
+    Panels,
+    /// The window, which is cleared in the colour of the panels: a software renderer pays for every pixel that is
+    /// painted twice.
+    Window,
 }
 
 /// The program.
@@ -62,6 +79,7 @@ pub struct App {
     pub(crate) toasts: Toasts,
     pub(crate) wake: Wake,
     pub(crate) picture_folder: PathBuf,
+    pub(crate) ground: Ground,
     dock: Tree<Pane>,
     /// Keys that did something and must not fly too while they stay down.
     pub(crate) spent_keys: HashSet<egui::Key>,
@@ -116,6 +134,7 @@ impl App {
             toasts: Toasts::default(),
             wake,
             picture_folder: start.picture_folder,
+            ground: start.ground,
             dock: tree.filter(dock::is_whole).unwrap_or_else(dock::default_tree),
             spent_keys: HashSet::new(),
         })
@@ -287,9 +306,10 @@ impl App {
             CentralPanel::default().frame(Frame::new()).show(ui, |ui| panels::viewport(self, ui));
             return;
         }
-        Panel::top("menu").frame(menu_frame()).show(ui, |ui| panels::menu(self, ui));
-        Panel::bottom("status").frame(menu_frame()).show(ui, |ui| panels::status(self, ui));
-        CentralPanel::default().frame(Frame::new().fill(theme::DEEP)).show(ui, |ui| {
+        let frame = panel_frame(self.ground).inner_margin(egui::Margin::symmetric(8, 3));
+        Panel::top("menu").frame(frame).show(ui, |ui| panels::menu(self, ui));
+        Panel::bottom("status").frame(frame).show(ui, |ui| panels::status(self, ui));
+        CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
             let mut tree = std::mem::replace(&mut self.dock, Tree::empty(dock::id()));
             tree.ui(&mut panels::Panes(self), ui);
             // A panel may have asked for the default arrangement meanwhile.
@@ -300,8 +320,12 @@ impl App {
     }
 }
 
-fn menu_frame() -> Frame {
-    Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 3))
+/// The ground of a panel.
+pub(crate) fn panel_frame(ground: Ground) -> Frame {
+    match ground {
+        Ground::Panels => Frame::new().fill(theme::PANEL),
+        Ground::Window => Frame::new(),
+    }
 }
 
 impl eframe::App for App {
@@ -335,8 +359,12 @@ impl eframe::App for App {
         self.toasts.show(&ctx, self.viewport.area());
         if self.session.phase().is_some() {
             // Progress is shown while nothing else changes.
-            ctx.request_repaint_after(std::time::Duration::from_millis(500));
+            ctx.request_repaint_after(PROGRESS_PERIOD);
         }
+    }
+
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        theme::PANEL.to_normalized_gamma_f32()
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

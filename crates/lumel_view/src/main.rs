@@ -4,7 +4,7 @@ use anyhow::Context;
 use clap::Parser;
 use eframe::egui::ViewportBuilder;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup};
-use lumel_view::app::{APP_ID, App, StartUp};
+use lumel_view::app::{APP_ID, App, Ground, StartUp};
 use lumel_view::cli::Cli;
 use lumel_view::{instance, screenshot};
 use std::io::Write;
@@ -52,6 +52,8 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         viewport,
         renderer: eframe::Renderer::Wgpu,
         wgpu_options: wgpu,
+        // There are no gradients in the window but those of the picture, which has its own bytes.
+        dithering: false,
         ..eframe::NativeOptions::default()
     };
     let start = StartUp {
@@ -59,6 +61,7 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         data_folder: eframe::storage_dir(APP_ID).map(|folder| folder.join("unsaved")),
         picture_folder: screenshot::default_folder(),
         threads: cli.threads,
+        ground: Ground::Window,
     };
     let create = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
         Ok(Box::new(App::new(cc, start)?))

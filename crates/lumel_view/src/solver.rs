@@ -19,7 +19,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Time between two looks at a bounce that is being measured. The picture is to change twice a second at least.
-const SNAPSHOT_PERIOD: Duration = Duration::from_millis(400);
+const SNAPSHOT_PERIOD: Duration = Duration::from_millis(450);
 
 /// The first look comes sooner: one has just pressed the key.
 const FIRST_SNAPSHOT: Duration = Duration::from_millis(120);

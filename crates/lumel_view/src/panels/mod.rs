@@ -21,10 +21,10 @@ pub(crate) use menu::menu;
 pub(crate) use overlay::over_picture;
 pub(crate) use status::status;
 
-use crate::app::App;
+use crate::app::{App, panel_frame};
 use crate::dock::{self, Pane};
 use crate::theme;
-use eframe::egui::{self, Frame, Margin, ScrollArea, Ui, WidgetText};
+use eframe::egui::{self, Margin, ScrollArea, Ui, WidgetText};
 use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
 
 /// Draws the panels of the dock.
@@ -41,7 +41,8 @@ impl Behavior<Pane> for Panes<'_> {
             viewport(self.0, ui);
             return UiResponse::None;
         }
-        Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
+        let ground = self.0.ground;
+        panel_frame(ground).inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
             let app = &mut *self.0;
             ui.set_min_size(ui.available_size());
             match pane {

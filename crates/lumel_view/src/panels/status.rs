@@ -39,7 +39,10 @@ fn state(app: &App) -> (String, egui::Color32) {
     }
     match session.computed() {
         Some(computed) if !computed.complete => ("Stopped: Enter goes on".to_owned(), theme::WARNING),
-        Some(computed) => (format!("Solved: {}", computed.label(&session.light)), theme::GOOD),
+        Some(computed) => {
+            let time = computed.seconds.map_or_else(String::new, |s| format!(" in {s:.1} s"));
+            (format!("Solved: {}{time}", computed.label(&session.light)), theme::GOOD)
+        }
         None => (String::new(), theme::WEAK),
     }
 }

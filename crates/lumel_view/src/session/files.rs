@@ -250,6 +250,7 @@ impl Session {
             solved: None,
             file: solution,
             origin: Some(name.clone()),
+            seconds: None,
         });
         // Solving goes on where the file ends, so its settings are those one sees.
         if let (true, Some(settings)) = (same_lights, self.computed.as_ref().and_then(|c| c.settings.clone()))

@@ -29,6 +29,8 @@ pub struct Computed {
     pub file: Option<Arc<Solution>>,
     /// What to call it.
     pub origin: Option<String>,
+    /// How long the solve took, when it was done here.
+    pub seconds: Option<f64>,
 }
 
 impl Computed {
@@ -231,6 +233,7 @@ impl Session {
                         solved: None,
                         file: None,
                         origin: None,
+                        seconds: None,
                     });
                 }
                 Kind::StandardError => self.light.standard_error = published.light.standard_error,
@@ -281,6 +284,7 @@ impl Session {
         let done = ending == Ending::Done;
         if let (Some(solved), Some(computed)) = (running.job.solved(), &mut self.computed) {
             computed.complete = done;
+            computed.seconds = Some(running.job.progress().seconds);
             computed.solved = Some(solved);
         }
         match (ending, running.then) {

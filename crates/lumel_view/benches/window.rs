@@ -1,0 +1,139 @@
+//! What the window costs: processor time per frame, and how much an open, idle window slows a solve.
+//!
+//! `cargo x bench --window`; needs Xvfb and xdotool. Solves with and without the window alternate, so that other work
+//! on the machine falls on both.
+
+#[path = "../tests/window/peer.rs"]
+#[allow(dead_code, reason = "the test in a window uses the rest")]
+mod peer;
+#[path = "../tests/window/screen.rs"]
+#[allow(dead_code, reason = "the test in a window uses the rest")]
+mod screen;
+
+use lumel::{Baker, Bvh, Control, OpenOptions, Settings, Silent, SolveState};
+use peer::Peer;
+use screen::{Screen, tools_or_skip};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const SCENE: &str = "cornell-box";
+const SAMPLES: u32 = 1024;
+const ROUNDS: usize = 5;
+
+struct Window {
+    program: Child,
+    peer: Peer,
+}
+
+impl Window {
+    fn open(screen: &Screen, home: &Path) -> Self {
+        let project = home.join("bench.lumel.toml");
+        let text = format!("builtin = \"{SCENE}\"\n[bake]\nindirect_samples = {SAMPLES}\n");
+        std::fs::write(&project, text).unwrap();
+        let address = peer::free_address();
+        let program = Command::new(env!("CARGO_BIN_EXE_lumel-view"))
+            .arg(&project)
+            .env("DISPLAY", screen.display())
+            .env("EGUI_INSPECTION", &address)
+            .env("HOME", home)
+            .env("XDG_DATA_HOME", home.join("data"))
+            .env_remove("WAYLAND_DISPLAY")
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut window = Self { program, peer: Peer::connect(&address) };
+        screen.focus("lumel");
+        screen.hover_picture();
+        window.wait_for("Not solved");
+        window
+    }
+
+    /// Waits for a text; each look costs a frame, so there are few.
+    fn wait_for(&mut self, start: &str) -> String {
+        loop {
+            if let Some(node) = self.peer.nodes().into_iter().find(|n| n.text.starts_with(start)) {
+                return node.text;
+            }
+            std::thread::sleep(Duration::from_secs(2));
+        }
+    }
+
+    /// Processor time of the program so far, in ticks of a hundredth of a second.
+    fn ticks(&self) -> u64 {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.program.id())).unwrap_or_default();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+        [11, 12].into_iter().filter_map(|i| fields.get(i)?.parse::<u64>().ok()).sum()
+    }
+}
+
+impl Drop for Window {
+    fn drop(&mut self) {
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
+/// Seconds of a solve without a window, from the basis on, as the window counts them.
+fn without_window() -> f64 {
+    let (scene, _) = lumel::open(SCENE, &OpenOptions::default()).unwrap().builder.build().unwrap();
+    let scene = Arc::new(scene);
+    let tracer = Arc::new(Bvh::build(&scene));
+    let settings = Settings { indirect_samples: SAMPLES, ..Settings::default() };
+    let begun = Instant::now();
+    let baker = Baker::with_tracer(scene, tracer, settings);
+    baker.run(&mut SolveState::new(), &Control::default(), &Silent).unwrap();
+    begun.elapsed().as_secs_f64()
+}
+
+fn with_window(screen: &Screen) -> f64 {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = Window::open(screen, home.path());
+    screen.xdotool(&["key", "Return"]);
+    std::thread::sleep(Duration::from_secs(4));
+    let text = window.wait_for("Solved:");
+    text.rsplit(" in ").next().and_then(|s| s.strip_suffix(" s")?.parse().ok()).unwrap()
+}
+
+fn frames(screen: &Screen) {
+    const FRAMES: u64 = 60;
+    let home = tempfile::tempdir().unwrap();
+    let mut window = Window::open(screen, home.path());
+    std::thread::sleep(Duration::from_secs(5));
+    let before = window.ticks();
+    (0..FRAMES).for_each(|_| drop(window.peer.nodes()));
+    let frame = 10.0 * (window.ticks() - before) as f64 / FRAMES as f64;
+    println!("a frame in which the picture stays, 1280x720: {frame:.0} ms of processor time");
+    let before = window.ticks();
+    std::thread::sleep(Duration::from_secs(5));
+    println!("an idle window: {} ms of processor time in 5 s", 10 * (window.ticks() - before));
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn main() {
+    // `cargo test --benches` only asks whether it runs.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    let Some(screen) = tools_or_skip() else { return };
+    frames(&screen);
+    let (mut without, mut with, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    for round in 0..ROUNDS {
+        let a = without_window();
+        let b = with_window(&screen);
+        println!("round {round}: {a:.2} s without, {b:.2} s with an idle window");
+        (without.push(a), with.push(b), ratios.push(b / a));
+    }
+    let ratio = median(&mut ratios);
+    println!(
+        "{SCENE}, {SAMPLES} rays, 4 bounces: {:.2} s without, {:.2} s with an idle window; median ratio {ratio:.3}",
+        median(&mut without),
+        median(&mut with)
+    );
+}
