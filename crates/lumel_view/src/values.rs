@@ -5,7 +5,7 @@ use crate::selection::{Light, Selection};
 use glam::Vec3;
 use lumel::Scene;
 use lumel_picture::{FalseColor, Legend, Scale};
-use lumel_scene::{Barycentrics, SurfacePoint, TriId, luminance};
+use lumel_scene::{Radiance, luminance};
 
 /// Colour of vertices that were measured, linear.
 const VALID: Vec3 = Vec3::new(0.45, 0.5, 0.52);
@@ -28,15 +28,10 @@ pub fn of_vertices(mode: ViewMode, scene: &Scene, light: &Light, selection: Sele
     }
 }
 
-/// The albedo at every vertex, to see a scene by before there is light.
+/// Light to see a scene by before it is solved: from above and a little from the sides, so that shapes can be read.
 pub fn preview(scene: &Scene) -> Vec<Vec3> {
-    let mut values = vec![Vec3::ZERO; scene.vertex_count()];
-    for (tri, corners) in scene.triangles().iter().enumerate() {
-        for (&vertex, bary) in corners.iter().zip(Barycentrics::CORNERS) {
-            values[vertex as usize] = scene.albedo(SurfacePoint { tri: TriId(tri as u32), bary }).0;
-        }
-    }
-    values
+    let from = |n: Vec3| Radiance::splat(0.55 + 0.25 * n.y + 0.12 * n.x + 0.08 * n.z);
+    scene.normals().iter().map(|&n| from(n).cosine_sample().0).collect()
 }
 
 fn validity(n: usize, valid: &[bool]) -> Vec<Vec3> {

@@ -5,7 +5,7 @@ use crate::input::Command;
 use crate::lights::{EditLight, Resize, half_edge_range};
 use crate::theme;
 use crate::values::significant;
-use crate::widgets::{check, heading, row, slider, value, vector};
+use crate::widgets::{check, color_button, heading, row, slider, value, vector};
 use eframe::egui::{Checkbox, DragValue, RichText, Slider, TextEdit, Ui};
 use glam::{Vec2, Vec3};
 
@@ -80,7 +80,7 @@ fn properties(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
         slider(ui, "Intensity", hint, Slider::new(&mut intensity, 0.0..=100_000.0).logarithmic(true))
             .changed();
     let mut rgb = color.to_array();
-    let recolored = row(ui, "Colour", "Linear Rec. 709", |ui| ui.color_edit_button_rgb(&mut rgb)).changed();
+    let recolored = row(ui, "Colour", "Hue and saturation", |ui| color_button(ui, &mut rgb)).changed();
     if changed || recolored {
         color = if recolored { Vec3::from_array(rgb) } else { color };
         light.set_intensity_and_color(intensity, color);

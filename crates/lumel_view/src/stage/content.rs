@@ -38,7 +38,7 @@ enum Version {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Values {
     Light,
-    /// Before there is light: albedo, to see what is there.
+    /// Before there is light: some to see what is there.
     Preview,
     Mode(ViewMode),
 }

@@ -257,7 +257,8 @@ impl Stage {
         let view = showing.view;
         let (tone, white) = (view.tone(), view.white);
         match view.mode {
-            ViewMode::Final | ViewMode::Irradiance if left.is_preview() => Look::Plain,
+            ViewMode::Final if left.is_preview() => Look::Radiance { stops: 0.0, tone, white },
+            ViewMode::Irradiance if left.is_preview() => Look::Irradiance { stops: 0.0, tone, white },
             ViewMode::Final | ViewMode::Irradiance => {
                 if view.auto_exposure {
                     self.read_exposure(showing, left, lamps, size);
