@@ -16,6 +16,8 @@ usage: cargo x COMMAND [ARGUMENTS]
   ci                 what has to pass before a change lands: fmt, clippy, test, doc, tidy
   tidy               check file lengths, the crate graph, licences, unfinished marks and where pi is used
   bench [ARGUMENTS]  measure ray tracing and solving; arguments go to the benchmark, see `cargo x bench --help`
+  bench frame        measure what a picture costs on this machine's graphics device
+  bench window       measure what an open window costs, and how much it slows a solve (needs Xvfb and xdotool)
 ";
 
 fn main() -> ExitCode {
@@ -102,7 +104,14 @@ fn ci() -> Result<()> {
 }
 
 fn bench(arguments: &[String]) -> Result<()> {
-    let mut command = cargo(&["bench", "--package", "lumel", "--bench", "bake", "--"]);
-    command.args(arguments);
+    let (target, rest): (&[&str], _) = match arguments.split_first() {
+        Some((name, rest)) if name == "frame" => (&["lumel_render", "--bench", "frame"], rest),
+        Some((name, rest)) if name == "window" => {
+            (&["lumel_view", "--bench", "window", "--features", "inspection"], rest)
+        }
+        _ => (&["lumel", "--bench", "bake"], arguments),
+    };
+    let mut command = cargo(&["bench", "--package"]);
+    command.args(target).arg("--").args(rest);
     run(command)
 }

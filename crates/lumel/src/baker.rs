@@ -53,6 +53,22 @@ impl Baker {
         Self { scene, tracer, settings, basis, vertex_basis, transport, energy }
     }
 
+    /// The same scene under other lights or with other settings, without making anew what only its surfaces decide.
+    ///
+    /// `scene` must be a [relit](Scene::relit) one of this baker's; of another one, all is made anew but the tracer.
+    pub fn relit(&self, scene: Arc<Scene>, settings: Settings) -> Self {
+        if scene.hash().geometry != self.scene.hash().geometry {
+            return Self::with_tracer(scene, Arc::clone(&self.tracer), settings);
+        }
+        let vertex_basis = self.vertex_basis.clone();
+        let (basis, transport) =
+            operator_of(settings.basis, &scene, &self.tracer, &vertex_basis, settings.plan());
+        // The energy of a basis depends on its albedo too, which relit scenes share.
+        let same_basis = settings.basis == self.settings.basis;
+        let energy = if same_basis { self.energy.clone() } else { Energy::new(&scene, &*basis) };
+        Self { scene, tracer: Arc::clone(&self.tracer), settings, basis, vertex_basis, transport, energy }
+    }
+
     /// The operator with other samples.
     pub(crate) fn transport_with(&self, plan: Plan) -> Box<dyn Transport> {
         operator_of(self.settings.basis, &self.scene, &self.tracer, &self.vertex_basis, plan).1
@@ -224,4 +240,49 @@ fn operator<B: Basis + 'static>(
     let (scene, tracer) = (Arc::clone(scene), Arc::clone(tracer));
     let transport = CpuTransport::new(scene, tracer, Arc::clone(&basis), Arc::clone(&basis), plan);
     (basis, Box::new(transport))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BounceLimit, Light, OpenOptions, Silent};
+
+    #[test]
+    fn a_relit_baker_has_the_bits_of_a_new_one() {
+        let opened = crate::open("cornell-box", &OpenOptions::default()).unwrap();
+        let scene = Arc::new(opened.builder.build().unwrap().0);
+        let old = Baker::new(Arc::clone(&scene), Settings::default());
+        let mut lights = scene.lights().to_vec();
+        for light in &mut lights {
+            if let Light::Rect(rect) = light {
+                rect.center += Vec3::new(0.1, -0.1, 0.0);
+            }
+        }
+        let relit = Arc::new(scene.relit(lights).unwrap());
+        let solved = |baker: &Baker| {
+            let mut state = SolveState::new();
+            baker.run(&mut state, &Control::default(), &Silent).unwrap();
+            (baker.remainder(&state), state)
+        };
+        for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+            let settings = Settings {
+                basis,
+                bounces: BounceLimit::Count(1),
+                direct_samples: 4,
+                indirect_samples: 8,
+                ..Settings::default()
+            };
+            let new = Baker::new(Arc::clone(&relit), settings.clone());
+            assert_eq!(solved(&old.relit(Arc::clone(&relit), settings)), solved(&new), "{basis:?}");
+        }
+    }
+
+    #[test]
+    fn a_baker_relit_with_another_scene_is_made_anew() {
+        let built =
+            |name| Arc::new(crate::open(name, &OpenOptions::default()).unwrap().builder.build().unwrap().0);
+        let baker =
+            Baker::new(built("sphere"), Settings::default()).relit(built("furnace"), Settings::default());
+        assert_eq!(baker.vertex_basis().scene().name(), "furnace");
+    }
 }

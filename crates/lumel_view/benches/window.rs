@@ -3,6 +3,9 @@
 //! `cargo x bench --window`; needs Xvfb and xdotool. Solves with and without the window alternate, so that other work
 //! on the machine falls on both.
 
+#![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
+#![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
+
 #[path = "../tests/window/peer.rs"]
 #[allow(dead_code, reason = "the test in a window uses the rest")]
 mod peer;

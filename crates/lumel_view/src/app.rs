@@ -22,6 +22,7 @@ use lumel::SamplerKind;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// The name under which settings are stored.
@@ -46,6 +47,8 @@ pub struct StartUp {
     pub threads: usize,
     /// Who paints what is behind the panels.
     pub ground: Ground,
+    /// Set from outside to close the window, keeping unsaved work: Ctrl-C, or the system going down.
+    pub quit: Arc<AtomicBool>,
 }
 
 /// Who paints what is behind the panels.
@@ -80,6 +83,7 @@ pub struct App {
     pub(crate) wake: Wake,
     pub(crate) picture_folder: PathBuf,
     pub(crate) ground: Ground,
+    quit: Arc<AtomicBool>,
     dock: Tree<Pane>,
     /// Keys that did something and must not fly too while they stay down.
     pub(crate) spent_keys: HashSet<egui::Key>,
@@ -135,6 +139,7 @@ impl App {
             wake,
             picture_folder: start.picture_folder,
             ground: start.ground,
+            quit: start.quit,
             dock: tree.filter(dock::is_whole).unwrap_or_else(dock::default_tree),
             spent_keys: HashSet::new(),
         })
@@ -330,6 +335,12 @@ pub(crate) fn panel_frame(ground: Ground) -> Frame {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        if self.quit.load(Ordering::Relaxed) {
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        }
+        for problem in self.stage.iter().flat_map(Stage::take_problems) {
+            self.session.notices.push(Level::Error, format!("The graphics device failed: {problem}"));
+        }
         let busy = ctx.input(|i| i.pointer.any_down()) || ctx.text_edit_focused();
         let opened = self.session.document_generation;
         self.session.poll(if busy { Hand::Busy } else { Hand::Free });

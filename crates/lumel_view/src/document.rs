@@ -4,7 +4,7 @@ use crate::camera::FlyCamera;
 use crate::lights::{EditLight, default_name};
 use crate::slots::Slots;
 use crate::spread::Neighbours;
-use lumel::{Bvh, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
+use lumel::{Baker, Bvh, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
 use lumel_picture::camera_for;
 use lumel_scene::{Light, TriId};
 use std::path::{Path, PathBuf};
@@ -42,6 +42,8 @@ pub struct Document {
     pub scene: Arc<Scene>,
     /// Its ray tracer.
     pub tracer: Arc<dyn RayTracer>,
+    /// What solves are made from: all that the surfaces decide is in it already.
+    pub baker: Arc<Baker>,
     /// Which vertices are connected.
     pub neighbours: Arc<Neighbours>,
     /// The area that each vertex stands for, m².
@@ -80,6 +82,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
     let scene = Arc::new(scene);
     let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(&scene));
     let camera = camera_for(&scene, &*tracer);
+    let baker = Baker::with_tracer(Arc::clone(&scene), Arc::clone(&tracer), Settings::default());
     let project = opened.project;
     let contents = Contents {
         lights: editable_lights(&scene, project.as_ref()),
@@ -98,6 +101,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         warnings: warnings.iter().map(ToString::to_string).collect(),
         project: project.map(|project| (PathBuf::from(&request.name), project)),
         request: request.clone(),
+        baker: Arc::new(baker),
         scene,
         tracer,
     };

@@ -10,6 +10,7 @@ use lumel_view::{instance, screenshot};
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// The window's size at first, points; it is remembered.
 const WINDOW_SIZE: [f32; 2] = [1280.0, 720.0];
@@ -62,8 +63,19 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         picture_folder: screenshot::default_folder(),
         threads: cli.threads,
         ground: Ground::Window,
+        quit: Arc::default(),
     };
+    let quit = Arc::clone(&start.quit);
     let create = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
+        let ctx = cc.egui_ctx.clone();
+        // Without a handler the program dies at once, and what was done since the last bounce with it.
+        let handler = ctrlc::set_handler(move || {
+            quit.store(true, Ordering::Relaxed);
+            ctx.request_repaint();
+        });
+        if let Err(error) = handler {
+            log::warn!("Ctrl-C will not keep unsaved work: {error}");
+        }
         Ok(Box::new(App::new(cc, start)?))
     };
     eframe::run_native(APP_ID, options, Box::new(create))

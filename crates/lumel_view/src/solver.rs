@@ -7,8 +7,7 @@ use crate::selection::{Light, VertexValues};
 use crate::spread::Neighbours;
 use glam::Vec3;
 use lumel::{
-    Baker, Control, Observer, Position, RayTracer, Remainder, Scene, Settings, Snapshot, SolveState, Step,
-    Workload,
+    Baker, Control, Observer, Position, Remainder, Scene, Settings, Snapshot, SolveState, Step, Workload,
 };
 use lumel_scene::luminance;
 use rayon::ThreadPool;
@@ -32,8 +31,8 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 pub struct Task {
     /// The scene with the lights to solve for.
     pub scene: Arc<Scene>,
-    /// Its ray tracer.
-    pub tracer: Arc<dyn RayTracer>,
+    /// What computed light on these surfaces before.
+    pub baker: Arc<Baker>,
     /// For what is not measured yet.
     pub neighbours: Arc<Neighbours>,
     /// The area that each vertex stands for, m².
@@ -311,8 +310,7 @@ fn run(task: &Task, work: Work, control: &Control, shared: &Shared, keep: &Keep)
 }
 
 fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
-    let (scene, tracer) = (Arc::clone(&task.scene), Arc::clone(&task.tracer));
-    let baker = Arc::new(Baker::with_tracer(scene, tracer, task.settings.clone()));
+    let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
     lock(&shared.pace).workload = Some(Workload::new(baker.elements_per_step(), &task.settings));
     let mut state = match start {
         Start::Anew => SolveState::new(),

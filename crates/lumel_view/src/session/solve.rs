@@ -447,7 +447,7 @@ impl Session {
 fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings) -> Task {
     Task {
         scene: Arc::clone(scene),
-        tracer: Arc::clone(&document.tracer),
+        baker: Arc::clone(&document.baker),
         neighbours: Arc::clone(&document.neighbours),
         areas: Arc::clone(&document.areas),
         settings: settings.clone(),

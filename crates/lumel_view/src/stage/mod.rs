@@ -22,7 +22,7 @@ use lumel_picture::{VertexLight, View, meter};
 use lumel_render::{
     Frame, Gpu, Hidden, LightBuffer, Lit, Look, Mark, Model, Overlay, RenderError, Renderer, Samples, Target,
 };
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use strip::Strip;
 
@@ -94,6 +94,7 @@ pub struct Stage {
     strip: Strip,
     exposure: Metered,
     ranges: Option<(Content, bool, [f32; 2])>,
+    problems: Arc<Mutex<Vec<String>>>,
     /// Pictures drawn so far, for tests and benchmarks.
     pub pictures: u64,
 }
@@ -123,6 +124,12 @@ pub struct Showing<'a> {
 impl Stage {
     /// A stage on the window's device.
     pub fn new(state: RenderState) -> Self {
+        let problems: Arc<Mutex<Vec<String>>> = Arc::default();
+        let reported = Arc::clone(&problems);
+        // Otherwise wgpu panics, and unsaved work goes with the window.
+        state.device.on_uncaptured_error(Arc::new(move |error| {
+            reported.lock().unwrap_or_else(PoisonError::into_inner).push(error.to_string());
+        }));
         let gpu = Gpu::new(&state.adapter, state.device.clone(), state.queue.clone());
         Self {
             renderer: Renderer::new(Arc::new(gpu)),
@@ -136,8 +143,14 @@ impl Stage {
             strip: Strip::default(),
             exposure: Metered::default(),
             ranges: None,
+            problems,
             pictures: 0,
         }
+    }
+
+    /// What the device has complained of since the last call.
+    pub fn take_problems(&self) -> Vec<String> {
+        std::mem::take(&mut self.problems.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// The device.
