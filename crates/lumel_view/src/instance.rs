@@ -3,9 +3,8 @@
 use anyhow::bail;
 
 /// What to do when no window can be opened.
-pub const NO_WINDOW: &str = "cannot open a window (on Debian it needs the packages libvulkan1, libxcursor1, libxi6, \
-                             libxkbcommon-x11-0 and a Vulkan driver such as mesa-vulkan-drivers; --screenshot \
-                             needs no window)";
+pub const WINDOW_HINT: &str = "on Debian a window needs libvulkan1, libxcursor1, libxi6, libxkbcommon-x11-0 and a Vulkan \
+                               driver such as mesa-vulkan-drivers; --screenshot FILE needs no window";
 
 /// Libraries that the window opens by their name, and the Debian packages that bring them.
 #[cfg(target_os = "linux")]
@@ -27,7 +26,7 @@ pub fn check_display() -> anyhow::Result<()> {
     }
     if !set("DISPLAY") {
         bail!(
-            "there is no display: neither DISPLAY nor WAYLAND_DISPLAY is set; start it on a desktop or under \
+            "there is no display: neither DISPLAY nor WAYLAND_DISPLAY is set\n  hint: start it on a desktop or under \
              xvfb-run, or draw a picture with --screenshot FILE"
         );
     }
@@ -35,7 +34,7 @@ pub fn check_display() -> anyhow::Result<()> {
         LIBRARIES.iter().filter(|(library, _)| !is_installed(library)).map(|(_, package)| *package).collect();
     if !missing.is_empty() {
         bail!(
-            "a window needs libraries that are not installed; on Debian: apt-get install {}",
+            "a window needs libraries that are not installed\n  hint: on Debian, apt-get install {}",
             missing.join(" ")
         );
     }

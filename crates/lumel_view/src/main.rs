@@ -1,6 +1,5 @@
 //! `lumel-view`: the window, or a picture without one.
 
-use anyhow::Context;
 use clap::Parser;
 use eframe::egui::ViewportBuilder;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup};
@@ -18,8 +17,8 @@ const MIN_WINDOW_SIZE: [f32; 2] = [720.0, 480.0];
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    // Warnings of libraries, if anybody asks for them with RUST_LOG.
-    let _ = env_logger::try_init();
+    // Messages of libraries, if anybody asks for them with RUST_LOG; what matters is told anyway.
+    let _ = env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("off")).try_init();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -79,6 +78,5 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         Ok(Box::new(App::new(cc, start)?))
     };
     eframe::run_native(APP_ID, options, Box::new(create))
-        .map_err(|error| anyhow::Error::msg(error.to_string()))
-        .context(instance::NO_WINDOW)
+        .map_err(|error| anyhow::anyhow!("cannot open a window: {error}\n  hint: {}", instance::WINDOW_HINT))
 }

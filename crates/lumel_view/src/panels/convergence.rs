@@ -3,7 +3,7 @@
 use crate::app::App;
 use crate::theme;
 use eframe::egui::Ui;
-use egui_plot::{Corner, HoverPosition, Legend, Line, MarkerShape, Plot, PlotPoints, Points};
+use egui_plot::{Corner, GridMark, HoverPosition, Legend, Line, MarkerShape, Plot, PlotPoints, Points};
 
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let stats = &app.session.stats;
@@ -33,7 +33,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         .allow_boxed_zoom(false)
         .include_x(0.0)
         .include_x(stats.len().max(4) as f64)
-        .include_y(0.0)
+        .include_y(0.1)
+        .include_y(-1.1)
+        .x_grid_spacer(|_| (0..=400).map(|k| GridMark { value: f64::from(k), step_size: 1.0 }).collect())
+        .y_grid_spacer(|input| decades(input.bounds))
         .x_axis_label("bounce")
         .y_axis_formatter(|mark, _| percent(mark.value))
         .x_axis_formatter(
@@ -52,6 +55,13 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
                 plot.points(Points::new(name, dots).color(color).radius(3.5).shape(MarkerShape::Circle));
             }
         });
+}
+
+/// Marks at 1, 2 and 5 times each power of ten.
+fn decades((lo, hi): (f64, f64)) -> Vec<GridMark> {
+    let range = lo.max(-12.0).floor() as i32..=hi.min(12.0).ceil() as i32;
+    let mark = |decade: i32, value: f64, step_size| GridMark { value: f64::from(decade) + value, step_size };
+    range.flat_map(|d| [mark(d, 0.0, 1.0), mark(d, 2f64.log10(), 0.3), mark(d, 5f64.log10(), 0.3)]).collect()
 }
 
 /// A decade as a share.

@@ -65,7 +65,7 @@ fn bar(app: &mut App, ui: &mut Ui, rect: Rect) {
 
 fn mode(app: &mut App, ui: &mut Ui) {
     let shown = &mut app.prefs.view.mode;
-    let combo = ComboBox::from_id_salt("surfaces").width(112.0).selected_text(shown.name());
+    let combo = ComboBox::from_id_salt("surfaces").width(112.0).height(400.0).selected_text(shown.name());
     let response = combo.show_ui(ui, |ui| {
         for mode in ViewMode::ALL {
             ui.selectable_value(shown, mode, mode.name()).on_hover_text(mode.hint());

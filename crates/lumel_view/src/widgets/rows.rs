@@ -78,6 +78,7 @@ pub fn choice<T: Copy + PartialEq>(
         let width = ui.available_width().min(190.0);
         ComboBox::from_id_salt(name)
             .width(width)
+            .height(400.0)
             .selected_text(text(*value))
             .show_ui(ui, |ui| {
                 for &option in all {
