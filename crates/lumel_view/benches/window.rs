@@ -131,7 +131,9 @@ fn main() {
         let a = without_window();
         let b = with_window(&screen);
         println!("round {round}: {a:.2} s without, {b:.2} s with an idle window");
-        (without.push(a), with.push(b), ratios.push(b / a));
+        without.push(a);
+        with.push(b);
+        ratios.push(b / a);
     }
     let ratio = median(&mut ratios);
     println!(

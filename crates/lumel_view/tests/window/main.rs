@@ -1,5 +1,8 @@
 //! The program in a real window: keys and mouse go through the X server, as a user's do.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::print_stdout, reason = "tests say why they are skipped")]
+
 mod peer;
 mod screen;
 
