@@ -51,9 +51,14 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// The place for this process.
+    /// A place for this process that is not taken.
     pub fn of_this_process(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), name: format!("unsaved-{}", std::process::id()) }
+        let id = std::process::id();
+        // Numbers of processes come again: what another one left behind under this one is not to be replaced.
+        let name = |n: u32| if n == 0 { format!("unsaved-{id}") } else { format!("unsaved-{id}-{n}") };
+        let place = |n| Self { folder: folder.to_owned(), name: name(n) };
+        let taken = |place: &Self| place.file(NOTE_END).exists() || place.checkpoint().exists();
+        (0..u32::MAX).map(place).find(|place| !taken(place)).unwrap_or_else(|| place(0))
     }
 
     /// Unsaved work that other processes left behind, the newest first.
@@ -177,6 +182,18 @@ mod tests {
         assert_eq!(found[0].1.summary(), "cornell-box: a solve stopped after 2 bounces");
         recovery.remove();
         assert_eq!(Recovery::left_behind(&folder.path().join("deeper")), []);
+    }
+
+    #[test]
+    fn work_left_behind_under_the_number_of_this_process_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Recovery::of_this_process(folder.path());
+        assert_eq!(first, Recovery::of_this_process(folder.path()), "nothing is there yet");
+        first.write(&note(), None).unwrap();
+        let second = Recovery::of_this_process(folder.path());
+        assert_ne!(first, second);
+        second.remove();
+        assert_eq!(Recovery::left_behind(folder.path()), [(first, note())]);
     }
 
     #[test]

@@ -301,7 +301,11 @@ impl Session {
                 self.warn_of_dark_faces();
             }
             (Ending::Stopped, Then::Rest) => {
-                self.notices.push(Level::Info, "Stopped; Enter goes on where it was");
+                let text = match self.light.bounces.len() {
+                    0 => "Stopped before direct light was done",
+                    _ => "Stopped; Enter goes on after the last finished bounce",
+                };
+                self.notices.push(Level::Info, text);
             }
         }
         self.note_completion();
@@ -394,6 +398,12 @@ impl Session {
         self.slots = crate::slots::Slots::from_entries(&left.slots);
         self.settings = left.settings.clone();
         self.camera = left.camera;
+        // What was left behind is this session's now; what the solve goes on with is kept in its place.
+        self.recovery = Some(recovery.clone());
+        if let Some(note) = self.note() {
+            // The note that is there says the same, but for the process.
+            let _ = recovery.write(&Note { bounces: left.bounces, complete: left.complete, ..note }, None);
+        }
         if left.bounces > 0 {
             match Solution::load(&recovery.checkpoint()) {
                 Ok(solution) => {
@@ -408,13 +418,6 @@ impl Session {
         } else {
             self.notices.push(Level::Info, format!("Restored {}", left.summary()));
         }
-        // What was left behind is this session's now.
-        if let Some(note) = self.note() {
-            let mine = Note { bounces: note.bounces.max(left.bounces), ..note };
-            // The note that is there says the same, but for the process.
-            let _ = recovery.write(&mine, None);
-        }
-        self.recovery = Some(recovery);
     }
 
     /// The solution of the light there is, without a bounce that is being measured.
