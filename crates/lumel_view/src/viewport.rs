@@ -116,9 +116,8 @@ fn picture(app: &mut App, ui: &mut Ui, rect: Rect) {
         return;
     };
     match stage.show(&showing, pixels) {
-        Ok(Some(texture)) => {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(texture, rect, whole, Color32::WHITE);
+        Ok(Some(shown)) => {
+            ui.painter().add(shown.shape(rect));
             app.viewport.problem = None;
         }
         Ok(None) => welcome(app, ui, rect),

@@ -2,9 +2,11 @@
 //!
 //! Everything a picture depends on is compared with what was drawn last; when nothing differs, nothing is drawn.
 
+mod blit;
 mod content;
 mod strip;
 
+pub use blit::Shown;
 pub use content::Side;
 pub use strip::Thumbnail;
 
@@ -13,6 +15,7 @@ use crate::prefs::{ViewMode, ViewPrefs};
 use crate::selection::Selection;
 use crate::session::Session;
 use crate::values;
+use blit::Blit;
 use content::Content;
 use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
@@ -88,7 +91,8 @@ pub struct Stage {
     model: Option<(u64, Arc<Model>)>,
     buffers: Vec<LightBuffer>,
     contents: [Option<Content>; 2],
-    target: Option<(Target, TextureId)>,
+    target: Option<(Target, Shown)>,
+    blit: Blit,
     drawn: Option<Drawn>,
     overlay: Option<(u64, Overlay)>,
     strip: Strip,
@@ -130,6 +134,7 @@ impl Stage {
         state.device.on_uncaptured_error(Arc::new(move |error| {
             reported.lock().unwrap_or_else(PoisonError::into_inner).push(error.to_string());
         }));
+        let blit = Blit::new(&state);
         let gpu = Gpu::new(&state.adapter, state.device.clone(), state.queue.clone());
         Self {
             renderer: Renderer::new(Arc::new(gpu)),
@@ -138,6 +143,7 @@ impl Stage {
             buffers: Vec::new(),
             contents: [None; 2],
             target: None,
+            blit,
             drawn: None,
             overlay: None,
             strip: Strip::default(),
@@ -171,20 +177,20 @@ impl Stage {
         }
     }
 
-    /// Draws the picture if anything has changed. Returns the texture to show, once there is one.
+    /// Draws the picture if anything has changed. Returns the picture to show, once there is one.
     ///
     /// # Errors
     /// A scene or a size that the device cannot hold.
-    pub fn show(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Option<TextureId>, RenderError> {
+    pub fn show(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Option<Shown>, RenderError> {
         let Some(document) = &showing.session.document else { return Ok(None) };
         self.load(showing.session.document_generation, &document.scene)?;
         let drawn = self.wanted(showing, size)?;
         if self.drawn.as_ref() == Some(&drawn) {
-            return Ok(self.target.as_ref().map(|(_, texture)| *texture));
+            return Ok(self.target.as_ref().map(|(_, shown)| shown.clone()));
         }
         self.fit_target(size, drawn.samples)?;
         self.fit_overlay(showing.marks);
-        let (Some((_, model)), Some((target, texture))) = (&self.model, &self.target) else {
+        let (Some((_, model)), Some((target, shown))) = (&self.model, &self.target) else {
             return Ok(None);
         };
         let light = match drawn.split {
@@ -204,7 +210,7 @@ impl Stage {
         self.renderer.draw(target, &frame);
         self.pictures += 1;
         self.drawn = Some(drawn);
-        Ok(Some(*texture))
+        Ok(Some(shown.clone()))
     }
 
     /// The picture as it was drawn last.
@@ -336,9 +342,8 @@ impl Stage {
             return Ok(());
         }
         let target = self.renderer.target(size, samples)?;
-        let old = self.target.take().map(|(_, texture)| texture);
-        let texture = show_target(&self.state, &target, old);
-        self.target = Some((target, texture));
+        let shown = self.blit.shown(&self.state, target.view());
+        self.target = Some((target, shown));
         Ok(())
     }
 
