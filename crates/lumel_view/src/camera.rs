@@ -40,7 +40,8 @@ impl FlyCamera {
         }
         let level = Self {
             position: camera.position,
-            yaw_deg: (-forward.x).atan2(-forward.z).to_degrees(),
+            // Adding zero turns -0 into 0.
+            yaw_deg: (-forward.x).atan2(-forward.z).to_degrees() + 0.0,
             pitch_deg: forward.y.clamp(-1.0, 1.0).asin().to_degrees(),
             roll_deg: 0.0,
             fov_deg: camera.fov_y.to_degrees().clamp(FOV_DEG[0], FOV_DEG[1]),

@@ -68,7 +68,8 @@ fn slots(app: &mut App, ui: &mut Ui) {
     );
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let width = ((ui.available_width() - 36.0) / 10.0).clamp(16.0, 30.0);
+        ui.spacing_mut().button_padding.x = 2.0;
+        let width = ((ui.available_width() - 36.0) / 10.0).floor().clamp(16.0, 30.0);
         for digit in [1, 2, 3, 4, 5, 6, 7, 8, 9, 0] {
             let kept = app.session.slots.get(digit).is_some();
             let text = RichText::new(digit.to_string());

@@ -12,6 +12,9 @@ use lumel::{BasisKind, BounceLimit, EmitterSampling, LightSampling, Preset, Samp
 /// What the bounces slider offers when it is switched back from "until converged".
 const DEFAULT_BOUNCES: u32 = 4;
 
+/// Least width of the row with the presets.
+const PRESETS_WIDTH: f32 = 240.0;
+
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     buttons(app, ui);
     let settings = &mut app.session.settings;
@@ -58,9 +61,14 @@ fn buttons(app: &mut App, ui: &mut Ui) {
 }
 
 fn presets(ui: &mut Ui, settings: &mut Settings) {
-    ui.horizontal(|ui| {
+    let room = ui.available_width() - PRESETS_WIDTH;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
         ui.label(RichText::new("Preset").color(theme::WEAK));
-        ui.add_space(theme::LABEL_WIDTH - 46.0);
+        // In line with the other rows where there is room for that.
+        if room > 0.0 {
+            ui.add_space(room.min(theme::LABEL_WIDTH - 36.0));
+        }
         for (preset, name, hint) in [
             (Preset::Draft, "Draft", "To see where the light goes"),
             (Preset::Medium, "Medium", "Clean enough to look at"),

@@ -3,7 +3,7 @@
 use crate::theme::{ACCENT, LABEL_WIDTH, ON_ACCENT, TEXT, WEAK};
 use eframe::egui::{
     self, Align, Button, Checkbox, ComboBox, DragValue, Layout, Response, RichText, Slider, SliderClamping,
-    Ui, Vec2,
+    TextStyle, Ui, Vec2,
 };
 use glam::Vec3;
 
@@ -54,11 +54,15 @@ pub fn number<'a>(ui: &mut Ui, name: &str, hint: &str, value: DragValue<'a>) -> 
     })
 }
 
-/// A box to check, in line with the widgets of other rows.
+/// A box to check, in line with the widgets of other rows where there is room for that.
 pub fn check(ui: &mut Ui, name: &str, hint: &str, value: &mut bool) -> Response {
+    let font = TextStyle::Button.resolve(ui.style());
+    let text = ui.painter().layout_no_wrap(name.to_owned(), font, TEXT).size().x;
+    let width = text + ui.spacing().icon_width + ui.spacing().icon_spacing;
+    let indent = LABEL_WIDTH + ui.spacing().item_spacing.x;
     let response = ui
         .horizontal(|ui| {
-            ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
+            ui.add_space(indent.min(ui.available_width() - width).max(0.0));
             ui.add(Checkbox::new(value, name))
         })
         .inner;
@@ -103,6 +107,7 @@ pub fn vector(ui: &mut Ui, name: &str, hint: &str, value: &mut Vec3, speed: f32)
         );
         let gap = 4.0;
         ui.spacing_mut().item_spacing.x = gap;
+        ui.spacing_mut().button_padding.x = 2.0;
         let width = ((ui.available_width() - 2.0 * gap) / 3.0).clamp(30.0, 74.0);
         for (axis, coordinate) in ["x", "y", "z"].into_iter().zip(value.as_mut()) {
             let drag = DragValue::new(coordinate).speed(speed).max_decimals(3);
