@@ -1,0 +1,30 @@
+//! What pictures and solutions are compared with.
+
+use lumel::{Baker, Control, Silent, SolveState};
+use lumel_picture::Picture;
+use lumel_view::app::App;
+
+/// How many of a thousand pixels differ.
+pub(crate) fn differing(a: &Picture, b: &Picture) -> usize {
+    assert_eq!((a.width(), a.height()), (b.width(), b.height()));
+    let n = a.pixels().iter().zip(b.pixels()).filter(|(a, b)| a != b).count();
+    1000 * n / a.pixels().len()
+}
+
+/// The light of every finished bounce, bit by bit.
+pub(crate) fn bits(app: &App) -> Vec<Vec<[u32; 3]>> {
+    app.session.light.bounces.iter().map(|bounce| bits_of(bounce)).collect()
+}
+
+fn bits_of(values: &[glam::Vec3]) -> Vec<[u32; 3]> {
+    values.iter().map(|value| value.to_array().map(f32::to_bits)).collect()
+}
+
+/// What the library computes in one go for the same lights and settings.
+pub(crate) fn reference(app: &App) -> Vec<Vec<[u32; 3]>> {
+    let scene = app.session.document.as_ref().unwrap().relit(&app.session.lights).unwrap();
+    let baker = Baker::new(scene, app.session.settings.clone());
+    let mut state = SolveState::new();
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    state.bounces.iter().map(|bounce| bits_of(&baker.at_vertices(bounce))).collect()
+}

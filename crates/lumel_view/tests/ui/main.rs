@@ -1,0 +1,23 @@
+//! The window, driven as one would: by the names and roles of what is in it, by keys and by the mouse.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are no tests to Clippy")]
+
+mod camera;
+mod changes;
+mod compare;
+mod expected;
+mod files;
+mod hands;
+mod harness;
+mod lights;
+mod measure;
+mod prefs;
+mod recovery;
+mod saving;
+mod scenes;
+mod settings;
+mod snapshots;
+mod solutions;
+mod solve;
+mod view;
+mod window;
