@@ -25,7 +25,7 @@ pub struct Cli {
 
     /// Let scene files refer to files outside their folder.
     #[arg(long)]
-    pub allow_outside: bool,
+    pub allow_outside_paths: bool,
 
     /// Threads that solve; all by default.
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
@@ -74,7 +74,7 @@ Examples:
 impl Cli {
     /// The scene to open first.
     pub fn request(&self) -> Option<OpenRequest> {
-        let paths = if self.allow_outside { PathPolicy::Anywhere } else { PathPolicy::default() };
+        let paths = if self.allow_outside_paths { PathPolicy::Anywhere } else { PathPolicy::default() };
         let options = OpenOptions { paths, max_edge: self.max_edge, subdivide: self.subdivide };
         self.scene.clone().map(|name| OpenRequest { name, options })
     }

@@ -485,11 +485,17 @@ impl Observer for Watch<'_> {
     }
 
     fn wants_snapshot(&self) -> bool {
-        self.clock.elapsed().as_millis() as u64 >= self.due.load(Ordering::Relaxed)
+        let now = self.clock.elapsed();
+        let due = self.due.load(Ordering::Relaxed);
+        if (now.as_millis() as u64) < due {
+            return false;
+        }
+        // Only one of the threads that ask at once gets a yes.
+        let next = (now + SNAPSHOT_PERIOD).as_millis() as u64;
+        self.due.compare_exchange(due, next, Ordering::Relaxed, Ordering::Relaxed).is_ok()
     }
 
     fn snapshot(&self, snapshot: Snapshot) {
-        self.next_due(SNAPSHOT_PERIOD);
         *lock(&self.mail) = Some(snapshot);
         self.arrived.notify_one();
     }
