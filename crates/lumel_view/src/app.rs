@@ -102,7 +102,8 @@ impl App {
         let prefs = prefs.checked();
         let tree = stored(DOCK_KEY).and_then(|text| serde_json::from_str(&text).ok());
         let ctx = cc.egui_ctx.clone();
-        let wake: Wake = Arc::new(move || ctx.request_repaint());
+        // Without a delay egui draws two frames, and each is dear on a software renderer.
+        let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
         let mut session = Session::new(Surroundings {
             data_folder: start.data_folder,
             threads: start.threads,

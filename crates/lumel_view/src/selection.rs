@@ -25,6 +25,9 @@ impl Selection {
     /// Direct light only.
     pub const DIRECT: Self = Self::Range(0, 0);
 
+    /// No light at all: no bounce has this number.
+    pub const NONE: Self = Self::Range(u32::MAX, u32::MAX);
+
     /// One bounce.
     pub fn bounce(k: u32) -> Self {
         Self::Range(k, k)

@@ -55,7 +55,7 @@ impl Content {
         };
         let is_done = |last: u32| light.is_some_and(|l| (last as usize) < l.bounces.len());
         let version = match (side, selection) {
-            (Side::Kept(_), _) => Version::Finished(0),
+            (Side::Kept(_), _) | (_, Selection::NONE) => Version::Finished(0),
             (Side::Current, Selection::Range(_, last)) if is_done(last) && values == Values::Light => {
                 Version::Finished(session.light.id)
             }
@@ -72,6 +72,11 @@ impl Content {
     /// Whether it stands in for light that is not there yet.
     pub(super) fn is_preview(&self) -> bool {
         self.values == Values::Preview
+    }
+
+    /// Whether it can no longer change.
+    pub(super) fn is_finished(&self) -> bool {
+        matches!(self.light, Version::Finished(_))
     }
 
     /// The values, one for each vertex; `None` when nothing is open.

@@ -63,9 +63,7 @@ impl Stage {
         let Some(document) = &session.document else { return Ok(None) };
         self.load(session.document_generation, &document.scene)?;
         let Some((_, model)) = self.model.clone() else { return Ok(None) };
-        // No bounce has this number: the surfaces are dark.
-        let dark = Selection::Range(u32::MAX, u32::MAX);
-        let selection = wanted.selection.unwrap_or(dark);
+        let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
         let stops = self.stops(showing.view) + wanted.brighter;
         let lamps =
@@ -86,7 +84,7 @@ impl Stage {
         }
         let is_current = match (&cell.drawn, showing.quality) {
             (None, _) => false,
-            (Some(old), Quality::Live) => old.content == drawn.content,
+            (Some(old), Quality::Live) => old.content == drawn.content || !content.is_finished(),
             (Some(old), Quality::Still) => *old == drawn,
         };
         if is_current {
