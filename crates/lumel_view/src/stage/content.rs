@@ -74,6 +74,11 @@ impl Content {
         self.values == Values::Preview
     }
 
+    /// Whether both are the same part of a light, which may have grown meanwhile.
+    pub(super) fn shows_the_same_as(&self, other: &Self) -> bool {
+        *self == Self { light: self.light, ..*other }
+    }
+
     /// Whether it can no longer change.
     pub(super) fn is_finished(&self) -> bool {
         matches!(self.light, Version::Finished(_))

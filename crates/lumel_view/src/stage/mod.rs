@@ -4,6 +4,7 @@
 
 mod blit;
 mod content;
+mod metered;
 mod strip;
 
 pub use blit::Shown;
@@ -21,16 +22,12 @@ use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::FilterMode;
 use lumel::{RectLight, Scene};
-use lumel_picture::{VertexLight, View, meter};
 use lumel_render::{
     Frame, Gpu, Hidden, LightBuffer, Lit, Look, Mark, Model, Overlay, RenderError, Renderer, Samples, Target,
 };
+use metered::Metered;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
 use strip::Strip;
-
-/// While the view moves, the exposure is read this often.
-const METER_PERIOD: Duration = Duration::from_millis(250);
 
 /// At most this many dots for sample points: more cannot be told apart.
 const MAX_POINTS: usize = 200_000;
@@ -101,14 +98,6 @@ pub struct Stage {
     problems: Arc<Mutex<Vec<String>>>,
     /// Pictures drawn so far, for tests and benchmarks.
     pub pictures: u64,
-}
-
-/// The exposure that was read last.
-#[derive(Default)]
-struct Metered {
-    stops: f32,
-    of: Option<(FlyCamera, Content, Vec<RectLight>)>,
-    at: Option<Instant>,
 }
 
 /// What the stage is to show.
@@ -280,7 +269,8 @@ impl Stage {
             ViewMode::Irradiance if left.is_preview() => Look::Irradiance { stops: 0.0, tone, white },
             ViewMode::Final | ViewMode::Irradiance => {
                 if view.auto_exposure {
-                    self.read_exposure(showing, left, lamps, size);
+                    // One exposure for all bounces would leave the later ones black: what is shown is what is metered.
+                    self.exposure.read(showing, left, lamps, size);
                 }
                 let stops = self.stops(view);
                 if view.mode == ViewMode::Final {
@@ -313,28 +303,6 @@ impl Stage {
         let range = values::automatic_range(&values, view.scale());
         self.ranges = Some((*left, view.logarithmic, range));
         range
-    }
-
-    /// Reads the exposure off the scene, now and then while it moves.
-    fn read_exposure(&mut self, showing: &Showing<'_>, left: &Content, lamps: &[RectLight], size: [u32; 2]) {
-        let session = showing.session;
-        // One exposure for all bounces would leave the later ones black: what is shown is what is metered.
-        let of = (session.camera, *left, lamps.to_vec());
-        let is_recent = self.exposure.at.is_some_and(|at| at.elapsed() < METER_PERIOD);
-        let hold = showing.quality == Quality::Live && is_recent;
-        if self.exposure.of.as_ref() == Some(&of) || hold {
-            return;
-        }
-        let Some(document) = &session.document else { return };
-        let (Ok(scene), Some(values)) = (document.relit(&session.lights), left.values(session)) else {
-            return;
-        };
-        let Ok(light) = VertexLight::new(&scene, &values) else { return };
-        let view = View::new(&scene, &*document.tracer, &light);
-        let aspect = size[0] as f32 / size[1].max(1) as f32;
-        if let Ok(stops) = meter(&view, &session.camera.camera(), aspect) {
-            self.exposure = Metered { stops, of: Some(of), at: Some(Instant::now()) };
-        }
     }
 
     fn fit_target(&mut self, size: [u32; 2], samples: Samples) -> Result<(), RenderError> {

@@ -1,6 +1,6 @@
 //! Small pictures of the terms of the series.
 
-use super::{Content, Quality, Showing, Side, Stage, show_target};
+use super::{Content, Metered, Quality, Showing, Side, Stage, show_target};
 use crate::camera::FlyCamera;
 use crate::prefs::ViewMode;
 use crate::selection::Selection;
@@ -27,6 +27,7 @@ pub struct Thumbnail {
 #[derive(Default)]
 pub(super) struct Strip {
     cells: Vec<Cell>,
+    exposure: Metered,
 }
 
 struct Cell {
@@ -65,9 +66,15 @@ impl Stage {
         let Some((_, model)) = self.model.clone() else { return Ok(None) };
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
-        let stops = self.stops(showing.view) + wanted.brighter;
-        let lamps =
-            session.lights.iter().filter(|light| light.on && wanted.glows).map(|light| light.rect).collect();
+        let lamps: Vec<RectLight> = session.lights.iter().filter(|l| l.on).map(|l| l.rect).collect();
+        // That of all light, whichever bounces the large picture shows.
+        let all = Content::new(session, Side::Current, ViewMode::FalseColor, Selection::All);
+        if showing.view.auto_exposure {
+            self.strip.exposure.read(showing, &all, &lamps, wanted.size);
+        }
+        let base = if showing.view.auto_exposure { self.strip.exposure.stops } else { showing.view.stops };
+        let stops = base + wanted.brighter;
+        let lamps = if wanted.glows { lamps } else { Vec::new() };
         let look = Look::Radiance { stops, tone: showing.view.tone(), white: showing.view.white };
         let drawn = Drawn { content, camera: session.camera, lamps, look };
         while self.strip.cells.len() <= wanted.index {

@@ -1,0 +1,50 @@
+//! The exposure that a picture is given when it is left to the program.
+
+use super::{Content, Quality, Showing};
+use crate::camera::FlyCamera;
+use lumel::RectLight;
+use lumel_picture::{VertexLight, View, meter};
+use std::time::{Duration, Instant};
+
+/// While something moves or a solve runs, the exposure is read this often.
+const PERIOD: Duration = Duration::from_millis(900);
+
+/// The exposure that was read last.
+#[derive(Default)]
+pub(super) struct Metered {
+    /// In stops.
+    pub(super) stops: f32,
+    of: Option<(FlyCamera, Content, Vec<RectLight>)>,
+    at: Option<Instant>,
+}
+
+impl Metered {
+    /// Reads the exposure off the scene if what is seen has changed.
+    pub(super) fn read(
+        &mut self,
+        showing: &Showing<'_>,
+        content: &Content,
+        lamps: &[RectLight],
+        size: [u32; 2],
+    ) {
+        let session = showing.session;
+        let of = (session.camera, *content, lamps.to_vec());
+        // Another part of the light is not brighter or darker by a little: it is read at once.
+        let same_kind = self.of.as_ref().is_some_and(|(_, old, _)| old.shows_the_same_as(content));
+        let is_recent = self.at.is_some_and(|at| at.elapsed() < PERIOD);
+        let hold = showing.quality == Quality::Live && is_recent && same_kind;
+        if self.of.as_ref() == Some(&of) || hold {
+            return;
+        }
+        let Some(document) = &session.document else { return };
+        let (Ok(scene), Some(values)) = (document.relit(&session.lights), content.values(session)) else {
+            return;
+        };
+        let Ok(light) = VertexLight::new(&scene, &values) else { return };
+        let view = View::new(&scene, &*document.tracer, &light);
+        let aspect = size[0] as f32 / size[1].max(1) as f32;
+        if let Ok(stops) = meter(&view, &session.camera.camera(), aspect) {
+            *self = Self { stops, of: Some(of), at: Some(Instant::now()) };
+        }
+    }
+}
