@@ -100,6 +100,12 @@ impl Window {
         self.state().session.notices.all().iter().any(|notice| notice.text.contains(text))
     }
 
+    /// All texts in the window.
+    pub(crate) fn texts(&self) -> String {
+        let labels = self.query_all(by().role(Role::Label));
+        labels.filter_map(|label| label.value()).collect::<Vec<_>>().join("\n")
+    }
+
     /// All names in the window, for messages.
     fn inventory(&self) -> String {
         let text = |node: Node<'_>| {

@@ -11,6 +11,7 @@ mod hands;
 mod harness;
 mod lights;
 mod measure;
+mod names;
 mod prefs;
 mod recovery;
 mod saving;

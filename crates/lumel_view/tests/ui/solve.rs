@@ -3,7 +3,7 @@
 use crate::expected::{bits, reference};
 use crate::harness::Window;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Key, Modifiers, PointerButton, vec2};
 use lumel::{BounceLimit, Tail};
 use lumel_view::solver::Phase;
 use std::time::{Duration, Instant};
@@ -63,6 +63,31 @@ fn the_solve_button_starts() {
         window.reads("Solved: sobol 4+8 rays, 2 bounces")
             && window.told("Solved: direct light and 2 bounces")
     );
+}
+
+#[test]
+fn enter_solves_after_the_mouse_was_used_elsewhere() {
+    let Some(mut window) = Window::room() else { return };
+    let drag_slider = |window: &mut Window| {
+        let slider = window.find(Role::Slider, "Hemisphere").rect();
+        window.drag(PointerButton::Primary, slider.left_center() + vec2(8.0, 0.0), slider.center());
+    };
+    let uses = [
+        ("slider", drag_slider as fn(&mut Window)),
+        ("check box", |window| window.check("Estimate the rest")),
+        ("list", |window| window.choose("Sampler", "Halton")),
+        ("button", |window| window.click("Draft")),
+        ("tab", |window| window.tab("Camera")),
+    ];
+    for (what, use_mouse) in uses {
+        use_mouse(&mut window);
+        window.session().settings.seed += 1;
+        let generation = window.session().light_generation;
+        window.press(Key::Enter);
+        window.wait_until(what, |app| app.session.light_generation > generation);
+        window.session().stop();
+        window.wait_until("the end", |app| app.session.phase().is_none());
+    }
 }
 
 #[test]
