@@ -18,8 +18,6 @@ struct Term {
     name: String,
     /// Nothing for emission alone.
     selection: Option<Selection>,
-    /// Stops that make it as bright as direct light.
-    brighter: f32,
 }
 
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
@@ -46,22 +44,15 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
 fn terms(app: &App) -> Vec<Term> {
     let light = &app.session.light;
     let mut terms = vec![
-        Term {
-            symbol: "Σ".into(), name: "All light".into(), selection: Some(Selection::All), brighter: 0.0
-        },
-        Term { symbol: "E".into(), name: "Emission".into(), selection: None, brighter: 0.0 },
+        Term { symbol: "Σ".into(), name: "All light".into(), selection: Some(Selection::All) },
+        Term { symbol: "E".into(), name: "Emission".into(), selection: None },
     ];
-    let power = |k: usize| app.session.stats.get(k).map_or(0.0, |s| s.power);
     // A bounce has a picture once it is done.
     for k in 0..light.bounces.len().min(MAX_TERMS) {
-        let brighter =
-            if power(k) > 0.0 { (power(0) / power(k)).log2().clamp(0.0, 20.0) as f32 } else { 0.0 };
         terms.push(Term {
             symbol: format!("{}E", "PT".repeat(k + 1)),
             name: if k == 0 { "Direct light".into() } else { format!("Bounce {k}") },
             selection: Some(Selection::bounce(k as u32)),
-            // In steps, so that a picture is not drawn anew for every little change.
-            brighter: (brighter * 4.0).round() / 4.0,
         });
     }
     terms
@@ -87,10 +78,10 @@ fn one(app: &mut App, ui: &mut Ui, index: usize, term: &Term, size: egui::Vec2) 
         selection => selection,
     };
     let glows = term.selection.is_none_or(Selection::is_all);
-    let wanted = Thumbnail { index, selection, glows, brighter: term.brighter, size: pixels };
-    let texture = app.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
+    let wanted = Thumbnail { index, selection, glows, size: pixels };
+    let shown = app.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
     let painter = ui.painter();
-    if let Some(texture) = texture {
+    if let Some((texture, _)) = shown {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, rect, whole, Color32::WHITE);
     }
@@ -98,8 +89,8 @@ fn one(app: &mut App, ui: &mut Ui, index: usize, term: &Term, size: egui::Vec2) 
     let stroke = if selected { Stroke::new(2.0, theme::ACCENT) } else { Stroke::new(1.0, theme::LINE) };
     painter.rect_stroke(rect, CornerRadius::same(3), stroke, StrokeKind::Inside);
     label(painter, rect.left_top(), &term.symbol, Align2::LEFT_TOP);
-    if term.brighter > 0.0 {
-        label(painter, rect.right_top(), &format!("+{:.1} EV", term.brighter), Align2::RIGHT_TOP);
+    if let Some((_, brighter)) = shown.filter(|(_, brighter)| brighter.abs() >= 0.05) {
+        label(painter, rect.right_top(), &format!("{brighter:+.1} EV"), Align2::RIGHT_TOP);
     }
     label(painter, rect.left_bottom(), &term.name, Align2::LEFT_BOTTOM);
     if let (true, Some(selection)) = (response.clicked(), term.selection) {

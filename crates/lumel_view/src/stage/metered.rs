@@ -36,15 +36,20 @@ impl Metered {
         if self.of.as_ref() == Some(&of) || hold {
             return;
         }
-        let Some(document) = &session.document else { return };
-        let (Ok(scene), Some(values)) = (document.relit(&session.lights), content.values(session)) else {
-            return;
-        };
-        let Ok(light) = VertexLight::new(&scene, &values) else { return };
-        let view = View::new(&scene, &*document.tracer, &light);
-        let aspect = size[0] as f32 / size[1].max(1) as f32;
-        if let Ok(stops) = meter(&view, &session.camera.camera(), aspect) {
+        if let Some(stops) = stops_for(showing, content, size) {
             *self = Self { stops, of: Some(of), at: Some(Instant::now()) };
         }
     }
+}
+
+/// What the meter reads for some light from the camera of the session.
+pub(super) fn stops_for(showing: &Showing<'_>, content: &Content, size: [u32; 2]) -> Option<f32> {
+    let session = showing.session;
+    let document = session.document.as_ref()?;
+    let scene = document.relit(&session.lights).ok()?;
+    let values = content.values(session)?;
+    let light = VertexLight::new(&scene, &values).ok()?;
+    let view = View::new(&scene, &*document.tracer, &light);
+    let aspect = size[0] as f32 / size[1].max(1) as f32;
+    meter(&view, &session.camera.camera(), aspect).ok()
 }

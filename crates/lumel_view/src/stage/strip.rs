@@ -1,5 +1,6 @@
 //! Small pictures of the terms of the series.
 
+use super::metered::stops_for;
 use super::{Content, Metered, Quality, Showing, Side, Stage, show_target};
 use crate::camera::FlyCamera;
 use crate::prefs::ViewMode;
@@ -17,8 +18,6 @@ pub struct Thumbnail {
     pub selection: Option<Selection>,
     /// Whether lamps are drawn: bounces are what arrives on surfaces, so only emission and the sum show what glows.
     pub glows: bool,
-    /// Stops that are added to the exposure of the large picture.
-    pub brighter: f32,
     /// Its size, pixels.
     pub size: [u32; 2],
 }
@@ -36,6 +35,8 @@ struct Cell {
     buffer: LightBuffer,
     content: Option<Content>,
     drawn: Option<Drawn>,
+    /// How many stops brighter this content is shown than all light.
+    brighter: Option<(Content, f32)>,
 }
 
 /// All that a small picture depends on.
@@ -48,7 +49,7 @@ struct Drawn {
 }
 
 impl Stage {
-    /// The texture of a small picture, drawn anew if what it shows has changed.
+    /// A small picture, drawn anew if what it shows has changed, and by how many stops it is brightened.
     ///
     /// While something moves or a solve runs, only new content is drawn: the processor's time belongs to the large
     /// picture and to the solve.
@@ -59,7 +60,7 @@ impl Stage {
         &mut self,
         showing: &Showing<'_>,
         wanted: &Thumbnail,
-    ) -> Result<Option<TextureId>, RenderError> {
+    ) -> Result<Option<(TextureId, f32)>, RenderError> {
         let session = showing.session;
         let Some(document) = &session.document else { return Ok(None) };
         self.load(session.document_generation, &document.scene)?;
@@ -73,15 +74,19 @@ impl Stage {
             self.strip.exposure.read(showing, &all, &lamps, wanted.size);
         }
         let base = if showing.view.auto_exposure { self.strip.exposure.stops } else { showing.view.stops };
-        let stops = base + wanted.brighter;
         let lamps = if wanted.glows { lamps } else { Vec::new() };
-        let look = Look::Radiance { stops, tone: showing.view.tone(), white: showing.view.white };
-        let drawn = Drawn { content, camera: session.camera, lamps, look };
         while self.strip.cells.len() <= wanted.index {
             let target = self.renderer.target(wanted.size, Samples::One)?;
             let texture = show_target(&self.state, &target, None);
             let buffer = self.renderer.light(&model);
-            self.strip.cells.push(Cell { target, texture, buffer, content: None, drawn: None });
+            self.strip.cells.push(Cell {
+                target,
+                texture,
+                buffer,
+                content: None,
+                drawn: None,
+                brighter: None,
+            });
         }
         let cell = &mut self.strip.cells[wanted.index];
         if cell.target.size() != wanted.size {
@@ -89,13 +94,29 @@ impl Stage {
             show_target(&self.state, &cell.target, Some(cell.texture));
             cell.drawn = None;
         }
+        let known = cell.brighter.filter(|(of, _)| *of == content).map(|(_, brighter)| brighter);
+        let brighter = match known {
+            Some(brighter) => brighter,
+            // What emits and the sum have the exposure of the sum.
+            None if wanted.glows => 0.0,
+            // Read once for each bounce: from elsewhere it is hardly brighter or darker compared with the sum.
+            None => {
+                let read =
+                    stops_for(showing, &content, wanted.size).zip(stops_for(showing, &all, wanted.size));
+                read.map_or(0.0, |(own, all)| own - all)
+            }
+        };
+        cell.brighter = Some((content, brighter));
+        let look =
+            Look::Radiance { stops: base + brighter, tone: showing.view.tone(), white: showing.view.white };
+        let drawn = Drawn { content, camera: session.camera, lamps, look };
         let is_current = match (&cell.drawn, showing.quality) {
             (None, _) => false,
             (Some(old), Quality::Live) => old.content == drawn.content || !content.is_finished(),
             (Some(old), Quality::Still) => *old == drawn,
         };
         if is_current {
-            return Ok(Some(cell.texture));
+            return Ok(Some((cell.texture, brighter)));
         }
         if cell.content != Some(content) {
             self.renderer.set_light(&cell.buffer, &content.values(session).unwrap_or_default())?;
@@ -113,6 +134,6 @@ impl Stage {
         };
         self.renderer.draw(&cell.target, &frame);
         cell.drawn = Some(drawn);
-        Ok(Some(cell.texture))
+        Ok(Some((cell.texture, brighter)))
     }
 }
