@@ -298,8 +298,10 @@ impl App {
         for (command, key) in ctx.input(input::pressed) {
             // Space and Enter press the button that has the focus, Delete is for texts and tables.
             let belongs_to_widget = elsewhere && matches!(key, egui::Key::Space | egui::Key::Enter);
+            // In flight Ctrl is for flying slowly, also where S or Q with it would do something.
+            let flies = self.viewport.is_flying() && input::is_motion(key);
             let modal = self.dialogs.is_any_open() && !matches!(command, Command::Stop | Command::Help);
-            if belongs_to_widget || modal {
+            if belongs_to_widget || modal || flies {
                 continue;
             }
             self.spent_keys.insert(key);

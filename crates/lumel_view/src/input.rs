@@ -282,6 +282,11 @@ impl ShiftMatters for Modifiers {
     }
 }
 
+/// Whether a key moves the camera while it is held.
+pub fn is_motion(key: Key) -> bool {
+    MOTIONS.iter().any(|(_, motion, _)| *motion == key)
+}
+
 impl Command {
     /// What it does, in words.
     pub fn text(self) -> &'static str {
@@ -369,7 +374,7 @@ mod tests {
             for b in &BINDINGS[i + 1..] {
                 assert!(a.key != b.key || a.modifiers != b.modifiers, "{} {}", a.keys(), a.text);
             }
-            let moves = MOTIONS.iter().any(|(_, key, _)| *key == a.key);
+            let moves = is_motion(a.key);
             assert!(!moves || a.modifiers.command, "{} flies and does something", a.keys());
         }
     }

@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 
 /// The window's size at first, points; it is remembered.
 const WINDOW_SIZE: [f32; 2] = [1280.0, 720.0];
-const MIN_WINDOW_SIZE: [f32; 2] = [720.0, 480.0];
+const MIN_WINDOW_SIZE: [f32; 2] = [1000.0, 560.0];
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

@@ -61,6 +61,11 @@ impl Recovery {
         (0..u32::MAX).map(place).find(|place| !taken(place)).unwrap_or_else(|| place(0))
     }
 
+    /// Another place in the same folder: what is in this one stays for a later start.
+    pub fn another(&self) -> Self {
+        Self::of_this_process(&self.folder)
+    }
+
     /// Unsaved work that other processes left behind, the newest first.
     pub fn left_behind(folder: &Path) -> Vec<(Self, Note)> {
         let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };

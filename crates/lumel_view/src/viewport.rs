@@ -60,6 +60,11 @@ impl Viewport {
         self.moved.is_some_and(|at| at.elapsed() < SETTLE)
     }
 
+    /// Whether keys that fly are held.
+    pub fn is_flying(&self) -> bool {
+        self.flying
+    }
+
     /// Width over height.
     pub fn aspect(&self) -> f32 {
         let size = self.area().size();

@@ -14,8 +14,8 @@ const NEW_LIGHT: f32 = 0.05;
 /// Radiance of a new light times the square of the diagonal over its area: bright enough for any size of scene.
 const NEW_POWER: f32 = 0.15;
 
-/// All that can be undone.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// All that can be undone. Which light is active comes back with it, but choosing another is no change.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Edit {
     lights: Vec<EditLight>,
     active: usize,
@@ -27,13 +27,14 @@ impl Edit {
         Self { lights: session.lights.clone(), active: session.active, slots: session.slots.clone() }
     }
 
-    /// Whether both have the same content; which light is active does not count.
-    fn same_content(&self, other: &Self) -> bool {
-        self.lights == other.lights && self.slots == other.slots
-    }
-
     fn put_into(self, session: &mut Session) {
         (session.lights, session.active, session.slots) = (self.lights, self.active, self.slots);
+    }
+}
+
+impl PartialEq for Edit {
+    fn eq(&self, other: &Self) -> bool {
+        self.lights == other.lights && self.slots == other.slots
     }
 }
 
@@ -173,7 +174,7 @@ impl Session {
 
     /// Whether lights or slots differ from what was opened or saved.
     pub fn has_unsaved_edits(&self) -> bool {
-        self.document.is_some() && !Edit::of(self).same_content(&self.saved_edit)
+        self.document.is_some() && Edit::of(self) != self.saved_edit
     }
 
     pub(super) fn edits_are_saved(&mut self) {

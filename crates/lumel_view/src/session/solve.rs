@@ -289,6 +289,10 @@ impl Session {
         }
         match (ending, running.then) {
             (Ending::Failed(problem), _) => {
+                if self.light.is_empty() {
+                    // What could not be gone on with may still be of use, to another version or with the old mesh.
+                    self.leave_place();
+                }
                 self.notices.push(Level::Error, format!("The solve failed: {problem}"))
             }
             (_, Then::Restart) => self.start_solve(Start::Anew),
@@ -309,6 +313,11 @@ impl Session {
             }
         }
         self.note_completion();
+    }
+
+    /// Keeps unsaved work somewhere else from now on.
+    fn leave_place(&mut self) {
+        self.recovery = self.recovery.as_ref().map(Recovery::another);
     }
 
     fn finish_standard_error(&mut self, ending: &Ending) {
@@ -413,6 +422,7 @@ impl Session {
                 Err(problem) => {
                     let text = format!("The unsaved solution cannot be read: {problem}");
                     self.notices.push(Level::Error, text);
+                    self.leave_place();
                 }
             }
         } else {
