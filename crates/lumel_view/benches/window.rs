@@ -66,9 +66,13 @@ impl Window {
 
     /// Processor time of the program so far, in ticks of a hundredth of a second.
     fn ticks(&self) -> u64 {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.program.id())).unwrap_or_default();
-        let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
-        [11, 12].into_iter().filter_map(|i| fields.get(i)?.parse::<u64>().ok()).sum()
+        ticks(Path::new(&format!("/proc/{}/stat", self.program.id())), "")
+    }
+
+    /// That of its threads whose names contain this.
+    fn ticks_of(&self, name: &str) -> u64 {
+        let threads = std::fs::read_dir(format!("/proc/{}/task", self.program.id())).unwrap();
+        threads.flatten().map(|thread| ticks(&thread.path().join("stat"), name)).sum()
     }
 }
 
@@ -77,6 +81,14 @@ impl Drop for Window {
         let _ = self.program.kill();
         let _ = self.program.wait();
     }
+}
+
+/// Processor time of a process or thread, unless its name does not contain `name`.
+fn ticks(stat: &Path, name: &str) -> u64 {
+    let stat = std::fs::read_to_string(stat).unwrap_or_default();
+    let Some((_, numbers)) = stat.rsplit_once(')').filter(|(head, _)| head.contains(name)) else { return 0 };
+    let fields: Vec<&str> = numbers.split_whitespace().collect();
+    [11, 12].into_iter().filter_map(|i| fields.get(i)?.parse::<u64>().ok()).sum()
 }
 
 /// Seconds of a solve without a window, from the basis on, as the window counts them.
@@ -91,13 +103,16 @@ fn without_window() -> f64 {
     begun.elapsed().as_secs_f64()
 }
 
-fn with_window(screen: &Screen) -> f64 {
+/// Seconds of a solve beside a window, and processor time of the software renderer's threads meanwhile.
+fn with_window(screen: &Screen) -> (f64, f64) {
     let home = tempfile::tempdir().unwrap();
     let mut window = Window::open(screen, home.path());
+    let before = window.ticks_of("llvmpipe");
     screen.xdotool(&["key", "Return"]);
     std::thread::sleep(Duration::from_secs(4));
     let text = window.wait_for("Solved:");
-    text.rsplit(" in ").next().and_then(|s| s.strip_suffix(" s")?.parse().ok()).unwrap()
+    let drawing = (window.ticks_of("llvmpipe") - before) as f64 / 100.0;
+    (text.rsplit(" in ").next().and_then(|s| s.strip_suffix(" s")?.parse().ok()).unwrap(), drawing)
 }
 
 fn frames(screen: &Screen) {
@@ -126,19 +141,22 @@ fn main() {
     }
     let Some(screen) = tools_or_skip() else { return };
     frames(&screen);
-    let (mut without, mut with, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut without, mut with, mut ratios, mut drawn) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for round in 0..ROUNDS {
         let a = without_window();
-        let b = with_window(&screen);
-        println!("round {round}: {a:.2} s without, {b:.2} s with an idle window");
+        let (b, drawing) = with_window(&screen);
+        println!("round {round}: {a:.2} s without, {b:.2} s with an idle window, drawing {drawing:.2} s");
         without.push(a);
         with.push(b);
         ratios.push(b / a);
+        drawn.push(drawing);
     }
     let ratio = median(&mut ratios);
     println!(
-        "{SCENE}, {SAMPLES} rays, 4 bounces: {:.2} s without, {:.2} s with an idle window; median ratio {ratio:.3}",
+        "{SCENE}, {SAMPLES} rays, 4 bounces: {:.2} s without, {:.2} s with an idle window; median ratio {ratio:.3}; \
+         {:.2} s of processor time went to the software renderer",
         median(&mut without),
-        median(&mut with)
+        median(&mut with),
+        median(&mut drawn)
     );
 }

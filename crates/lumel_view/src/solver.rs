@@ -12,13 +12,13 @@ use lumel::{
 use lumel_scene::luminance;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Time between two looks at a bounce that is being measured. The picture is to change twice a second at least.
-const SNAPSHOT_PERIOD: Duration = Duration::from_millis(450);
+const SNAPSHOT_PERIOD: Duration = Duration::from_millis(490);
 
 /// The first look comes sooner: one has just pressed the key.
 const FIRST_SNAPSHOT: Duration = Duration::from_millis(120);
@@ -323,7 +323,7 @@ fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &K
     let watch = Watch::new(task, &baker, control, shared, keep);
     watch.resumed(&state);
     let result = std::thread::scope(|scope| {
-        scope.spawn(|| watch.publish_snapshots());
+        scope.spawn(|| watch.serve());
         let _closing = Closing(&watch);
         baker.run(&mut state, control, &watch)
     });
@@ -353,9 +353,19 @@ struct Watch<'a> {
     /// Milliseconds of the clock from which on a snapshot is wanted.
     due: AtomicU64,
     /// Handed from the threads that solve to the one that publishes.
-    mail: Mutex<Option<Snapshot>>,
+    mail: Mutex<Mail>,
     arrived: Condvar,
-    closed: AtomicBool,
+}
+
+/// What is to be done beside a solve.
+#[derive(Default)]
+struct Mail {
+    /// A look at the bounce under way.
+    snapshot: Option<Snapshot>,
+    /// Finished bounces to keep somewhere.
+    state: Option<SolveState>,
+    /// No more will come.
+    closed: bool,
 }
 
 impl<'a> Watch<'a> {
@@ -376,7 +386,6 @@ impl<'a> Watch<'a> {
             due: AtomicU64::new(FIRST_SNAPSHOT.as_millis() as u64),
             mail: Mutex::default(),
             arrived: Condvar::new(),
-            closed: AtomicBool::new(false),
         }
     }
 
@@ -411,38 +420,44 @@ impl<'a> Watch<'a> {
         });
     }
 
-    /// Turns snapshots into light at vertices until the solve ends, beside the threads that solve.
-    fn publish_snapshots(&self) {
+    /// Publishes snapshots and keeps finished bounces until the solve ends, beside the threads that solve: neither
+    /// a disk nor a picture holds them up.
+    fn serve(&self) {
+        let mut mail = lock(&self.mail);
         loop {
-            let snapshot = {
-                let mut mail = lock(&self.mail);
-                loop {
-                    if self.closed.load(Ordering::Acquire) {
-                        return;
-                    }
-                    if let Some(snapshot) = mail.take() {
-                        break snapshot;
-                    }
-                    mail = self.arrived.wait(mail).unwrap_or_else(PoisonError::into_inner);
-                }
-            };
-            let Step::Bounce(bounce) = snapshot.step else { continue };
-            let mut values = self.baker.at_vertices(&snapshot.current);
-            let measured = self.baker.flags_at_vertices(&snapshot.measured);
-            self.task.neighbours.spread(&mut values, &measured);
-            let current = Some(Arc::new(values));
-            // The bounce may have been finished meanwhile.
-            self.shared.publish_light(|p| {
-                if p.light.bounces.len() == bounce as usize {
-                    p.light.current = current;
-                }
-            });
+            if let Some(state) = mail.state.take() {
+                drop(mail);
+                let problem = (self.keep)(self.baker, &state).err();
+                lock(&self.shared.published).checkpoint_problem = problem;
+                mail = lock(&self.mail);
+            } else if mail.closed {
+                return;
+            } else if let Some(snapshot) = mail.snapshot.take() {
+                drop(mail);
+                self.publish_snapshot(&snapshot);
+                mail = lock(&self.mail);
+            } else {
+                mail = self.arrived.wait(mail).unwrap_or_else(PoisonError::into_inner);
+            }
         }
     }
 
-    fn close(&self) {
-        let _mail = lock(&self.mail);
-        self.closed.store(true, Ordering::Release);
+    fn publish_snapshot(&self, snapshot: &Snapshot) {
+        let Step::Bounce(bounce) = snapshot.step else { return };
+        let mut values = self.baker.at_vertices(&snapshot.current);
+        let measured = self.baker.flags_at_vertices(&snapshot.measured);
+        self.task.neighbours.spread(&mut values, &measured);
+        let current = Some(Arc::new(values));
+        // The bounce may have been finished meanwhile.
+        self.shared.publish_light(|p| {
+            if p.light.bounces.len() == bounce as usize {
+                p.light.current = current;
+            }
+        });
+    }
+
+    fn hand_over(&self, change: impl FnOnce(&mut Mail)) {
+        change(&mut lock(&self.mail));
         self.arrived.notify_all();
     }
 
@@ -456,7 +471,7 @@ struct Closing<'a>(&'a Watch<'a>);
 
 impl Drop for Closing<'_> {
     fn drop(&mut self) {
-        self.0.close();
+        self.0.hand_over(|mail| mail.closed = true);
     }
 }
 
@@ -480,8 +495,7 @@ impl Observer for Watch<'_> {
         }
         let seconds = lock(&self.shared.pace).step.map_or(0.0, |(_, since)| since.elapsed().as_secs_f64());
         self.publish_bounce(state, seconds);
-        let problem = (self.keep)(self.baker, state).err();
-        lock(&self.shared.published).checkpoint_problem = problem;
+        self.hand_over(|mail| mail.state = Some(state.clone()));
     }
 
     fn wants_snapshot(&self) -> bool {
@@ -496,8 +510,7 @@ impl Observer for Watch<'_> {
     }
 
     fn snapshot(&self, snapshot: Snapshot) {
-        *lock(&self.mail) = Some(snapshot);
-        self.arrived.notify_one();
+        self.hand_over(|mail| mail.snapshot = Some(snapshot));
     }
 }
 
