@@ -31,6 +31,9 @@ pub const APP_ID: &str = "lumel-view";
 /// How often progress is shown when nothing else changes; new light comes sooner.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(700);
 
+/// What other threads tell within this time is shown in one frame.
+const WAKE_DELAY: Duration = Duration::from_millis(8);
+
 const PREFS_KEY: &str = "lumel_view.prefs";
 const DOCK_KEY: &str = "lumel_view.dock";
 
@@ -103,7 +106,7 @@ impl App {
         let tree = stored(DOCK_KEY).and_then(|text| serde_json::from_str(&text).ok());
         let ctx = cc.egui_ctx.clone();
         // Without a delay egui draws two frames, and each is dear on a software renderer.
-        let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
+        let wake: Wake = Arc::new(move || ctx.request_repaint_after(WAKE_DELAY));
         let mut session = Session::new(Surroundings {
             data_folder: start.data_folder,
             threads: start.threads,

@@ -482,7 +482,9 @@ impl Observer for Watch<'_> {
             pace.step = Some((step, Instant::now()));
             (pace.elements, pace.rays) = (self.control.elements(), self.control.rays());
         }
-        self.next_due(FIRST_SNAPSHOT);
+        // Before there is any light one waits for it; later the light so far stays in sight.
+        let first = if step == Step::Bounce(0) { FIRST_SNAPSHOT } else { SNAPSHOT_PERIOD };
+        self.next_due(first);
         self.shared.publish_phase(match step {
             Step::Probe => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
