@@ -8,9 +8,10 @@ use crate::notice::Level;
 use crate::panels;
 use crate::pick::Pick;
 use crate::prefs::{MAX_BOUNCES, Prefs, ViewPrefs};
+use crate::rhythm::{AT_ONCE, Rhythm};
 use crate::selection::Selection;
 use crate::session::{Hand, Session, Surroundings};
-use crate::solver::Wake;
+use crate::solver::{Wake, Wakes};
 use crate::stage::Stage;
 use crate::theme;
 use crate::viewport::Viewport;
@@ -30,9 +31,6 @@ pub const APP_ID: &str = "lumel-view";
 
 /// How often progress is shown when nothing else changes; new light comes sooner.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(700);
-
-/// What other threads tell within this time is shown in one frame.
-const WAKE_DELAY: Duration = Duration::from_millis(8);
 
 const PREFS_KEY: &str = "lumel_view.prefs";
 const DOCK_KEY: &str = "lumel_view.dock";
@@ -87,6 +85,7 @@ pub struct App {
     pub(crate) picture_folder: PathBuf,
     pub(crate) ground: Ground,
     quit: Arc<AtomicBool>,
+    rhythm: Arc<Rhythm>,
     dock: Tree<Pane>,
     /// Keys that did something and must not fly too while they stay down.
     pub(crate) spent_keys: HashSet<egui::Key>,
@@ -105,12 +104,15 @@ impl App {
         let prefs = prefs.checked();
         let tree = stored(DOCK_KEY).and_then(|text| serde_json::from_str(&text).ok());
         let ctx = cc.egui_ctx.clone();
+        let rhythm = Arc::new(Rhythm::new());
+        let (glimpsed, beat) = (ctx.clone(), Arc::clone(&rhythm));
         // Without a delay egui draws two frames, and each is dear on a software renderer.
-        let wake: Wake = Arc::new(move || ctx.request_repaint_after(WAKE_DELAY));
+        let wake: Wake = Arc::new(move || ctx.request_repaint_after(AT_ONCE));
+        let glimpse: Wake = Arc::new(move || glimpsed.request_repaint_after(beat.until_next()));
         let mut session = Session::new(Surroundings {
             data_folder: start.data_folder,
             threads: start.threads,
-            wake: Arc::clone(&wake),
+            wakes: Wakes { event: Arc::clone(&wake), glimpse },
         })?;
         session.settings = prefs.settings.clone();
         let stage = cc.wgpu_render_state.clone().map(Stage::new);
@@ -144,6 +146,7 @@ impl App {
             picture_folder: start.picture_folder,
             ground: start.ground,
             quit: start.quit,
+            rhythm,
             dock: tree.filter(dock::is_whole).unwrap_or_else(dock::default_tree),
             spent_keys: HashSet::new(),
         })
@@ -374,9 +377,11 @@ impl eframe::App for App {
         crate::dialogs::show(self, &ctx);
         self.toasts.add(self.session.notices.take_fresh());
         self.toasts.show(&ctx, self.viewport.area());
+        let software = self.stage.as_ref().is_some_and(|stage| stage.gpu().is_software());
+        self.rhythm.frame(software, ctx.input(|i| !i.events.is_empty()));
         if self.session.phase().is_some() {
             // Progress is shown while nothing else changes.
-            ctx.request_repaint_after(PROGRESS_PERIOD);
+            ctx.request_repaint_after(self.rhythm.until_next().max(PROGRESS_PERIOD));
         }
     }
 

@@ -21,6 +21,7 @@ mod panels;
 pub mod pick;
 pub mod prefs;
 pub mod recovery;
+mod rhythm;
 pub mod screenshot;
 pub mod selection;
 pub mod session;

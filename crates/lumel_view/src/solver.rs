@@ -26,6 +26,15 @@ const FIRST_SNAPSHOT: Duration = Duration::from_millis(120);
 /// Called from any thread when there is something new to draw.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
+/// How the window is told of a solve.
+#[derive(Clone)]
+pub struct Wakes {
+    /// Something has happened.
+    pub event: Wake,
+    /// A little more is known of the bounce under way; may be drawn when it suits.
+    pub glimpse: Wake,
+}
+
 /// What a solve works with.
 #[derive(Clone)]
 pub struct Task {
@@ -151,7 +160,7 @@ struct Shared {
     published: Mutex<Published>,
     solved: Mutex<Option<Arc<Solved>>>,
     pace: Mutex<Pace>,
-    wake: Wake,
+    wakes: Wakes,
 }
 
 /// What the estimate of the time left is made from.
@@ -166,7 +175,7 @@ struct Pace {
 
 impl Job {
     /// Starts a job on the threads of a pool; `keep` is called after each bounce of a solve.
-    pub fn start(task: Task, work: Work, pool: Arc<ThreadPool>, keep: Keep, wake: Wake) -> Self {
+    pub fn start(task: Task, work: Work, pool: Arc<ThreadPool>, keep: Keep, wakes: Wakes) -> Self {
         let control = Arc::new(Control::default());
         let published = Published {
             phase: Phase::Preparing,
@@ -179,7 +188,7 @@ impl Job {
             published: Mutex::new(published),
             solved: Mutex::default(),
             pace: Mutex::default(),
-            wake,
+            wakes,
         });
         let settings = task.settings.clone();
         let thread = {
@@ -277,17 +286,19 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Shared {
     fn publish_light(&self, change: impl FnOnce(&mut Published)) {
-        {
-            let mut published = lock(&self.published);
-            change(&mut published);
-            published.generation += 1;
-        }
-        (self.wake)();
+        self.change_light(change);
+        (self.wakes.event)();
+    }
+
+    fn change_light(&self, change: impl FnOnce(&mut Published)) {
+        let mut published = lock(&self.published);
+        change(&mut published);
+        published.generation += 1;
     }
 
     fn publish_phase(&self, phase: Phase) {
         lock(&self.published).phase = phase;
-        (self.wake)();
+        (self.wakes.event)();
     }
 }
 
@@ -449,11 +460,12 @@ impl<'a> Watch<'a> {
         self.task.neighbours.spread(&mut values, &measured);
         let current = Some(Arc::new(values));
         // The bounce may have been finished meanwhile.
-        self.shared.publish_light(|p| {
+        self.shared.change_light(|p| {
             if p.light.bounces.len() == bounce as usize {
                 p.light.current = current;
             }
         });
+        (self.shared.wakes.glimpse)();
     }
 
     fn hand_over(&self, change: impl FnOnce(&mut Mail)) {

@@ -18,7 +18,7 @@ use crate::notice::{Level, Notices};
 use crate::recovery::{Note, Recovery};
 use crate::selection::{Light, Selection};
 use crate::slots::Slots;
-use crate::solver::{BounceStats, Job, Wake};
+use crate::solver::{BounceStats, Job, Wake, Wakes};
 use crate::task::Background;
 use edit::Edit;
 use lumel::Settings;
@@ -87,6 +87,7 @@ pub struct Session {
     recovery: Option<Recovery>,
     pool: Arc<ThreadPool>,
     wake: Wake,
+    wakes: Wakes,
 }
 
 /// Where a session keeps unsaved work, and how it is woken.
@@ -96,7 +97,7 @@ pub struct Surroundings {
     /// Threads of solves; 0 for all.
     pub threads: usize,
     /// Called when something has changed that is to be seen.
-    pub wake: Wake,
+    pub wakes: Wakes,
 }
 
 impl Session {
@@ -136,7 +137,8 @@ impl Session {
             next_kept: 0,
             recovery: folder.map(Recovery::of_this_process),
             pool: Arc::new(pool),
-            wake: surroundings.wake,
+            wake: Arc::clone(&surroundings.wakes.event),
+            wakes: surroundings.wakes,
         })
     }
 

@@ -177,7 +177,7 @@ impl Session {
 
     fn run(&mut self, task: Task, work: Work, keep: Keep, kind: Kind) {
         let scene = Arc::clone(&task.scene);
-        let job = Job::start(task, work, Arc::clone(&self.pool), keep, Arc::clone(&self.wake));
+        let job = Job::start(task, work, Arc::clone(&self.pool), keep, self.wakes.clone());
         let lights = shining(&self.lights);
         self.running = Some(Running { job, scene, lights, seen: 0, then: Then::Rest, kind });
     }
