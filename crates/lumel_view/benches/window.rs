@@ -22,8 +22,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 const SCENE: &str = "cornell-box";
-const SAMPLES: u32 = 1024;
-const ROUNDS: usize = 5;
+const SAMPLES: u32 = 4096;
+const ROUNDS: usize = 3;
 
 struct Window {
     program: Child,
@@ -109,7 +109,7 @@ fn with_window(screen: &Screen) -> (f64, f64) {
     let mut window = Window::open(screen, home.path());
     let before = window.ticks_of("llvmpipe");
     screen.xdotool(&["key", "Return"]);
-    std::thread::sleep(Duration::from_secs(4));
+    std::thread::sleep(Duration::from_secs(20));
     let text = window.wait_for("Solved:");
     let drawing = (window.ticks_of("llvmpipe") - before) as f64 / 100.0;
     (text.rsplit(" in ").next().and_then(|s| s.strip_suffix(" s")?.parse().ok()).unwrap(), drawing)
