@@ -2,7 +2,7 @@
 //!
 //! On a graphics device, and on any while the window is used: as often as there is more of it, twice a second. A
 //! software renderer shares the processor with the solve; while nobody touches the window it draws so rarely that it
-//! takes about a fortieth of it.
+//! takes about a sixtieth of it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 /// What is told within this time is shown in one frame.
 pub(crate) const AT_ONCE: Duration = Duration::from_millis(8);
 
-/// Forty times the processor time of a frame of 1280 by 720 with new light on llvmpipe, about 0.1 s: the period at
-/// which frames take a fortieth of one core.
-const SOFTWARE_PERIOD: Duration = Duration::from_secs(4);
+/// Sixty times the processor time of a frame of 1280 by 720 with new light on llvmpipe, about 0.1 s: the period at which
+/// frames take a sixtieth of one core.
+const SOFTWARE_PERIOD: Duration = Duration::from_secs(6);
 
 /// So long after the last touch the window counts as used.
 const USED: Duration = Duration::from_secs(2);
