@@ -1,7 +1,7 @@
 //! What is open: a scene with all that is made from it once.
 
 use crate::camera::FlyCamera;
-use crate::lights::{EditLight, default_name};
+use crate::lights::{EditLight, default_name, shining};
 use crate::slots::Slots;
 use crate::spread::Neighbours;
 use lumel::{Baker, Bvh, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
@@ -155,7 +155,7 @@ impl Document {
     /// # Errors
     /// A light that cannot be, such as one without area; says which.
     pub fn relit(&self, lights: &[EditLight]) -> Result<Arc<Scene>, String> {
-        let editable = lights.iter().filter(|light| light.on).map(|light| Light::Rect(light.rect));
+        let editable = shining(lights).into_iter().map(Light::Rect);
         let all = editable.chain(self.other_lights.iter().copied()).collect();
         self.scene.relit(all).map(Arc::new).map_err(|e| error_text(&e))
     }

@@ -96,7 +96,7 @@ impl EditLight {
 
     /// Power of each channel without its texture, W.
     pub fn power(&self) -> Vec3 {
-        self.rect.radiance.radiosity().0 * self.rect.area()
+        self.rect.radiance.power(self.rect.area())
     }
 
     /// Its radiance as a largest channel and a colour, 0..=1 each.
@@ -144,6 +144,11 @@ impl EditLight {
     pub fn brightness(&self) -> f32 {
         luminance(self.rect.radiance.0)
     }
+}
+
+/// The lights that shine, as the solver and the renderer take them.
+pub fn shining(lights: &[EditLight]) -> Vec<RectLight> {
+    lights.iter().filter(|light| light.on).map(|light| light.rect).collect()
 }
 
 /// What the light with this index is called until it is renamed.

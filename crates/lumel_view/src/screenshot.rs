@@ -3,6 +3,7 @@
 use crate::app::App;
 use crate::cli::ScreenshotArgs;
 use crate::document::{self, error_text};
+use crate::lights::shining;
 use crate::notice::Level;
 use crate::prefs::ViewPrefs;
 use crate::selection::{Light, Selection};
@@ -145,7 +146,7 @@ pub fn without_window(
         None => meter(&view, &camera, width as f32 / height as f32)?,
     };
     let prefs = ViewPrefs::default();
-    let lamps: Vec<_> = contents.lights.iter().filter(|l| l.on).map(|l| l.rect).collect();
+    let lamps = shining(&contents.lights);
     let target = renderer.target([width, height], Samples::Four)?;
     renderer.draw(
         &target,

@@ -2,6 +2,7 @@
 
 use super::{Computed, Kept, Session};
 use crate::document::error_text;
+use crate::lights::shining;
 use crate::notice::Level;
 use crate::selection::{Light, Selection};
 use crate::task::Background;
@@ -242,8 +243,7 @@ impl Session {
         }
         self.computed = Some(Computed {
             scene: relit.unwrap_or_else(|| Arc::clone(&document.scene)),
-            lights: same_lights
-                .then(|| self.lights.iter().filter(|light| light.on).map(|light| light.rect).collect()),
+            lights: same_lights.then(|| shining(&self.lights)),
             settings: solution.as_ref().and_then(|s| serde_json::from_value(s.meta.settings.clone()).ok()),
             complete: solution.as_ref().is_none_or(|s| s.meta.complete),
             saved: true,

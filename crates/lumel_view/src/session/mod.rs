@@ -236,11 +236,6 @@ impl Session {
         self.opening.is_some()
     }
 
-    /// Whether anything goes on that will change what is seen.
-    pub fn is_busy(&self) -> bool {
-        self.background_work().is_some() || self.is_solving()
-    }
-
     /// The running or ended job.
     pub fn job(&self) -> Option<&Job> {
         self.running.as_ref().map(|running| &running.job)

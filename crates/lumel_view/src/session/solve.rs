@@ -2,7 +2,7 @@
 
 use super::{Hand, Session};
 use crate::document::Document;
-use crate::lights::EditLight;
+use crate::lights::{EditLight, shining};
 use crate::notice::Level;
 use crate::recovery::{Note, Recovery};
 use crate::selection::Light;
@@ -69,10 +69,6 @@ enum Then {
     Rest,
     Restart,
     GoOn,
-}
-
-fn shining(lights: &[EditLight]) -> Vec<RectLight> {
-    lights.iter().filter(|light| light.on).map(|light| light.rect).collect()
 }
 
 impl Session {

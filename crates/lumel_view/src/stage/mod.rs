@@ -12,6 +12,7 @@ pub use content::Side;
 pub use strip::Thumbnail;
 
 use crate::camera::FlyCamera;
+use crate::lights::shining;
 use crate::prefs::{ViewMode, ViewPrefs};
 use crate::selection::Selection;
 use crate::session::Session;
@@ -235,7 +236,7 @@ impl Stage {
         if let Some(right) = &right {
             self.fill(RIGHT, right, session)?;
         }
-        let lamps: Vec<RectLight> = session.lights.iter().filter(|l| l.on).map(|l| l.rect).collect();
+        let lamps = shining(&session.lights);
         let look = self.look(showing, &left, &lamps, size);
         let live = showing.quality == Quality::Live && self.gpu().is_software();
         Ok(Drawn {

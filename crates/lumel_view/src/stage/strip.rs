@@ -3,6 +3,7 @@
 use super::metered::stops_for;
 use super::{Content, Metered, Quality, Showing, Side, Stage, show_target};
 use crate::camera::FlyCamera;
+use crate::lights::shining;
 use crate::prefs::ViewMode;
 use crate::selection::Selection;
 use eframe::egui::TextureId;
@@ -67,7 +68,7 @@ impl Stage {
         let Some((_, model)) = self.model.clone() else { return Ok(None) };
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
-        let lamps: Vec<RectLight> = session.lights.iter().filter(|l| l.on).map(|l| l.rect).collect();
+        let lamps = shining(&session.lights);
         // That of all light, whichever bounces the large picture shows.
         let all = Content::new(session, Side::Current, ViewMode::FalseColor, Selection::All);
         if showing.view.auto_exposure {
