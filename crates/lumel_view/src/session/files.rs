@@ -60,7 +60,7 @@ impl Session {
         };
         let (scene, path) = (Arc::clone(&document.scene), path.to_owned());
         let what = format!("reading {}", path.display());
-        self.loading = Some(Background::start(what, Arc::clone(&self.wake), move || {
+        self.loading = Some(Background::start(what, Arc::clone(&self.wakes.event), move || {
             let file = LightFile::load_for(&path, &scene).map_err(|e| error_text(&e))?;
             Ok(LoadedLight { path, file, purpose })
         }));
@@ -140,7 +140,7 @@ impl Session {
     ) {
         let (path, what) = (path.to_owned(), what.to_owned());
         let doing = format!("saving {}", path.display());
-        self.saving.push(Background::start(doing, Arc::clone(&self.wake), move || {
+        self.saving.push(Background::start(doing, Arc::clone(&self.wakes.event), move || {
             write(&path)?;
             Ok(SavedFile { path, solution_of, what })
         }));

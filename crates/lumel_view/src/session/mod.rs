@@ -18,7 +18,7 @@ use crate::notice::{Level, Notices};
 use crate::recovery::{Note, Recovery};
 use crate::selection::{Light, Selection};
 use crate::slots::Slots;
-use crate::solver::{BounceStats, Job, Wake, Wakes};
+use crate::solver::{BounceStats, Job, Wakes};
 use crate::task::Background;
 use edit::Edit;
 use lumel::Settings;
@@ -86,7 +86,6 @@ pub struct Session {
     next_kept: u64,
     recovery: Option<Recovery>,
     pool: Arc<ThreadPool>,
-    wake: Wake,
     wakes: Wakes,
 }
 
@@ -137,7 +136,6 @@ impl Session {
             next_kept: 0,
             recovery: folder.map(Recovery::of_this_process),
             pool: Arc::new(pool),
-            wake: Arc::clone(&surroundings.wakes.event),
             wakes: surroundings.wakes,
         })
     }
@@ -147,7 +145,7 @@ impl Session {
         self.stop();
         let wanted = request.clone();
         let what = format!("opening {}", request.title());
-        let task = Background::start(what, Arc::clone(&self.wake), move || document::open(&wanted));
+        let task = Background::start(what, Arc::clone(&self.wakes.event), move || document::open(&wanted));
         self.opening = Some((request, task));
     }
 
