@@ -52,6 +52,9 @@ pub struct Hit {
 }
 
 /// Many rays from one origin.
+///
+/// Traced fast when directions that follow each other are close to each other: in the order of the cells of their
+/// sample points.
 #[derive(Clone, Copy, Debug)]
 pub struct Bundle<'a> {
     /// Where all rays start.
@@ -85,6 +88,16 @@ pub trait RayTracer: Send + Sync {
     fn closest_hits(&self, bundle: &Bundle<'_>, hits: &mut [Option<Hit>]) {
         for (i, hit) in hits.iter_mut().enumerate() {
             *hit = self.closest_hit(&bundle.ray(i));
+        }
+    }
+
+    /// The closest hits of rays with origins of their own; `hits` is as long as `rays`.
+    ///
+    /// Fast when rays that follow each other start close together and go similar ways, such as one direction of many
+    /// neighbours.
+    fn closest_hits_of(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest_hit(ray);
         }
     }
 
