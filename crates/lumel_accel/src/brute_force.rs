@@ -1,11 +1,13 @@
 //! The reference tracer: tries every triangle.
 
 use crate::ray::{Hit, Ray, RayTracer};
-use crate::triangle::ShearedRay;
+use crate::triangle::{intersect, is_traceable};
 use glam::Vec3;
 use lumel_scene::{Scene, SurfacePoint, TriId};
 
 /// Tries every triangle with the same test as [`Bvh`](crate::Bvh): slow, and simple enough to be right.
+///
+/// It decides every case exactly, where `Bvh` does so only near the edges.
 #[derive(Clone, Debug)]
 pub struct BruteForce {
     corners: Vec<[Vec3; 3]>,
@@ -27,17 +29,19 @@ impl BruteForce {
 
 impl RayTracer for BruteForce {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let sheared = ShearedRay::new(ray.origin, ray.direction)?;
+        if !is_traceable(ray.origin, ray.direction) {
+            return None;
+        }
         let mut closest: Option<Hit> = None;
         for (i, corners) in self.corners.iter().enumerate() {
             let tri = TriId(i as u32);
-            let t_max = closest.map_or(ray.t_max, |hit| hit.t);
+            // Going up in number, a hit must be strictly closer to replace one.
+            let limit = closest.map_or(ray.t_max, |hit| hit.t).next_down();
             if ray.skip == Some(tri) {
                 continue;
             }
-            // Going up in number, a hit must be strictly closer to replace one.
-            if let Some(hit) = sheared.intersect(corners, t_max).filter(|hit| hit.t < t_max) {
-                closest = Some(Hit { t: hit.t, at: SurfacePoint { tri, bary: hit.bary }, side: hit.side });
+            if let Some(hit) = intersect(corners, ray.origin, ray.direction, limit) {
+                closest = Some(Hit { t: hit.t, at: SurfacePoint { tri, bary: hit.bary() }, side: hit.side });
             }
         }
         closest

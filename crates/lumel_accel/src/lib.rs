@@ -8,9 +8,13 @@
 
 mod brute_force;
 mod bvh;
+mod bvh_tracer;
 mod ray;
+mod simd;
+mod trace;
 mod triangle;
 
 pub use brute_force::BruteForce;
 pub use bvh::Bvh;
 pub use ray::{Bundle, Hit, Ray, RayTracer, SHADOW_END};
+pub use simd::InstructionSet;

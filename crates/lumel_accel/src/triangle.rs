@@ -1,97 +1,98 @@
-//! The watertight ray-triangle test.
+//! The ray-triangle test: what decides, and what is measured.
 //!
-//! A ray that passes an edge meets exactly the triangles on one side of it (or both): neighbours evaluate the same
-//! edge function on the same two shared vertices and can only differ in its sign.
+//! Whether a ray passes through a triangle is decided by the signs of three edge functions, and these must not be
+//! wrong: a ray that two neighbours both let through leaks. Single precision is enough for nearly all rays; it comes
+//! with a bound of its error, and what lies within the bound is decided anew by [`passes`], exactly. So nothing passes
+//! between neighbours, and the answer does not depend on who asks.
 //!
-//! Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013.
+//! Distance and barycentrics come from single precision, by the same operations in the same order in all kernels. So
+//! the hit of a ray does not depend on how it was traced.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_scene::{Barycentrics, FaceSide};
+use robust::{Coord3D, orient3d};
 
-/// A ray in the frame in which it runs along its longest axis, z.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ShearedRay {
-    origin: Vec3,
-    /// The axis that becomes z; x and y follow it in turn.
-    axis: usize,
-    /// How far x, y and z are sheared per unit of the longest axis.
-    shear: [f32; 3],
-}
+/// Bound of the error of the three edge functions in single precision, relative to the product of the largest
+/// components of edge, corner and direction.
+///
+/// With unit roundoff ε/2 a component of a cross product of edge and corner errs by 7/2 ε of that product: both
+/// factors by ε/2, each of two products and their difference by as much of twice the size. A dot product of three such
+/// with the direction errs by 33/2 ε, the third function, a difference of three dot products, by 123/2 ε.
+pub(crate) const EDGE_ERROR: f32 = 64.0 * f32::EPSILON;
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TriangleHit {
     pub(crate) t: f32,
-    pub(crate) bary: Barycentrics,
+    /// Weights of corners 1 and 2.
+    pub(crate) weights: [f32; 2],
     pub(crate) side: FaceSide,
 }
 
-impl ShearedRay {
-    /// `None` when there is no direction to shear along.
-    pub(crate) fn new(origin: Vec3, direction: Vec3) -> Option<Self> {
-        if !(origin.is_finite() && direction.is_finite()) {
-            return None;
-        }
-        let axis = direction.abs().max_position();
-        let longest = direction[axis];
-        if longest == 0.0 {
-            return None;
-        }
-        let shear = [direction[(axis + 1) % 3] / longest, direction[(axis + 2) % 3] / longest, 1.0 / longest];
-        shear.iter().all(|s| s.is_finite()).then_some(Self { origin, axis, shear })
-    }
-
-    /// Meets a triangle at `0 < t <= t_max`; the caller breaks ties at `t_max`.
-    #[inline]
-    pub(crate) fn intersect(&self, corners: &[Vec3; 3], t_max: f32) -> Option<TriangleHit> {
-        // With the axis known to the compiler, coordinates stay in registers.
-        match self.axis {
-            0 => self.intersect_along::<0>(corners, t_max),
-            1 => self.intersect_along::<1>(corners, t_max),
-            _ => self.intersect_along::<2>(corners, t_max),
-        }
-    }
-
-    #[inline(always)]
-    fn sheared<const Z: usize>(&self, p: Vec3) -> [f32; 3] {
-        let p = (p - self.origin).to_array();
-        let z = p[Z];
-        [p[(Z + 1) % 3] - self.shear[0] * z, p[(Z + 2) % 3] - self.shear[1] * z, z]
-    }
-
-    #[inline(always)]
-    fn intersect_along<const Z: usize>(&self, corners: &[Vec3; 3], t_max: f32) -> Option<TriangleHit> {
-        let [a, b, c] = corners.map(|p| self.sheared::<Z>(p));
-        let mut u = c[0] * b[1] - c[1] * b[0];
-        let mut v = a[0] * c[1] - a[1] * c[0];
-        let mut w = b[0] * a[1] - b[1] * a[0];
-        if u == 0.0 || v == 0.0 || w == 0.0 {
-            // On an edge f32 cannot tell the side: the products are exact in f64.
-            u = exact_edge(&c, &b);
-            v = exact_edge(&a, &c);
-            w = exact_edge(&b, &a);
-        }
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
-        let det = u + v + w;
-        if det == 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / det;
-        let t = (u * a[2] + v * b[2] + w * c[2]) * self.shear[2] * inverse;
-        if !(t > 0.0 && t <= t_max) {
-            return None;
-        }
-        // Looking against the axis mirrors the winding.
-        let front = (det > 0.0) == (self.shear[2] > 0.0);
-        let side = if front { FaceSide::Front } else { FaceSide::Back };
-        Some(TriangleHit { t, bary: Barycentrics { u: u * inverse, v: v * inverse }, side })
+impl TriangleHit {
+    /// Rounding may have put the weights outside of the triangle, far if it is tiny.
+    pub(crate) fn bary(&self) -> Barycentrics {
+        let second = self.weights[0].clamp(0.0, 1.0);
+        let third = self.weights[1].clamp(0.0, 1.0 - second);
+        Barycentrics { u: 1.0 - second - third, v: second }
     }
 }
 
-fn exact_edge(p: &[f32; 3], q: &[f32; 3]) -> f32 {
-    (f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0])) as f32
+/// Whether rays have a direction, and an origin.
+pub(crate) fn is_traceable(origin: Vec3, direction: Vec3) -> bool {
+    origin.is_finite() && direction.is_finite() && (1.0 / direction.abs().max_element()).is_finite()
+}
+
+/// Whether the line of a ray passes through a triangle, edges included; exact.
+///
+/// It does if it has all edges on the same side of it. Neighbours evaluate the same determinant for the edge they
+/// share, but for its sign.
+///
+/// Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997.
+#[cold]
+pub(crate) fn passes(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> bool {
+    let point = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    let [a, b, c] = corners.map(|p| point(p.as_dvec3()));
+    // Two points of the line. If the sum is rounded, it is for all triangles alike.
+    let (start, ahead) = (point(origin.as_dvec3()), point(origin.as_dvec3() + direction.as_dvec3()));
+    let sides = [(b, c), (c, a), (a, b)].map(|(p, q)| orient3d(p, q, ahead, start));
+    let inside = sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0);
+    inside && sides.iter().any(|&s| s != 0.0)
+}
+
+/// The test of one ray and one triangle: `0 < t <= limit`.
+///
+/// Möller, Trumbore, *Fast, minimum storage ray/triangle intersection*, 1997, with the triple products grouped so that
+/// all that does not depend on the direction can be shared by rays of one origin.
+pub(crate) fn intersect(
+    corners: &[Vec3; 3],
+    origin: Vec3,
+    direction: Vec3,
+    limit: f32,
+) -> Option<TriangleHit> {
+    let [a, b, c] = *corners;
+    let (e1, e2, to_corner) = (b - a, c - a, a - origin);
+    let normal = cross(e1, e2);
+    let height = dot(normal, to_corner);
+    let det = dot(normal, direction);
+    let (second, third) = (dot(cross(e2, to_corner), direction), dot(cross(to_corner, e1), direction));
+    let inverse = 1.0 / det;
+    let t = height * inverse;
+    if !(t > 0.0 && t <= limit && passes(corners, origin, direction)) {
+        return None;
+    }
+    let side = if height < 0.0 { FaceSide::Front } else { FaceSide::Back };
+    Some(TriangleHit { t, weights: [second * inverse, third * inverse], side })
+}
+
+/// One rounding per component for the difference: the kernels do the same.
+fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    let component = |i: usize, j: usize| a[i].mul_add(b[j], -(a[j] * b[i]));
+    Vec3::new(component(1, 2), component(2, 0), component(0, 1))
+}
+
+fn dot(a: Vec3, b: Vec3) -> f32 {
+    a.x.mul_add(b.x, a.y.mul_add(b.y, a.z * b.z))
 }
 
 #[cfg(test)]
@@ -106,45 +107,37 @@ mod tests {
         let weights = [0.5, 0.3, 0.2];
         let target = TRIANGLE[0] * weights[0] + TRIANGLE[1] * weights[1] + TRIANGLE[2] * weights[2];
         for origin in [Vec3::new(0.3, -1.0, 5.0), Vec3::new(4.0, 2.0, -3.0), Vec3::new(0.1, 0.2, 0.7)] {
-            let ray = ShearedRay::new(origin, target - origin).unwrap();
-            let hit = ray.intersect(&TRIANGLE, 10.0).unwrap();
+            let hit = intersect(&TRIANGLE, origin, target - origin, 10.0).unwrap();
             assert!((hit.t - 1.0).abs() < 1e-6);
-            assert!((hit.bary.u - weights[0]).abs() < 1e-5 && (hit.bary.v - weights[1]).abs() < 1e-5);
+            assert!((hit.bary().u - weights[0]).abs() < 1e-5 && (hit.bary().v - weights[1]).abs() < 1e-5);
             // The normal is +z: the front is seen from above.
             assert_eq!(hit.side == FaceSide::Front, origin.z > 0.0, "{origin}");
         }
     }
 
     #[test]
-    fn every_dominant_axis_and_sign_sees_the_same_side() {
-        // The same triangle and ray turned through all axes keep their relation.
-        let turn = |p: Vec3, k: usize| match k {
-            0 => p,
-            1 => Vec3::new(p.z, p.x, p.y),
-            _ => Vec3::new(p.y, p.z, p.x),
-        };
-        for k in 0..3 {
-            for sign in [1.0, -1.0] {
-                let origin = turn(Vec3::new(0.4, 0.5, sign), k);
-                let direction = turn(Vec3::new(0.01, 0.02, -sign), k);
-                let corners = TRIANGLE.map(|p| turn(p, k));
-                let hit = ShearedRay::new(origin, direction).unwrap().intersect(&corners, 9.0).unwrap();
-                assert_eq!(hit.side == FaceSide::Front, sign > 0.0);
-            }
-        }
-    }
-
-    #[test]
-    fn rays_without_direction_meet_nothing() {
-        assert!(ShearedRay::new(Vec3::ZERO, Vec3::ZERO).is_none());
-        assert!(ShearedRay::new(Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 1.0)).is_none());
-        assert!(ShearedRay::new(Vec3::splat(f32::INFINITY), Vec3::X).is_none());
-        assert!(ShearedRay::new(Vec3::ZERO, Vec3::X * 1e-42).is_none());
+    fn rays_without_direction_are_not_traced() {
+        assert!(is_traceable(Vec3::ZERO, Vec3::X * 1e-30));
+        assert!(!is_traceable(Vec3::ZERO, Vec3::ZERO));
+        assert!(!is_traceable(Vec3::ZERO, Vec3::new(f32::NAN, 0.0, 1.0)));
+        assert!(!is_traceable(Vec3::splat(f32::INFINITY), Vec3::X));
+        assert!(!is_traceable(Vec3::ZERO, Vec3::X * 1e-42));
     }
 
     #[test]
     fn a_triangle_seen_edge_on_is_not_met() {
-        let ray = ShearedRay::new(Vec3::new(-1.0, 0.5, 0.0), Vec3::X).unwrap();
-        assert!(ray.intersect(&TRIANGLE, 9.0).is_none());
+        assert!(intersect(&TRIANGLE, Vec3::new(-1.0, 0.5, 0.0), Vec3::X, 9.0).is_none());
+    }
+
+    #[test]
+    fn lines_through_an_edge_pass_one_of_its_two_triangles_or_both() {
+        let across = [TRIANGLE[2], TRIANGLE[1], Vec3::new(2.0, 3.0, 0.5)];
+        for i in 0..10_000u16 {
+            let s = f32::from(i) / 10_000.0;
+            let origin = Vec3::new(s, 1.0 - s * s, 3.0 + s);
+            let target = TRIANGLE[1].lerp(TRIANGLE[2], s);
+            let [one, two] = [TRIANGLE, across].map(|t| passes(&t, origin, target - origin));
+            assert!(one || two, "{origin} to {target}");
+        }
     }
 }

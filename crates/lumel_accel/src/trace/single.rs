@@ -1,0 +1,200 @@
+//! One ray at a time: eight boxes, then four triangles, side by side.
+
+use super::leaf::{Edges, Origins, V3, splat};
+use super::stack::{Entry, Stack};
+use super::{EARLIER, Found, LATER, SMALLEST_COMPONENT, bits, code};
+use crate::bvh::{Block, Bvh, Child, Node};
+use crate::ray::{Hit, Ray};
+use crate::simd::{Kernel, Lanes, Permute, Simd};
+use glam::Vec3;
+
+/// A ray as the kernel needs it.
+#[derive(Clone, Copy)]
+pub(super) struct Line {
+    pub(super) origin: Vec3,
+    pub(super) direction: Vec3,
+    pub(super) skip: u32,
+}
+
+/// Vectors of one ray.
+struct Prepared<S: Simd> {
+    line: Line,
+    /// Bits are set for axes along which it goes down.
+    octant: usize,
+    origin8: V3<S::F8>,
+    inverse8: V3<S::F8>,
+    origin4: V3<S::F4>,
+    direction4: V3<S::F4>,
+    from: Origins,
+}
+
+impl<S: Simd> Prepared<S> {
+    #[inline(always)]
+    fn new(isa: S, line: Line) -> Self {
+        let (o, d) = (line.origin.to_array(), line.direction.to_array());
+        let reach = line.direction.abs().max_element();
+        let smallest = (reach * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
+        let inverse = d.map(|d| 1.0 / if d.abs() < smallest { smallest.copysign(d) } else { d });
+        let octant = (0..3).fold(0, |bits, axis| bits | usize::from(inverse[axis] < 0.0) << axis);
+        Self {
+            line,
+            octant,
+            origin8: splat(isa, o),
+            inverse8: splat(isa, inverse),
+            origin4: splat(isa, o),
+            direction4: splat(isa, d),
+            from: Origins { center: o, spread: 0.0, reach },
+        }
+    }
+
+    /// Pushes the children whose boxes it enters before `limit`, the nearest last.
+    #[inline(always)]
+    fn enter(&self, isa: S, node: &Node, limit: f32, stack: &mut Stack) {
+        let mut near = S::F8::splat(isa, 0.0);
+        let mut far = S::F8::splat(isa, limit);
+        for axis in 0..3 {
+            let (first, last) = if self.octant >> axis & 1 == 0 {
+                (&node.lower[axis], &node.upper[axis])
+            } else {
+                (&node.upper[axis], &node.lower[axis])
+            };
+            // Subtract first: a fused lo * inverse - o * inverse loses rays far from the origin.
+            let slab = |side| S::F8::load(isa, side).sub(self.origin8[axis]).mul(self.inverse8[axis]);
+            near = near.max(slab(first));
+            far = far.min(slab(last));
+        }
+        near = near.mul(S::F8::splat(isa, EARLIER));
+        far = far.mul(S::F8::splat(isa, LATER));
+        let order = node.order(self.octant);
+        let near = near.permute(order.0);
+        let entered = near.le(far.permute(order.0)) & order.present();
+        let mut nears = [0.0; 8];
+        near.store(&mut nears);
+        for place in bits(entered) {
+            let child = node.children[order.slot(place as u32)];
+            stack.push_if(true, Entry { near: nears[place & 7], child, lanes: 1 });
+        }
+    }
+
+    /// The best of a block's triangles goes to `found`; whether there was any.
+    #[inline(always)]
+    fn meet(&self, isa: S, block: &Block, found: &mut Found) -> bool {
+        let planes = Edges::<S::F4>::new(isa, block, &self.from).planes(self.origin4);
+        let met = planes.test(isa, self.direction4, S::F4::splat(isa, found.t));
+        if met.lanes == 0 {
+            return false;
+        }
+        let not_skipped = (0..4).fold(0, |mask, i| mask | u32::from(block.tri[i] != self.line.skip) << i);
+        let ray = |i: usize| (block.triangle(i), self.line.origin, self.line.direction);
+        let lanes = met.decided(not_skipped, ray);
+        if lanes == 0 {
+            return false;
+        }
+        let back = planes.back();
+        let (mut t, mut second, mut third) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        met.t.store(&mut t);
+        met.weights[0].store(&mut second);
+        met.weights[1].store(&mut third);
+        for i in bits(lanes) {
+            let i = i & 3;
+            let code = code(block.tri[i], back >> i & 1 == 1);
+            found.offer(Found { t: t[i], code, weights: [second[i], third[i]] });
+        }
+        true
+    }
+}
+
+/// Follows a ray through the subtree of `start`; with `ANY` only until something is met. Whether anything was.
+#[inline(always)]
+pub(super) fn follow<S: Simd, const ANY: bool>(
+    isa: S,
+    bvh: &Bvh,
+    line: Line,
+    start: Child,
+    stack: &mut Stack,
+    found: &mut Found,
+) -> bool {
+    let ray = Prepared::new(isa, line);
+    let bottom = stack.len();
+    let mut current = start;
+    let mut met = false;
+    loop {
+        if let Some(node) = current.node() {
+            ray.enter(isa, &bvh.nodes[node], found.t, stack);
+        } else {
+            for block in &bvh.blocks[current.blocks()] {
+                met |= ray.meet(isa, block, found);
+            }
+            if ANY && met {
+                while stack.pop_above(bottom).is_some() {}
+                return true;
+            }
+        }
+        // What lies exactly at the best distance is still visited: a tie may be won by a lower triangle.
+        current = loop {
+            match stack.pop_above(bottom) {
+                None => return met,
+                Some(entry) if entry.near <= found.t => break entry.child,
+                Some(_) => {}
+            }
+        };
+    }
+}
+
+/// A subtree of a packet's ray; apart, so that it is compiled once.
+pub(super) struct Follow<'a, const ANY: bool> {
+    pub(super) bvh: &'a Bvh,
+    pub(super) line: Line,
+    pub(super) start: Child,
+    pub(super) stack: &'a mut Stack,
+    pub(super) found: &'a mut Found,
+}
+
+impl<const ANY: bool> Kernel for Follow<'_, ANY> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, isa: S) -> bool {
+        follow::<S, ANY>(isa, self.bvh, self.line, self.start, self.stack, self.found)
+    }
+}
+
+/// The closest hit of a ray.
+pub(crate) struct ClosestSingle<'a> {
+    pub(crate) bvh: &'a Bvh,
+    pub(crate) ray: &'a Ray,
+    pub(crate) root: Child,
+}
+
+impl Kernel for ClosestSingle<'_> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, isa: S) -> Option<Hit> {
+        let mut found = Found::nothing(self.ray.t_max);
+        follow::<S, false>(isa, self.bvh, line(self.ray), self.root, &mut Stack::new(), &mut found);
+        found.hit()
+    }
+}
+
+/// Whether a ray meets anything.
+pub(crate) struct AnySingle<'a> {
+    pub(crate) bvh: &'a Bvh,
+    pub(crate) ray: &'a Ray,
+    pub(crate) root: Child,
+}
+
+impl Kernel for AnySingle<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, isa: S) -> bool {
+        let mut found = Found::nothing(self.ray.t_max);
+        follow::<S, true>(isa, self.bvh, line(self.ray), self.root, &mut Stack::new(), &mut found)
+    }
+}
+
+fn line(ray: &Ray) -> Line {
+    let skip = ray.skip.map_or(super::NO_TRIANGLE, |tri| tri.0);
+    Line { origin: ray.origin, direction: ray.direction, skip }
+}
