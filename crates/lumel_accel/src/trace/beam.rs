@@ -49,7 +49,7 @@ impl<S: Simd> Beam<S> {
     pub(super) fn new(isa: S, origins: Interval, directions: Interval, smallest: f32) -> Self {
         let mut octant = 0;
         let mut one_octant = true;
-        let axes = std::array::from_fn(|axis| {
+        let mut axis = |axis: usize| {
             let (min, max) = (directions.min[axis], directions.max[axis]);
             let reversed = max < -smallest;
             octant |= usize::from(min + max < 0.0) << axis;
@@ -73,7 +73,8 @@ impl<S: Simd> Beam<S> {
                 never: splat(never),
                 reversed,
             }
-        });
+        };
+        let axes = [axis(0), axis(1), axis(2)];
         let center: [f32; 3] = std::array::from_fn(|a| 0.5 * origins.min[a] + 0.5 * origins.max[a]);
         let from = Origins {
             center,

@@ -31,9 +31,20 @@ fn sub<L: Lanes>(a: V3<L>, b: V3<L>) -> V3<L> {
     [a[0].sub(b[0]), a[1].sub(b[1]), a[2].sub(b[2])]
 }
 
+/// `v.map(f)`, but surely inlined: what is not would be compiled without the kernel's instructions.
+#[inline(always)]
+pub(super) fn each<A: Copy, B>(v: [A; 3], f: impl Fn(A) -> B) -> [B; 3] {
+    [f(v[0]), f(v[1]), f(v[2])]
+}
+
 #[inline(always)]
 pub(super) fn splat<L: Lanes>(isa: L::Isa, v: [f32; 3]) -> V3<L> {
-    v.map(|x| L::splat(isa, x))
+    [L::splat(isa, v[0]), L::splat(isa, v[1]), L::splat(isa, v[2])]
+}
+
+#[inline(always)]
+pub(super) fn load<L: Lanes>(isa: L::Isa, v: &[L::Array; 3]) -> V3<L> {
+    [L::load(isa, &v[0]), L::load(isa, &v[1]), L::load(isa, &v[2])]
 }
 
 /// Triangles as one corner and two edges: what no ray changes.
@@ -55,12 +66,13 @@ impl<L: Lanes> Edges<L> {
     where
         L: Lanes<Array = [f32; 4]>,
     {
-        let load = |corner: &[[f32; 4]; 3]| corner.each_ref().map(|axis| L::load(isa, axis));
-        let [corner, b, c] = block.corners.each_ref().map(load);
+        let [corner, b, c] = &block.corners;
+        let (corner, b, c): (V3<L>, V3<L>, V3<L>) = (load(isa, corner), load(isa, b), load(isa, c));
         let (e1, e2) = (sub(b, corner), sub(c, corner));
         let extent = L::load(isa, &block.extent);
-        let away = sub(corner, splat(isa, from.center)).map(L::abs);
-        let away = away[0].max(away[1]).max(away[2]).add(extent).add(L::splat(isa, from.spread));
+        let away = sub(corner, splat(isa, from.center));
+        let away =
+            away[0].abs().max(away[1].abs()).max(away[2].abs()).add(extent).add(L::splat(isa, from.spread));
         let slack = away.mul(extent).mul(L::splat(isa, EDGE_ERROR * from.reach));
         Self { corner, e1, e2, normal: cross(e1, e2), slack }
     }
@@ -82,12 +94,11 @@ impl<L: Lanes> Edges<L> {
     /// One triangle of four in all lanes, or the four again and again.
     #[inline(always)]
     pub(super) fn map<M: Lanes>(self, f: impl Fn(L) -> M) -> Edges<M> {
-        let each = |v: V3<L>| v.map(&f);
         Edges {
-            corner: each(self.corner),
-            e1: each(self.e1),
-            e2: each(self.e2),
-            normal: each(self.normal),
+            corner: each(self.corner, &f),
+            e1: each(self.e1, &f),
+            e2: each(self.e2, &f),
+            normal: each(self.normal, &f),
             slack: f(self.slack),
         }
     }
@@ -117,11 +128,10 @@ pub(super) struct Planes<L> {
 impl<L: Lanes> Planes<L> {
     #[inline(always)]
     pub(super) fn map<M: Lanes>(self, f: impl Fn(L) -> M) -> Planes<M> {
-        let each = |v: V3<L>| v.map(&f);
         Planes {
-            second: each(self.second),
-            third: each(self.third),
-            normal: each(self.normal),
+            second: each(self.second, &f),
+            third: each(self.third, &f),
+            normal: each(self.normal, &f),
             height: f(self.height),
             slack: f(self.slack),
         }
@@ -192,10 +202,13 @@ impl PlanesOfBlock {
     pub(super) fn new<L: Lanes<Array = [f32; 4]>>(planes: Planes<L>) -> Self {
         let mut rows = [[0.0; 4]; 11];
         let Planes { second, third, normal, height, slack } = planes;
-        let all = [&second[..], &third[..], &normal[..], &[height, slack][..]];
-        for (row, lanes) in rows.iter_mut().zip(all.into_iter().flatten()) {
-            lanes.store(row);
+        for axis in 0..3 {
+            second[axis].store(&mut rows[axis]);
+            third[axis].store(&mut rows[3 + axis]);
+            normal[axis].store(&mut rows[6 + axis]);
         }
+        height.store(&mut rows[9]);
+        slack.store(&mut rows[10]);
         Self(rows)
     }
 
@@ -228,10 +241,13 @@ impl EdgesOfBlock {
     pub(super) fn new<L: Lanes<Array = [f32; 4]>>(edges: Edges<L>) -> Self {
         let mut rows = [[0.0; 4]; 13];
         let Edges { corner, e1, e2, normal, slack } = edges;
-        let all = [&corner[..], &e1[..], &e2[..], &normal[..], &[slack][..]];
-        for (row, lanes) in rows.iter_mut().zip(all.into_iter().flatten()) {
-            lanes.store(row);
+        for axis in 0..3 {
+            corner[axis].store(&mut rows[axis]);
+            e1[axis].store(&mut rows[3 + axis]);
+            e2[axis].store(&mut rows[6 + axis]);
+            normal[axis].store(&mut rows[9 + axis]);
         }
+        slack.store(&mut rows[12]);
         Self(rows)
     }
 

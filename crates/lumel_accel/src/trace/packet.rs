@@ -1,7 +1,7 @@
 //! Sixteen rays at once.
 
 use super::beam::{Beam, Interval};
-use super::leaf::{Edges, EdgesOfBlock, PlanesOfBlock, V3, repeated, splat};
+use super::leaf::{Edges, EdgesOfBlock, PlanesOfBlock, V3, each, load, repeated, splat};
 use super::single::{Follow, Line};
 use super::stack::{Entry, Stack};
 use super::{Found, LATER, NO_TRIANGLE, PACKET, SMALLEST_COMPONENT, bits, code};
@@ -160,15 +160,17 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
 
     #[inline(always)]
     fn new(isa: S, bvh: &'a Bvh, packet: &Packet) -> Self {
-        let load = |v: &[[f32; PACKET]; 3]| v.each_ref().map(|axis| S::F16::load(isa, axis));
-        let (origin, direction) = (load(&packet.origin), load(&packet.direction));
-        let [x, y, z] = direction.map(Lanes::abs);
-        let smallest = (x.max(y).max(z).largest() * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
-        let inverse = direction.map(|d| {
+        let origin: V3<S::F16> = load(isa, &packet.origin);
+        let direction: V3<S::F16> = load(isa, &packet.direction);
+        let [x, y, z] = direction;
+        let smallest =
+            (x.abs().max(y.abs()).max(z.abs()).largest() * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
+        let inverse = each(direction, |d| {
             let tiny = d.abs().lt(S::F16::splat(isa, smallest));
             S::F16::splat(isa, 1.0).div(d.replace(S::F16::splat(isa, smallest), tiny))
         });
-        let interval = |v: V3<S::F16>| Interval { min: v.map(Lanes::smallest), max: v.map(Lanes::largest) };
+        let interval =
+            |v: V3<S::F16>| Interval { min: each(v, Lanes::smallest), max: each(v, Lanes::largest) };
         let origins = if TOGETHER {
             let one = packet.ray(0).0.to_array();
             Interval { min: one, max: one }
@@ -326,10 +328,10 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
             let origin = splat(isa, self.beam.from.center);
             edges.planes(origin).map(repeated(isa))
         } else {
-            edges.map(repeated(isa)).planes(self.origin.map(spread))
+            edges.map(repeated(isa)).planes(each(self.origin, spread))
         };
         let limit = S::F16::load(isa, &packet.t).spread(rays);
-        let met = planes.test(isa, self.direction.map(spread), limit);
+        let met = planes.test(isa, each(self.direction, spread), limit);
         if met.lanes == 0 {
             return false;
         }

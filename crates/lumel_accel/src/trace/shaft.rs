@@ -6,7 +6,7 @@
 //! blocked whoever found it, so the result is the same.
 
 use super::beam::{Beam, Interval};
-use super::leaf::{Edges, PlanesOfBlock, splat};
+use super::leaf::{Edges, PlanesOfBlock, load, splat};
 use super::stack::{Entry, Stack};
 use super::{PACKET, SMALLEST_COMPONENT, bits};
 use crate::bvh::{Block, Bvh, Child};
@@ -92,7 +92,7 @@ impl<'a> Shaft<'a> {
                 if self.free[k] == 0 {
                     continue;
                 }
-                let direction = self.direction[k].each_ref().map(|axis| S::F16::load(isa, axis));
+                let direction = load::<S::F16>(isa, &self.direction[k]);
                 let met = planes.test(isa, direction, limit);
                 if met.lanes & self.free[k] != 0 {
                     let of = |lane: usize| {
@@ -163,8 +163,9 @@ fn beam<S: Simd>(isa: S, shaft: &Shaft<'_>) -> Beam<S> {
     let origin = shaft.origin.to_array();
     let mut directions = Interval { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
     for axis in 0..3 {
-        let all = shaft.direction.each_ref().map(|packet| S::F16::load(isa, &packet[axis]));
-        let [a, b, c, d] = all;
+        let [a, b, c, d] = &shaft.direction;
+        let load = |packet: &[[f32; PACKET]; 3]| S::F16::load(isa, &packet[axis]);
+        let (a, b, c, d) = (load(a), load(b), load(c), load(d));
         directions.min[axis] = a.min(b).min(c.min(d)).smallest();
         directions.max[axis] = a.max(b).max(c.max(d)).largest();
     }
