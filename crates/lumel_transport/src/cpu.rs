@@ -1,12 +1,14 @@
 //! The operator on all cores of this machine.
 
 use crate::direct::{Direct, Tally};
+use crate::gather::{GROUP, Gather};
 use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 use crate::lights::LightSet;
+use crate::order;
 use crate::plan::Plan;
 use crate::scatter::scattered;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use lumel_accel::RayTracer;
 use lumel_basis::{Basis, ElementId, Measure, NodeWeights, Receivers, Site};
 use lumel_sample::{Dim, Sampler, StreamKey};
@@ -15,11 +17,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Elements per chunk: few enough to spread over cores and to stop quickly, enough to make a chunk worth its lock.
-const CHUNK: usize = 16;
-
-/// Rays of one origin that the tracer gets at once; between bundles the cancel flag is looked at.
-const MAX_BUNDLE: usize = 256;
+/// Elements per chunk: few enough to spread over cores and to stop quickly, and neighbours that trace rays together.
+pub(crate) const CHUNK: usize = GROUP;
 
 /// Rays that decide whether an element lies inside geometry.
 const OPENNESS_RAYS: u32 = 64;
@@ -40,12 +39,14 @@ const MIN_AREA_SAMPLES: u32 = 4;
 ///
 /// Runs on the threads of the caller's rayon pool.
 pub struct CpuTransport<B, R = B> {
-    scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     tracer: Arc<dyn RayTracer>,
-    source: Arc<B>,
-    receivers: Arc<R>,
-    lights: LightSet,
-    plan: Plan,
+    pub(crate) source: Arc<B>,
+    pub(crate) receivers: Arc<R>,
+    pub(crate) lights: LightSet,
+    pub(crate) plan: Plan,
+    /// The elements in the order of chunks.
+    order: Vec<ElementId>,
 }
 
 impl<B: Basis, R: Receivers> CpuTransport<B, R> {
@@ -58,24 +59,55 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         plan: Plan,
     ) -> Self {
         let lights = LightSet::new(&scene, plan.emitters);
-        Self { scene, tracer, source, receivers, lights, plan }
+        let order = order::spatial(&*receivers);
+        Self { scene, tracer, source, receivers, lights, plan, order }
+    }
+
+    /// The elements of a chunk.
+    pub(crate) fn elements(&self, chunk: u32) -> &[ElementId] {
+        let first = chunk as usize * CHUNK;
+        &self.order[first..self.order.len().min(first + CHUNK)]
+    }
+
+    /// Puts the hemisphere rays of some sites into `gather`.
+    pub(crate) fn add_rays(
+        &self,
+        gather: &mut Gather,
+        elements: &[ElementId],
+        sites: &[Site],
+        (samples, dim): (u32, Dim),
+        key: impl Fn(ElementId) -> StreamKey,
+    ) {
+        gather.clear();
+        let sampler = self.plan.sampler.for_count(samples);
+        let mut points = Vec::with_capacity(samples as usize);
+        for (&element, site) in elements.iter().zip(sites) {
+            let stream = sampler.stream(key(element), dim);
+            points.clear();
+            points.extend((0..samples).map(|i| stream.sample_2d(i)));
+            gather.add(site, &points);
+        }
     }
 
     fn measure_chunk(&self, job: &Job<'_>, chunk: u32, control: &Control) -> Result<ChunkSums, Cancelled> {
-        let first = chunk as usize * CHUNK;
-        let last = (first + CHUNK).min(self.receivers.element_count());
+        let elements = self.elements(chunk);
         let mut meter = Meter::new(self, job, control);
         let mut sums = ChunkSums::default();
-        for element in first..last {
-            control.check()?;
-            if job.active.is_none_or(|active| active[element]) {
-                match self.receivers.measure() {
-                    Measure::AtPoint => meter.at_point(ElementId(element as u32), &mut sums)?,
-                    Measure::OverArea => meter.over_area(ElementId(element as u32), &mut sums)?,
+        let active = |e: &ElementId| job.active.is_none_or(|active| active[e.index()]);
+        control.check()?;
+        match self.receivers.measure() {
+            Measure::AtPoint => {
+                let active: Vec<ElementId> = elements.iter().copied().filter(active).collect();
+                meter.at_points(&active, &mut sums)?;
+            }
+            Measure::OverArea => {
+                for &element in elements.iter().filter(|e| active(e)) {
+                    control.check()?;
+                    meter.over_area(element, &mut sums)?;
                 }
             }
-            control.count(1, std::mem::take(&mut meter.n_rays));
         }
+        control.count(elements.len() as u64, meter.n_rays);
         Ok(sums)
     }
 }
@@ -115,15 +147,14 @@ struct Meter<'a, B, R> {
     towards: NodeWeights,
     /// Scratch space for reading the field back.
     weights: NodeWeights,
-    /// Scratch space for the directions of a bundle.
-    directions: Vec<Vec3>,
+    gather: Gather,
     n_rays: u64,
 }
 
 impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
     fn new(transport: &'a CpuTransport<B, R>, job: &'a Job<'a>, control: &'a Control) -> Self {
         let (towards, weights) = (NodeWeights::default(), NodeWeights::default());
-        Self { transport, job, control, towards, weights, directions: Vec::new(), n_rays: 0 }
+        Self { transport, job, control, towards, weights, gather: Gather::default(), n_rays: 0 }
     }
 
     fn key(&self, element: ElementId) -> StreamKey {
@@ -132,24 +163,38 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         StreamKey::new(self.transport.plan.seed).element(element.0).bounce(bounce).pass(self.job.pass)
     }
 
-    /// All rays from one origin; the value is their mean.
-    fn at_point(&mut self, element: ElementId, sums: &mut ChunkSums) -> Result<(), Cancelled> {
+    /// All rays of an element from one origin; the value is their mean.
+    fn at_points(&mut self, elements: &[ElementId], sums: &mut ChunkSums) -> Result<(), Cancelled> {
         self.towards.clear();
-        let site = self.transport.receivers.receiver(element, [0.5, 0.5], &mut self.towards);
-        let key = self.key(element);
-        let mut value = DVec3::ZERO;
+        let receivers = &self.transport.receivers;
+        let mut ends = Vec::with_capacity(elements.len());
+        let mut site = |&element: &ElementId| {
+            let site = receivers.receiver(element, [0.5, 0.5], &mut self.towards);
+            ends.push(self.towards.iter().count());
+            site
+        };
+        let sites: Vec<Site> = elements.iter().map(&mut site).collect();
+        let mut values = vec![DVec3::ZERO; elements.len()];
         if matches!(self.job.source, Source::Emitters) {
-            let mut tally = Tally::default();
-            self.direct().at_point(&site, key, &mut tally)?;
-            value += tally.sum;
-            self.n_rays += tally.n_rays;
+            for ((&element, site), value) in elements.iter().zip(&sites).zip(&mut values) {
+                self.control.check()?;
+                let mut tally = Tally::default();
+                self.direct().at_point(site, self.key(element), &mut tally)?;
+                *value += tally.sum;
+                self.n_rays += tally.n_rays;
+            }
         }
         if self.needs_hemisphere() {
-            value += self.hemisphere_mean(&site, key)?;
+            self.add_hemispheres(elements, &sites, &mut values)?;
         }
-        for (node, weight) in self.towards.iter() {
-            let weight = f64::from(weight);
-            sums.sums.push(NodeSum { node, weight, value: value * weight });
+        let mut towards = self.towards.iter();
+        let mut begin = 0;
+        for (value, end) in values.into_iter().zip(ends) {
+            for (node, weight) in towards.by_ref().take(end - begin) {
+                let weight = f64::from(weight);
+                sums.sums.push(NodeSum { node, weight, value: value * weight });
+            }
+            begin = end;
         }
         Ok(())
     }
@@ -158,30 +203,32 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         !matches!(self.job.source, Source::Emitters) || self.transport.lights.needs_hemisphere()
     }
 
-    fn hemisphere_mean(&mut self, site: &Site, key: StreamKey) -> Result<DVec3, Cancelled> {
+    /// Adds to each site's value the mean over its hemisphere.
+    fn add_hemispheres(
+        &mut self,
+        elements: &[ElementId],
+        sites: &[Site],
+        values: &mut [DVec3],
+    ) -> Result<(), Cancelled> {
         let plan = &self.transport.plan;
         let (requested, dim) = match self.job.source {
             Source::Openness => (OPENNESS_RAYS, Dim::Validity),
             Source::Emitters | Source::Field(_) => (plan.indirect_samples, Dim::Hemisphere),
         };
         let samples = plan.sampler.sample_count(requested);
-        let stream = plan.sampler.for_count(samples).stream(key, dim);
+        let mut means = vec![DVec3::ZERO; sites.len()];
+        let mut gather = std::mem::take(&mut self.gather);
+        self.transport.add_rays(&mut gather, elements, sites, (samples, dim), |e| self.key(e));
         let transport = self.transport;
-        let mut sum = DVec3::ZERO;
-        for first in (0..samples).step_by(MAX_BUNDLE) {
-            self.control.check()?;
-            let last = samples.min(first + MAX_BUNDLE as u32);
-            self.directions.clear();
-            self.directions.extend((first..last).map(|i| hemisphere::direction(site, stream.sample_2d(i))));
-            let mut hits = [None; MAX_BUNDLE];
-            let hits = &mut hits[..self.directions.len()];
-            transport.tracer.closest_hits(&hemisphere::bundle(site, &self.directions), hits);
-            self.n_rays += hits.len() as u64;
-            for hit in hits {
-                sum += self.measured(&Seen::new(&transport.scene, *hit));
-            }
+        gather.trace(&*transport.tracer, sites, samples as usize, self.control, |i, hit| {
+            means[i] += self.measured(&Seen::new(&transport.scene, hit));
+        })?;
+        self.gather = gather;
+        self.n_rays += u64::from(samples) * sites.len() as u64;
+        for (value, sum) in values.iter_mut().zip(means) {
+            *value += sum / f64::from(samples);
         }
-        Ok(sum / f64::from(samples))
+        Ok(())
     }
 
     /// Traces one hemisphere ray: what it measures, and whether it met the back of a surface.

@@ -8,10 +8,12 @@
 mod accumulate;
 mod cpu;
 mod direct;
+mod gather;
 mod hemisphere;
 mod job;
 mod light_view;
 mod lights;
+mod order;
 mod plan;
 mod polygon;
 mod scatter;

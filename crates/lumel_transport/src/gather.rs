@@ -1,0 +1,99 @@
+//! Hemisphere rays of neighbours, in bundles.
+//!
+//! Two ways to make bundles of similar rays: those of one origin through neighbouring cells of its hemisphere, or those
+//! of neighbouring origins through one cell of theirs. The second spreads less where neighbours are close to each
+//! other compared with what they look at. Which is taken has no influence on the result.
+
+use crate::hemisphere;
+use crate::job::{Cancelled, Control};
+use glam::Vec3;
+use lumel_accel::{Hit, Ray, RayTracer};
+use lumel_basis::Site;
+
+/// Origins that can send a bundle together: as many as the tracer's packets have rays.
+pub(crate) const GROUP: usize = 16;
+
+/// Strata that are traced at once; between them the cancel flag is looked at.
+const BLOCK: usize = 256;
+
+/// Rays that find out how far away surfaces are.
+const PROBES: usize = 8;
+
+/// Neighbours within this many widths of a cell, at the distance of what they see, look through a cell together. The
+/// cells of N strata are √(π/N) wide; twice that, as measured.
+const NEAR: f32 = 3.5;
+
+/// Normals that agree to this cosine (18°) have cells that point the same way.
+const SAME_FACING: f32 = 0.95;
+
+/// Space for the rays of a group.
+#[derive(Default)]
+pub(crate) struct Gather {
+    directions: Vec<Vec3>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+}
+
+impl Gather {
+    /// Starts a group.
+    pub(crate) fn clear(&mut self) {
+        self.directions.clear();
+    }
+
+    /// Adds the rays of a site through points of the unit square, in the order of their cells.
+    pub(crate) fn add(&mut self, site: &Site, points: &[[f32; 2]]) {
+        self.directions.extend(points.iter().map(|&u| hemisphere::direction(site, u)));
+    }
+
+    /// Traces the rays of the sites that were added, `strata` each, and tells where they end: `each(site, hit)`, for
+    /// each site in the order of its strata.
+    pub(crate) fn trace(
+        &mut self,
+        tracer: &dyn RayTracer,
+        sites: &[Site],
+        strata: usize,
+        control: &Control,
+        mut each: impl FnMut(usize, Option<Hit>),
+    ) -> Result<(), Cancelled> {
+        let together = self.look_through_cells_together(tracer, sites, strata);
+        for first in (0..strata).step_by(BLOCK) {
+            control.check()?;
+            let block = first..strata.min(first + BLOCK);
+            if together {
+                self.rays.clear();
+                for k in block {
+                    let of_site = |(i, site): (usize, &Site)| hemisphere::ray(site, self.directions[i * strata + k]);
+                    self.rays.extend(sites.iter().enumerate().map(of_site));
+                }
+                self.hits.resize(self.rays.len(), None);
+                tracer.closest_hits_of(&self.rays, &mut self.hits);
+                self.hits.iter().enumerate().for_each(|(k, hit)| each(k % sites.len(), *hit));
+            } else {
+                for (i, site) in sites.iter().enumerate() {
+                    let directions = &self.directions[i * strata..][block.clone()];
+                    self.hits.resize(directions.len(), None);
+                    tracer.closest_hits(&hemisphere::bundle(site, directions), &mut self.hits);
+                    self.hits.iter().for_each(|hit| each(i, *hit));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the sites are near enough to each other for bundles of one stratum.
+    fn look_through_cells_together(&self, tracer: &dyn RayTracer, sites: &[Site], strata: usize) -> bool {
+        let [first, others @ ..] = sites else { return false };
+        let facing = |site: &Site| site.frame.normal.dot(first.frame.normal) > SAME_FACING;
+        if sites.len() < GROUP / 2 || !others.iter().all(facing) {
+            return false;
+        }
+        let radius = 0.5 * others.iter().map(|s| s.origin.distance(first.origin)).fold(0.0, f32::max);
+        let probe = |i: usize| {
+            let ray = hemisphere::ray(first, self.directions[i * strata / PROBES]);
+            tracer.closest_hit(&ray).map_or(f32::INFINITY, |hit| hit.t)
+        };
+        // The harmonic mean: what is near decides how much a bundle spreads.
+        let nearness = (0..PROBES.min(strata)).map(|i| 1.0 / probe(i)).sum::<f32>() / PROBES.min(strata) as f32;
+        radius * nearness < NEAR / (strata as f32).sqrt()
+    }
+}
