@@ -1,13 +1,14 @@
 //! From a scene and settings to a solution.
 
+use crate::method::Method;
 use crate::settings::{BasisKind, Settings, Tail};
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
 use lumel_basis::{AreaVertexBasis, Basis, Field, NodeId, VertexBasis};
 use lumel_export::{Solution, SolutionError, SolutionMeta};
 use lumel_scene::{Scene, luminance};
-use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, solve};
-use lumel_transport::{Control, CpuTransport, Plan, Transport};
+use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, final_gather, solve};
+use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Rows, Transport};
 use std::sync::Arc;
 
 /// Why a solution cannot be continued.
@@ -32,10 +33,21 @@ pub struct Baker {
     scene: Arc<Scene>,
     tracer: Arc<dyn RayTracer>,
     settings: Settings,
-    basis: Arc<dyn Basis>,
     vertex_basis: VertexBasis,
-    transport: Box<dyn Transport>,
+    operator: Operator,
     energy: Energy,
+}
+
+/// What solves a scene.
+struct Operator {
+    basis: Arc<dyn Basis>,
+    method: Method,
+    /// Measures direct light and bounces.
+    transport: Box<dyn Transport>,
+    /// The rays that it stores.
+    rows: Option<Arc<Rows>>,
+    /// Gathers all light once more, where not all rays are stored.
+    finisher: Option<Box<dyn Transport>>,
 }
 
 impl Baker {
@@ -48,12 +60,13 @@ impl Baker {
     /// Builds the basis for a scene whose ray tracer there is already.
     pub fn with_tracer(scene: Arc<Scene>, tracer: Arc<dyn RayTracer>, settings: Settings) -> Self {
         let vertex_basis = VertexBasis::new(Arc::clone(&scene));
-        let (basis, transport) = operator_of(settings.basis, &scene, &tracer, &vertex_basis, settings.plan());
-        let energy = Energy::new(&scene, &*basis);
-        Self { scene, tracer, settings, basis, vertex_basis, transport, energy }
+        let operator = operator_of((&scene, &tracer), &vertex_basis, &settings, None);
+        let energy = Energy::new(&scene, &*operator.basis);
+        Self { scene, tracer, settings, vertex_basis, operator, energy }
     }
 
-    /// The same scene under other lights or with other settings, without making anew what only its surfaces decide.
+    /// The same scene under other lights or with other settings, without making anew what only its surfaces decide:
+    /// the ray tracer, and the stored rays if the settings ask for the same.
     ///
     /// `scene` must be a [relit](Scene::relit) one of this baker's; of another one, all is made anew but the tracer.
     pub fn relit(&self, scene: Arc<Scene>, settings: Settings) -> Self {
@@ -61,17 +74,22 @@ impl Baker {
             return Self::with_tracer(scene, Arc::clone(&self.tracer), settings);
         }
         let vertex_basis = self.vertex_basis.clone();
-        let (basis, transport) =
-            operator_of(settings.basis, &scene, &self.tracer, &vertex_basis, settings.plan());
+        let operator =
+            operator_of((&scene, &self.tracer), &vertex_basis, &settings, self.operator.rows.as_ref());
         // The energy of a basis depends on its albedo too, which relit scenes share.
         let same_basis = settings.basis == self.settings.basis;
-        let energy = if same_basis { self.energy.clone() } else { Energy::new(&scene, &*basis) };
-        Self { scene, tracer: Arc::clone(&self.tracer), settings, basis, vertex_basis, transport, energy }
+        let energy = if same_basis { self.energy.clone() } else { Energy::new(&scene, &*operator.basis) };
+        Self { scene, tracer: Arc::clone(&self.tracer), settings, vertex_basis, operator, energy }
     }
 
     /// The operator with other samples.
     pub(crate) fn transport_with(&self, plan: Plan) -> Box<dyn Transport> {
-        operator_of(self.settings.basis, &self.scene, &self.tracer, &self.vertex_basis, plan).1
+        plain_transport(self.settings.basis, (&self.scene, &self.tracer), &self.vertex_basis, plan)
+    }
+
+    /// How the bounces are solved.
+    pub fn method(&self) -> Method {
+        self.operator.method
     }
 
     /// The scene.
@@ -91,7 +109,7 @@ impl Baker {
 
     /// The basis that light is stored in.
     pub(crate) fn basis(&self) -> &dyn Basis {
-        &*self.basis
+        &*self.operator.basis
     }
 
     /// The piecewise linear basis on the vertices that all bases here are read back by.
@@ -101,7 +119,7 @@ impl Baker {
 
     /// Elements measured per bounce, for progress: see [`Control::elements`].
     pub fn elements_per_step(&self) -> u64 {
-        self.transport.shape().elements as u64
+        self.operator.transport.shape().elements as u64
     }
 
     /// Share of all light that bounces after those of `state` would bring; `None` while it cannot be told.
@@ -128,22 +146,28 @@ impl Baker {
         observer: &dyn Observer,
     ) -> Result<(), SolveError> {
         let stop = self.settings.stop();
-        solve(&*self.transport, &*self.basis, &self.energy, stop, state, control, observer)?;
+        let Operator { basis, transport, finisher, .. } = &self.operator;
+        solve(&**transport, &**basis, &self.energy, stop, state, control, observer)?;
         if self.settings.tail == Tail::Geometric {
             state.tail = self.energy.tail(&state.bounces);
+        }
+        if let Some(finisher) = finisher
+            && state.bounces.len() > 1
+        {
+            final_gather(&**finisher, &**basis, state, control, observer)?;
         }
         Ok(())
     }
 
     /// A field's value at every vertex of the scene, W·m⁻².
     pub fn at_vertices(&self, field: &Field) -> Vec<Vec3> {
-        self.basis.node_of_vertex().iter().map(|&node| field.node(node).0).collect()
+        self.operator.basis.node_of_vertex().iter().map(|&node| field.node(node).0).collect()
     }
 
     /// What holds for the nodes of the basis, for every vertex of the scene; true where it is not known of the node.
     pub fn flags_at_vertices(&self, nodes: &[bool]) -> Vec<bool> {
         let flag = |node: &NodeId| nodes.get(node.index()).copied().unwrap_or(true);
-        self.basis.node_of_vertex().iter().map(flag).collect()
+        self.operator.basis.node_of_vertex().iter().map(flag).collect()
     }
 
     /// The light at every vertex of the scene.
@@ -189,7 +213,7 @@ impl Baker {
         let mut bounces: Vec<Field> = solution.bounces.iter().map(at_nodes).collect();
         bounces.truncate(self.bounces_wanted(&bounces));
         let valid = first_vertices.iter().map(|&v| solution.valid[v]).collect();
-        Ok(SolveState { valid, bounces, tail: None })
+        Ok(SolveState { valid, bounces, tail: None, gathered: None })
     }
 
     /// How many of these bounces, direct light included, an uninterrupted solve computes.
@@ -208,8 +232,8 @@ impl Baker {
 
     /// A vertex of each node.
     fn first_vertices(&self) -> Vec<usize> {
-        let mut first = vec![usize::MAX; self.basis.node_count()];
-        for (vertex, &NodeId(node)) in self.basis.node_of_vertex().iter().enumerate() {
+        let mut first = vec![usize::MAX; self.operator.basis.node_count()];
+        for (vertex, &NodeId(node)) in self.operator.basis.node_of_vertex().iter().enumerate() {
             let slot = &mut first[node as usize];
             *slot = (*slot).min(vertex);
         }
@@ -217,29 +241,71 @@ impl Baker {
     }
 }
 
+type World<'a> = (&'a Arc<Scene>, &'a Arc<dyn RayTracer>);
+
 fn operator_of(
-    kind: BasisKind,
-    scene: &Arc<Scene>,
-    tracer: &Arc<dyn RayTracer>,
+    world: World<'_>,
     vertex_basis: &VertexBasis,
-    plan: Plan,
-) -> (Arc<dyn Basis>, Box<dyn Transport>) {
-    match kind {
-        BasisKind::Vertex => operator(scene, tracer, vertex_basis.clone(), plan),
-        BasisKind::VertexArea => operator(scene, tracer, AreaVertexBasis::new(vertex_basis.clone()), plan),
+    settings: &Settings,
+    rows: Option<&Arc<Rows>>,
+) -> Operator {
+    match settings.basis {
+        BasisKind::Vertex => operator(world, vertex_basis.clone(), settings, rows),
+        BasisKind::VertexArea => operator(world, AreaVertexBasis::new(vertex_basis.clone()), settings, rows),
     }
 }
 
 fn operator<B: Basis + 'static>(
-    scene: &Arc<Scene>,
-    tracer: &Arc<dyn RayTracer>,
+    world: World<'_>,
     basis: B,
-    plan: Plan,
-) -> (Arc<dyn Basis>, Box<dyn Transport>) {
+    settings: &Settings,
+    rows: Option<&Arc<Rows>>,
+) -> Operator {
     let basis = Arc::new(basis);
-    let (scene, tracer) = (Arc::clone(scene), Arc::clone(tracer));
-    let transport = CpuTransport::new(scene, tracer, Arc::clone(&basis), Arc::clone(&basis), plan);
-    (basis, Box::new(transport))
+    let plan = settings.plan();
+    let method = method(world.0, &*basis, settings);
+    let plain = |plan| cpu_transport(world, &basis, plan);
+    let (transport, rows): (Box<dyn Transport>, _) = match method {
+        Method::Neumann => (Box::new(plain(plan)), None),
+        Method::Cached { .. } | Method::FinalGather { .. } => {
+            let stored =
+                if let Method::FinalGather { stored, .. } = method { stored } else { plan.indirect_samples };
+            let cached = CachedTransport::new(plain(Plan { indirect_samples: stored, ..plan }), rows);
+            let rows = Arc::clone(cached.rows());
+            (Box::new(cached), Some(rows))
+        }
+    };
+    let gathers = matches!(method, Method::FinalGather { .. });
+    let finisher = gathers.then(|| Box::new(plain(plan)) as Box<dyn Transport>);
+    Operator { basis, method, transport, rows, finisher }
+}
+
+/// How the settings solve a scene.
+fn method<B: Basis>(scene: &Scene, basis: &B, settings: &Settings) -> Method {
+    let textured = scene.has_varying_albedo();
+    let bytes = |rays: u32| {
+        let plan = Plan { indirect_samples: rays, ..settings.plan() };
+        Rows::bytes_for(basis.element_count(), plan.rays_per_element(basis.measure()), textured)
+    };
+    Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
+}
+
+fn plain_transport(
+    kind: BasisKind,
+    world: World<'_>,
+    vertex_basis: &VertexBasis,
+    plan: Plan,
+) -> Box<dyn Transport> {
+    match kind {
+        BasisKind::Vertex => Box::new(cpu_transport(world, &Arc::new(vertex_basis.clone()), plan)),
+        BasisKind::VertexArea => {
+            Box::new(cpu_transport(world, &Arc::new(AreaVertexBasis::new(vertex_basis.clone())), plan))
+        }
+    }
+}
+
+fn cpu_transport<B: Basis>((scene, tracer): World<'_>, basis: &Arc<B>, plan: Plan) -> CpuTransport<B> {
+    CpuTransport::new(Arc::clone(scene), Arc::clone(tracer), Arc::clone(basis), Arc::clone(basis), plan)
 }
 
 #[cfg(test)]

@@ -80,6 +80,7 @@ impl Workload {
         let to_come = match at.step {
             Step::Probe => last + 1,
             Step::Bounce(bounce) => last.saturating_sub(bounce),
+            Step::FinalGather => 0,
         };
         let this_step = at.seconds * (1.0 - share) / share;
         let rays_per_bounce = self.elements as f64 * self.rays_per_element;

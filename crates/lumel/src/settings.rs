@@ -1,5 +1,6 @@
 //! What users choose.
 
+use crate::method::{Memory, SolverKind};
 use lumel_sample::SamplerKind;
 use lumel_solve::Stop;
 use lumel_transport::{EmitterSampling, LightSampling, Plan};
@@ -74,6 +75,12 @@ pub struct Settings {
     pub light_sampling: LightSampling,
     /// What emissive surfaces do.
     pub emitters: EmitterSampling,
+    /// How bounces are computed.
+    #[serde(default)]
+    pub solver: SolverKind,
+    /// Memory for stored rays; it decides on how many are stored.
+    #[serde(default)]
+    pub memory: Memory,
     /// Changes all random choices.
     pub seed: u64,
 }
@@ -103,6 +110,8 @@ impl Preset {
             sampler: SamplerKind::default(),
             light_sampling: LightSampling::default(),
             emitters: EmitterSampling::default(),
+            solver: SolverKind::default(),
+            memory: Memory::default(),
             seed: 0,
         }
     }
@@ -137,10 +146,10 @@ impl Settings {
 
     /// Whether bounces computed with `other` are the very bounces these settings ask for.
     ///
-    /// How many there are to be does not matter for that.
+    /// How many there are to be does not matter for that, nor does memory as long as there is enough.
     pub fn same_bounces_as(&self, other: &Self) -> bool {
-        let Self { bounces, remainder, tail, .. } = self.clone();
-        *self == Self { bounces, remainder, tail, ..other.clone() }
+        let Self { bounces, remainder, tail, memory, .. } = self.clone();
+        *self == Self { bounces, remainder, tail, memory, ..other.clone() }
     }
 
     /// In which settings `found` differs from these so that bounces differ too, as a list for a message.
@@ -216,6 +225,10 @@ patch! {
     light_sampling: LightSampling,
     /// What emissive surfaces do.
     emitters: EmitterSampling,
+    /// How bounces are computed.
+    solver: SolverKind,
+    /// Memory for stored rays.
+    memory: Memory,
     /// Changes all random choices.
     seed: u64,
 }

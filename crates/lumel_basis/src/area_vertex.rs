@@ -38,7 +38,7 @@ impl Receivers for AreaVertexBasis {
         let tri = TriId(e.0);
         let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
         let area = scene.area(tri);
-        for (node, weight) in self.0.corner_nodes(tri).into_iter().zip(at.bary.weights()) {
+        for (node, weight) in self.0.nodes_of(tri).into_iter().zip(at.bary.weights()) {
             counts_towards.push(node, weight * area);
         }
         let normal = scene.geometric_normal(tri);
@@ -54,6 +54,10 @@ impl Basis for AreaVertexBasis {
     #[inline]
     fn weights_at(&self, at: SurfacePoint, weights: &mut NodeWeights) {
         self.0.weights_at(at, weights);
+    }
+
+    fn corner_nodes(&self, tri: TriId) -> Option<[NodeId; 3]> {
+        self.0.corner_nodes(tri)
     }
 
     fn node_areas(&self) -> Vec<f32> {

@@ -93,6 +93,12 @@ pub trait Basis: Receivers {
     /// Adds the nodes whose weighted sum rebuilds a field at a surface point. Weights sum to 1.
     fn weights_at(&self, at: SurfacePoint, weights: &mut NodeWeights);
 
+    /// The nodes at a triangle's corners, if every field is linear over triangles.
+    fn corner_nodes(&self, tri: TriId) -> Option<[NodeId; 3]> {
+        let _ = tri;
+        None
+    }
+
     /// The area each node stands for, m²: the integral of its basis function.
     fn node_areas(&self) -> Vec<f32>;
 

@@ -55,7 +55,7 @@ impl VertexBasis {
 
     /// The nodes at a triangle's corners.
     #[inline]
-    pub(crate) fn corner_nodes(&self, tri: TriId) -> [NodeId; 3] {
+    pub(crate) fn nodes_of(&self, tri: TriId) -> [NodeId; 3] {
         self.scene.triangle(tri).map(|v| self.node_of_vertex[v as usize])
     }
 }
@@ -146,9 +146,13 @@ impl Receivers for VertexBasis {
 impl Basis for VertexBasis {
     #[inline]
     fn weights_at(&self, at: SurfacePoint, weights: &mut NodeWeights) {
-        for (node, weight) in self.corner_nodes(at.tri).into_iter().zip(at.bary.weights()) {
+        for (node, weight) in self.nodes_of(at.tri).into_iter().zip(at.bary.weights()) {
             weights.push(node, weight);
         }
+    }
+
+    fn corner_nodes(&self, tri: TriId) -> Option<[NodeId; 3]> {
+        Some(self.nodes_of(tri))
     }
 
     fn node_areas(&self) -> Vec<f32> {
@@ -182,7 +186,7 @@ impl VertexBasis {
     fn neighbour_means(&self, field: &Field, known: &[bool]) -> Vec<(NodeId, Vec3)> {
         let mut sums: Vec<(DVec3, u32)> = vec![(DVec3::ZERO, 0); known.len()];
         for tri in (0..self.scene.triangle_count() as u32).map(TriId) {
-            let nodes = self.corner_nodes(tri);
+            let nodes = self.nodes_of(tri);
             for (k, node) in nodes.into_iter().enumerate().filter(|(_, node)| !known[node.index()]) {
                 for neighbour in [nodes[(k + 1) % 3], nodes[(k + 2) % 3]] {
                     if known[neighbour.index()] {

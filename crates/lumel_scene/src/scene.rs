@@ -330,6 +330,19 @@ impl Scene {
         Albedo((material.albedo * tint * texture).clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)))
     }
 
+    /// The albedo of a triangle if it is the same everywhere on it.
+    pub fn uniform_albedo(&self, tri: TriId) -> Option<Albedo> {
+        let tints = self.triangle(tri).map(|v| self.unlit.faces.tints[v as usize]);
+        let uniform = self.material(tri).albedo_texture.is_none() && tints.iter().all(|t| *t == tints[0]);
+        let anywhere = SurfacePoint { tri, bary: Barycentrics { u: 1.0, v: 0.0 } };
+        uniform.then(|| self.albedo(anywhere))
+    }
+
+    /// Whether the albedo of any triangle differs from place to place on it.
+    pub fn has_varying_albedo(&self) -> bool {
+        (0..self.triangle_count() as u32).any(|tri| self.uniform_albedo(TriId(tri)).is_none())
+    }
+
     /// Emitted radiance at a surface point, on the front of its triangle.
     #[inline]
     pub fn emission(&self, at: SurfacePoint) -> Radiance {

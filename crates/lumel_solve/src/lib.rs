@@ -11,5 +11,5 @@ mod state;
 
 pub use energy::Energy;
 pub use observer::{Observer, Silent, Snapshot, Step};
-pub use solver::{SolveError, Stop, solve};
+pub use solver::{SolveError, Stop, final_gather, solve};
 pub use state::SolveState;

@@ -11,6 +11,8 @@ pub enum Step {
     Probe,
     /// Measuring this bounce; 0 is direct light.
     Bounce(u32),
+    /// Measuring all light but the direct once more.
+    FinalGather,
 }
 
 /// All light found so far, at some moment of a solve.

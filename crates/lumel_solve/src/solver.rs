@@ -64,7 +64,7 @@ pub fn solve(
     if let Some(found) = sizes.into_iter().find(|&n| n != expected) {
         return Err(SolveError::WrongState { found, expected });
     }
-    state.tail = None;
+    (state.tail, state.gathered) = (None, None);
     if state.valid.is_empty() {
         state.valid = probe(transport, control, observer, state)?;
     }
@@ -88,6 +88,33 @@ pub fn solve(
         state.bounces.push(field);
         observer.step_done(step, state);
     }
+    Ok(())
+}
+
+/// Measures all light of a finished solve but the direct once more, by another operator with more rays.
+///
+/// What few rays have carried from bounce to bounce is smoothed by many at the end: the error of the result is that of
+/// the many, and a part of that of the few. The bounces of `state` stay as they are.
+///
+/// # Errors
+/// When it is asked to stop; `state` is as before then.
+pub fn final_gather(
+    transport: &dyn Transport,
+    basis: &dyn Basis,
+    state: &mut SolveState,
+    control: &Control,
+    observer: &dyn Observer,
+) -> Result<(), SolveError> {
+    observer.step_started(Step::FinalGather);
+    let source = state.gatherable();
+    let active = (transport.shape().measure == Measure::AtPoint).then_some(state.valid.as_slice());
+    // Rays apart from those of the bounces.
+    let job = Job { source: Source::Field(&source), bounce: 1, pass: 1, active };
+    let measured = accumulate(transport, &job, control, None)?;
+    let mut field = measured.field;
+    basis.fill(&mut field, &measured.known);
+    state.gathered = Some(field);
+    observer.step_done(Step::FinalGather, state);
     Ok(())
 }
 

@@ -14,18 +14,32 @@ pub struct SolveState {
     pub bounces: Vec<Field>,
     /// Estimate of all bounces that were not computed.
     pub tail: Option<Field>,
+    /// All light but the direct, measured once more with many rays of their own: a final gather.
+    pub gathered: Option<Field>,
 }
 
 impl SolveState {
     /// The state before the first step.
     pub fn new() -> Self {
-        Self { valid: Vec::new(), bounces: Vec::new(), tail: None }
+        Self { valid: Vec::new(), bounces: Vec::new(), tail: None, gathered: None }
     }
 
-    /// The sum of all bounces and the tail, rounded once.
+    /// The sum of all bounces and the tail, rounded once; after a final gather, of direct light and what it gathered.
     pub fn total(&self) -> Field {
         let nodes = self.bounces.first().map_or(0, Field::len);
-        Field::sum(nodes, self.bounces.iter().chain(&self.tail))
+        match &self.gathered {
+            Some(gathered) => Field::sum(nodes, self.bounces.first().into_iter().chain([gathered])),
+            None => Field::sum(nodes, self.bounces.iter().chain(&self.tail)),
+        }
+    }
+
+    /// The light that surfaces reflect once more into all bounces but the direct light, and into the tail.
+    pub(crate) fn gatherable(&self) -> Field {
+        let nodes = self.bounces.first().map_or(0, Field::len);
+        let Some((last, before)) = self.bounces.split_last() else { return Field::zeros(nodes) };
+        // Beyond the last bounce, its light and all later light bounce into the tail.
+        let into_tail = self.tail.iter().flat_map(|tail| [last, tail]);
+        Field::sum(nodes, before.iter().chain(into_tail))
     }
 
     /// Light that has arrived but has not been sent on: the last bounce.

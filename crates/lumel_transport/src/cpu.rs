@@ -7,11 +7,12 @@ use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, 
 use crate::lights::LightSet;
 use crate::order;
 use crate::plan::Plan;
+use crate::rows::End;
 use crate::scatter::scattered;
 use glam::DVec3;
 use lumel_accel::RayTracer;
 use lumel_basis::{Basis, ElementId, Measure, NodeWeights, Receivers, Site};
-use lumel_sample::{Dim, Sampler, StreamKey};
+use lumel_sample::{Dim, Sampler, Stream, StreamKey};
 use lumel_scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -27,13 +28,6 @@ const OPENNESS_RAYS: u32 = 64;
 /// three quarters, which an origin that sees backs in a third of its hemisphere reaches once in fifty times.
 const INSIDE_RAYS: u32 = 8;
 const INSIDE_BACKS: usize = 6;
-
-/// Origins per triangle for each ray that a vertex would get: as there are about twice as many triangles as
-/// vertices, both bases trace the same number of rays.
-const AREA_SHARE: u32 = 2;
-
-/// At least this many origins per triangle, so that each of its corners gets something.
-const MIN_AREA_SAMPLES: u32 = 4;
 
 /// Measures the elements of `R` under light that is stored in the basis `B`, usually the same.
 ///
@@ -69,19 +63,79 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         &self.order[first..self.order.len().min(first + CHUNK)]
     }
 
-    /// Puts the hemisphere rays of some sites into `gather`.
+    pub(crate) fn tracer(&self) -> &dyn RayTracer {
+        &*self.tracer
+    }
+
+    /// Origins and directions of so many of an area's hemisphere rays.
+    pub(crate) fn area_stream(&self, samples: u32, key: StreamKey) -> Stream {
+        self.plan.sampler.for_count(samples).stream(key, Dim::Area)
+    }
+
+    /// Traces the hemisphere rays of an area.
+    pub(crate) fn trace_area(
+        &self,
+        element: ElementId,
+        key: StreamKey,
+        ends: &mut [End],
+        control: &Control,
+    ) -> Result<(), Cancelled> {
+        let job = Job { source: Source::Openness, bounce: 0, pass: 0, active: None };
+        let mut meter = Meter::new(self, &job, control);
+        let stream = self.area_stream(ends.len() as u32, key);
+        for (i, end) in (0u32..).zip(ends) {
+            control.check_at(i)?;
+            let [s, t, away @ ..] = stream.sample_4d(i);
+            meter.towards.clear();
+            let site = self.receivers.receiver(element, [s, t], &mut meter.towards);
+            meter.n_rays += 1;
+            let hit = self.tracer.closest_hit(&hemisphere::ray(&site, hemisphere::direction(&site, away)));
+            let seen = Seen::new(&self.scene, hit);
+            let inside = matches!(seen, Seen::Back) && meter.is_inside(&site, key.pass(i));
+            *end = if inside { End::INSIDE } else { End::new(&seen) };
+        }
+        control.count(0, meter.n_rays);
+        Ok(())
+    }
+
+    /// Where some elements are measured.
+    pub(crate) fn group(&self, elements: &[ElementId]) -> Group {
+        let mut towards = NodeWeights::default();
+        let mut ends = Vec::with_capacity(elements.len());
+        let mut site = |&element: &ElementId| {
+            let site = self.receivers.receiver(element, [0.5, 0.5], &mut towards);
+            ends.push(towards.iter().count());
+            site
+        };
+        let sites = elements.iter().map(&mut site).collect();
+        Group { elements: elements.to_vec(), sites, towards, ends }
+    }
+
+    /// What lights send to the sites of a group, and the rays it took; hemisphere rays are not among them.
+    pub(crate) fn direct_at(
+        &self,
+        job: &Job<'_>,
+        group: &Group,
+        control: &Control,
+    ) -> Result<(Vec<DVec3>, u64), Cancelled> {
+        let mut values = vec![DVec3::ZERO; group.sites.len()];
+        let mut meter = Meter::new(self, job, control);
+        meter.add_direct(group, &mut values)?;
+        Ok((values, meter.n_rays))
+    }
+
+    /// Puts the hemisphere rays of a group into `gather`.
     pub(crate) fn add_rays(
         &self,
         gather: &mut Gather,
-        elements: &[ElementId],
-        sites: &[Site],
+        group: &Group,
         (samples, dim): (u32, Dim),
         key: impl Fn(ElementId) -> StreamKey,
     ) {
         gather.clear();
         let sampler = self.plan.sampler.for_count(samples);
         let mut points = Vec::with_capacity(samples as usize);
-        for (&element, site) in elements.iter().zip(sites) {
+        for (&element, site) in group.elements.iter().zip(&group.sites) {
             let stream = sampler.stream(key(element), dim);
             points.clear();
             points.extend((0..samples).map(|i| stream.sample_2d(i)));
@@ -92,21 +146,19 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     fn measure_chunk(&self, job: &Job<'_>, chunk: u32, control: &Control) -> Result<ChunkSums, Cancelled> {
         let elements = self.elements(chunk);
         let mut meter = Meter::new(self, job, control);
-        let mut sums = ChunkSums::default();
-        let active = |e: &ElementId| job.active.is_none_or(|active| active[e.index()]);
+        let active: Vec<ElementId> = elements.iter().copied().filter(|&e| job.measures(e)).collect();
         control.check()?;
-        match self.receivers.measure() {
-            Measure::AtPoint => {
-                let active: Vec<ElementId> = elements.iter().copied().filter(active).collect();
-                meter.at_points(&active, &mut sums)?;
-            }
+        let sums = match self.receivers.measure() {
+            Measure::AtPoint => meter.at_points(&active)?,
             Measure::OverArea => {
-                for &element in elements.iter().filter(|e| active(e)) {
+                let mut sums = ChunkSums::default();
+                for element in active {
                     control.check()?;
                     meter.over_area(element, &mut sums)?;
                 }
+                sums
             }
-        }
+        };
         control.count(elements.len() as u64, meter.n_rays);
         Ok(sums)
     }
@@ -138,6 +190,32 @@ impl<B: Basis, R: Receivers> Transport for CpuTransport<B, R> {
     }
 }
 
+/// Elements that are measured at points, side by side.
+pub(crate) struct Group {
+    pub(crate) elements: Vec<ElementId>,
+    pub(crate) sites: Vec<Site>,
+    /// The nodes that each measurement counts towards, one after the other, and where those of each end.
+    towards: NodeWeights,
+    ends: Vec<usize>,
+}
+
+impl Group {
+    /// The sums of the group, from the value at each site.
+    pub(crate) fn sums(&self, values: &[DVec3]) -> ChunkSums {
+        let mut sums = Vec::with_capacity(values.len());
+        let mut towards = self.towards.iter();
+        let mut begin = 0;
+        for (&value, &end) in values.iter().zip(&self.ends) {
+            for (node, weight) in towards.by_ref().take(end - begin) {
+                let weight = f64::from(weight);
+                sums.push(NodeSum { node, weight, value: value * weight });
+            }
+            begin = end;
+        }
+        ChunkSums { sums }
+    }
+}
+
 /// Measures elements one after the other.
 struct Meter<'a, B, R> {
     transport: &'a CpuTransport<B, R>,
@@ -164,37 +242,26 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
     }
 
     /// All rays of an element from one origin; the value is their mean.
-    fn at_points(&mut self, elements: &[ElementId], sums: &mut ChunkSums) -> Result<(), Cancelled> {
-        self.towards.clear();
-        let receivers = &self.transport.receivers;
-        let mut ends = Vec::with_capacity(elements.len());
-        let mut site = |&element: &ElementId| {
-            let site = receivers.receiver(element, [0.5, 0.5], &mut self.towards);
-            ends.push(self.towards.iter().count());
-            site
-        };
-        let sites: Vec<Site> = elements.iter().map(&mut site).collect();
+    fn at_points(&mut self, elements: &[ElementId]) -> Result<ChunkSums, Cancelled> {
+        let group = self.transport.group(elements);
         let mut values = vec![DVec3::ZERO; elements.len()];
         if matches!(self.job.source, Source::Emitters) {
-            for ((&element, site), value) in elements.iter().zip(&sites).zip(&mut values) {
-                self.control.check()?;
-                let mut tally = Tally::default();
-                self.direct().at_point(site, self.key(element), &mut tally)?;
-                *value += tally.sum;
-                self.n_rays += tally.n_rays;
-            }
+            self.add_direct(&group, &mut values)?;
         }
         if self.needs_hemisphere() {
-            self.add_hemispheres(elements, &sites, &mut values)?;
+            self.add_hemispheres(&group, &mut values)?;
         }
-        let mut towards = self.towards.iter();
-        let mut begin = 0;
-        for (value, end) in values.into_iter().zip(ends) {
-            for (node, weight) in towards.by_ref().take(end - begin) {
-                let weight = f64::from(weight);
-                sums.sums.push(NodeSum { node, weight, value: value * weight });
-            }
-            begin = end;
+        Ok(group.sums(&values))
+    }
+
+    /// Adds to each value what lights send there.
+    fn add_direct(&mut self, group: &Group, values: &mut [DVec3]) -> Result<(), Cancelled> {
+        for ((&element, site), value) in group.elements.iter().zip(&group.sites).zip(values) {
+            self.control.check()?;
+            let mut tally = Tally::default();
+            self.direct().at_point(site, self.key(element), &mut tally)?;
+            *value += tally.sum;
+            self.n_rays += tally.n_rays;
         }
         Ok(())
     }
@@ -203,28 +270,23 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         !matches!(self.job.source, Source::Emitters) || self.transport.lights.needs_hemisphere()
     }
 
-    /// Adds to each site's value the mean over its hemisphere.
-    fn add_hemispheres(
-        &mut self,
-        elements: &[ElementId],
-        sites: &[Site],
-        values: &mut [DVec3],
-    ) -> Result<(), Cancelled> {
+    /// Adds to each value the mean over the hemisphere there.
+    fn add_hemispheres(&mut self, group: &Group, values: &mut [DVec3]) -> Result<(), Cancelled> {
         let plan = &self.transport.plan;
         let (requested, dim) = match self.job.source {
             Source::Openness => (OPENNESS_RAYS, Dim::Validity),
             Source::Emitters | Source::Field(_) => (plan.indirect_samples, Dim::Hemisphere),
         };
-        let samples = plan.sampler.sample_count(requested);
-        let mut means = vec![DVec3::ZERO; sites.len()];
+        let samples = plan.samples(requested, Measure::AtPoint);
+        let mut means = vec![DVec3::ZERO; values.len()];
         let mut gather = std::mem::take(&mut self.gather);
-        self.transport.add_rays(&mut gather, elements, sites, (samples, dim), |e| self.key(e));
+        self.transport.add_rays(&mut gather, group, (samples, dim), |e| self.key(e));
         let transport = self.transport;
-        gather.trace(&*transport.tracer, sites, samples as usize, self.control, |i, hit| {
+        gather.trace(&*transport.tracer, &group.sites, samples as usize, self.control, |i, hit| {
             means[i] += self.measured(&Seen::new(&transport.scene, hit));
         })?;
         self.gather = gather;
-        self.n_rays += u64::from(samples) * sites.len() as u64;
+        self.n_rays += u64::from(samples) * group.sites.len() as u64;
         for (value, sum) in values.iter_mut().zip(means) {
             *value += sum / f64::from(samples);
         }
@@ -261,12 +323,13 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
     /// be stratified together with the position. Origins inside geometry are left out, so that what is hidden does
     /// not darken what is not.
     fn over_area(&mut self, element: ElementId, sums: &mut ChunkSums) -> Result<(), Cancelled> {
-        let plan = &self.transport.plan;
+        let transport = self.transport;
         let direct = matches!(self.job.source, Source::Emitters);
-        let requested = if direct { plan.direct_samples } else { plan.indirect_samples };
-        let samples = plan.sampler.sample_count((requested / AREA_SHARE).max(MIN_AREA_SAMPLES));
+        let plan = &transport.plan;
+        let samples =
+            plan.samples(if direct { plan.direct_samples } else { plan.indirect_samples }, Measure::OverArea);
         let key = self.key(element);
-        let stream = plan.sampler.for_count(samples).stream(key, Dim::Area);
+        let stream = transport.area_stream(samples, key);
         let mut nodes: Vec<NodeSum> = Vec::with_capacity(3);
         for i in 0..samples {
             self.control.check_at(i)?;
@@ -308,7 +371,7 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
     }
 }
 
-fn add(nodes: &mut Vec<NodeSum>, new: NodeSum) {
+pub(crate) fn add(nodes: &mut Vec<NodeSum>, new: NodeSum) {
     match nodes.iter_mut().find(|sum| sum.node == new.node) {
         Some(sum) => {
             sum.weight += new.weight;

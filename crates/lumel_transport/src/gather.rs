@@ -62,7 +62,8 @@ impl Gather {
             if together {
                 self.rays.clear();
                 for k in block {
-                    let of_site = |(i, site): (usize, &Site)| hemisphere::ray(site, self.directions[i * strata + k]);
+                    let of_site =
+                        |(i, site): (usize, &Site)| hemisphere::ray(site, self.directions[i * strata + k]);
                     self.rays.extend(sites.iter().enumerate().map(of_site));
                 }
                 self.hits.resize(self.rays.len(), None);
@@ -93,7 +94,8 @@ impl Gather {
             tracer.closest_hit(&ray).map_or(f32::INFINITY, |hit| hit.t)
         };
         // The harmonic mean: what is near decides how much a bundle spreads.
-        let nearness = (0..PROBES.min(strata)).map(|i| 1.0 / probe(i)).sum::<f32>() / PROBES.min(strata) as f32;
+        let nearness =
+            (0..PROBES.min(strata)).map(|i| 1.0 / probe(i)).sum::<f32>() / PROBES.min(strata) as f32;
         radius * nearness < NEAR / (strata as f32).sqrt()
     }
 }

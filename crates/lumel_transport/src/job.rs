@@ -1,7 +1,7 @@
 //! What a transport is asked to do, and how it answers.
 
 use glam::DVec3;
-use lumel_basis::{Field, Measure, NodeId};
+use lumel_basis::{ElementId, Field, Measure, NodeId};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -31,6 +31,13 @@ pub struct Job<'a> {
     pub pass: u32,
     /// Elements to measure; `None` for all. The others get no weight.
     pub active: Option<&'a [bool]>,
+}
+
+impl Job<'_> {
+    /// Whether an element is to be measured.
+    pub(crate) fn measures(&self, element: ElementId) -> bool {
+        self.active.is_none_or(|active| active[element.index()])
+    }
 }
 
 /// The sizes of an operator.

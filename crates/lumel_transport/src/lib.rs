@@ -6,6 +6,7 @@
 //! Nothing here knows about bounces: the same operator serves all of them.
 
 mod accumulate;
+mod cached;
 mod cpu;
 mod direct;
 mod gather;
@@ -14,12 +15,16 @@ mod job;
 mod light_view;
 mod lights;
 mod order;
+mod paint;
 mod plan;
 mod polygon;
+mod rows;
 mod scatter;
 
 pub use accumulate::{Measured, PartialField, accumulate};
+pub use cached::CachedTransport;
 pub use cpu::CpuTransport;
 pub use hemisphere::direction as hemisphere_direction;
 pub use job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 pub use plan::{EmitterSampling, LightSampling, Plan};
+pub use rows::Rows;

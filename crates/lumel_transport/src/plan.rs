@@ -1,5 +1,6 @@
 //! How densely and by which estimators light is measured.
 
+use lumel_basis::Measure;
 use lumel_sample::SamplerKind;
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +46,28 @@ pub struct Plan {
     pub light_sampling: LightSampling,
     /// What to do with emissive surfaces.
     pub emitters: EmitterSampling,
+}
+
+/// Origins per triangle for each ray that a vertex would get: as there are about twice as many triangles as
+/// vertices, both bases trace the same number of rays.
+const AREA_SHARE: u32 = 2;
+
+/// At least this many origins per triangle, so that each of its corners gets something.
+const MIN_AREA_SAMPLES: u32 = 4;
+
+impl Plan {
+    /// Hemisphere rays of an element, per application of the operator.
+    pub fn rays_per_element(&self, measure: Measure) -> u32 {
+        self.samples(self.indirect_samples, measure)
+    }
+
+    /// The samples really taken when so many are asked for.
+    pub(crate) fn samples(&self, requested: u32, measure: Measure) -> u32 {
+        self.sampler.sample_count(match measure {
+            Measure::AtPoint => requested,
+            Measure::OverArea => (requested / AREA_SHARE).max(MIN_AREA_SAMPLES),
+        })
+    }
 }
 
 impl Default for Plan {
