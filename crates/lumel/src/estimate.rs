@@ -1,5 +1,7 @@
 //! How long a solve will still take.
 
+use crate::Baker;
+use crate::method::Method;
 use crate::settings::{BasisKind, BounceLimit, Settings};
 use lumel_solve::Step;
 
@@ -8,10 +10,20 @@ use lumel_solve::Step;
 pub struct Workload {
     /// Elements measured per bounce.
     elements: u64,
-    /// Rays for each of them in an indirect bounce.
-    rays_per_element: f64,
+    rays: RaysPerElement,
     limit: BounceLimit,
     remainder: f64,
+}
+
+/// Hemisphere rays of an element by step.
+#[derive(Clone, Copy, Debug)]
+struct RaysPerElement {
+    /// In the first bounce.
+    first: f64,
+    /// In each bounce after it.
+    later: f64,
+    /// At the end.
+    gathered: f64,
 }
 
 /// How far the solve is.
@@ -37,16 +49,23 @@ pub struct Remainder {
 }
 
 impl Workload {
-    /// That of some settings.
-    pub fn new(elements: u64, settings: &Settings) -> Self {
-        let samples = f64::from(settings.indirect_samples);
+    /// That of a baker.
+    pub fn new(baker: &Baker) -> Self {
+        Self::of(baker.elements_per_step(), baker.settings(), baker.method())
+    }
+
+    fn of(elements: u64, settings: &Settings, method: Method) -> Self {
         // Per triangle half as many, of which there are twice as many as vertices.
-        let rays_per_element = match settings.basis {
-            BasisKind::Vertex => samples,
-            BasisKind::VertexArea => 0.5 * samples,
+        let share = if settings.basis == BasisKind::Vertex { 1.0 } else { 0.5 };
+        let all = share * f64::from(settings.indirect_samples);
+        let rays = match method {
+            Method::Neumann => RaysPerElement { first: all, later: all, gathered: 0.0 },
+            Method::Cached { .. } => RaysPerElement { first: all, later: 0.0, gathered: 0.0 },
+            Method::FinalGather { stored, .. } => {
+                RaysPerElement { first: share * f64::from(stored), later: 0.0, gathered: all }
+            }
         };
-        let remainder = f64::from(settings.remainder);
-        Self { elements, rays_per_element, limit: settings.bounces, remainder }
+        Self { elements, rays, limit: settings.bounces, remainder: f64::from(settings.remainder) }
     }
 
     /// The last bounce, as far as it is known: from the remainders after the bounces so far.
@@ -77,24 +96,44 @@ impl Workload {
             return None;
         }
         let last = self.last_bounce(remainders)?;
+        let RaysPerElement { first, later, gathered } = self.rays;
+        let bounces_after = |bounce: u32| match last.saturating_sub(bounce) {
+            0 => 0.0,
+            n if bounce == 0 => first + f64::from(n - 1) * later,
+            n => f64::from(n) * later,
+        };
         let to_come = match at.step {
-            Step::Probe => last + 1,
-            Step::Bounce(bounce) => last.saturating_sub(bounce),
-            Step::FinalGather => 0,
+            Step::Probe => first + bounces_after(0) + gathered,
+            Step::Bounce(bounce) => bounces_after(bounce) + gathered,
+            Step::FinalGather => 0.0,
         };
         let this_step = at.seconds * (1.0 - share) / share;
-        let rays_per_bounce = self.elements as f64 * self.rays_per_element;
-        Some(this_step + f64::from(to_come) * rays_per_bounce * at.seconds / at.rays as f64)
+        Some(this_step + self.elements as f64 * to_come * at.seconds / at.rays as f64)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::method::Memory;
 
     fn workload(bounces: BounceLimit) -> Workload {
         let settings = Settings { bounces, indirect_samples: 100, ..Settings::default() };
-        Workload::new(1000, &settings)
+        Workload::of(1000, &settings, Method::Neumann)
+    }
+
+    #[test]
+    fn bounces_on_stored_rays_cost_nothing() {
+        let settings =
+            Settings { bounces: BounceLimit::Count(5), indirect_samples: 100, ..Settings::default() };
+        let at = |step| Position { step, seconds: 2.0, elements: 500, rays: 50_000 };
+        let cached = Workload::of(1000, &settings, Method::Cached { memory: Memory(1) });
+        assert_eq!(cached.seconds_left(&at(Step::Bounce(1)), &[]), Some(2.0));
+        assert_eq!(cached.seconds_left(&at(Step::Bounce(0)), &[]), Some(2.0 + 4.0));
+        let method = Method::FinalGather { stored: 50, memory: Memory(1) };
+        let gathers = Workload::of(1000, &settings, method);
+        assert_eq!(gathers.seconds_left(&at(Step::Bounce(0)), &[]), Some(2.0 + 2.0 + 4.0));
+        assert_eq!(gathers.seconds_left(&at(Step::FinalGather), &[]), Some(2.0));
     }
 
     #[test]

@@ -164,6 +164,7 @@ fn add_step(event: &mut Value, step: Step) {
             event["step"] = "bounce".into();
             event["bounce"] = bounce.into();
         }
+        Step::FinalGather => event["step"] = "final gather".into(),
     }
 }
 
@@ -179,6 +180,7 @@ impl State {
                     None => format!("bounce {bounce}"),
                 }
             }
+            Step::FinalGather => "final gather".to_owned(),
         }
     }
 }

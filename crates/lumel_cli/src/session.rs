@@ -63,7 +63,7 @@ impl Session {
         state: &mut SolveState,
         checkpoint: Option<&Checkpoint>,
     ) -> anyhow::Result<Option<SolveLog>> {
-        self.progress.expect(Workload::new(baker.elements_per_step(), baker.settings()));
+        self.progress.expect(Workload::new(baker));
         let watch = Watch { baker, progress: &self.progress, checkpoint, notes: Mutex::default() };
         let begun = Instant::now();
         let result = {

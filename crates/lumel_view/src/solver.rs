@@ -86,6 +86,8 @@ pub enum Phase {
     Probing,
     /// Measuring this bounce; 0 is direct light.
     Bounce(u32),
+    /// Measuring all light but the direct once more.
+    FinalGather,
     /// Measuring the standard error.
     StandardError,
     /// It is over.
@@ -322,7 +324,7 @@ fn run(task: &Task, work: Work, control: &Control, shared: &Shared, keep: &Keep)
 
 fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
     let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
-    lock(&shared.pace).workload = Some(Workload::new(baker.elements_per_step(), &task.settings));
+    lock(&shared.pace).workload = Some(Workload::new(&baker));
     let mut state = match start {
         Start::Anew => SolveState::new(),
         Start::From(state) => state,
@@ -500,6 +502,7 @@ impl Observer for Watch<'_> {
         self.shared.publish_phase(match step {
             Step::Probe => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
+            Step::FinalGather => Phase::FinalGather,
         });
     }
 

@@ -5,8 +5,8 @@ use crate::parse;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lumel::{
-    BasisKind, BounceLimit, EmitterSampling, LightSampling, OpenOptions, PathPolicy, Preset, RectLight,
-    SamplerKind, SettingsPatch, Tail,
+    BasisKind, BounceLimit, EmitterSampling, LightSampling, Memory, OpenOptions, PathPolicy, Preset,
+    RectLight, SamplerKind, SettingsPatch, SolverKind, Tail,
 };
 
 /// The largest number of samples per receiver.
@@ -130,6 +130,18 @@ pub(crate) struct SettingsArgs {
     #[arg(long)]
     pub(crate) no_emissive: bool,
 
+    /// How bounces are computed. [default: cached]
+    #[arg(long, value_name = "KIND", value_parser = parse::named::<SolverKind>(&[
+        ("cached", "trace rays once, store them, and apply them bounce after bounce"),
+        ("neumann", "trace rays of its own for every bounce: slower, and no memory for rays"),
+    ]))]
+    pub(crate) solver: Option<SolverKind>,
+
+    /// Memory for stored rays, such as 500MB or 2GiB. Where it is too little for all, fewer are stored and all light is
+    /// gathered once more at the end. [default: 2GiB]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) memory: Option<Memory>,
+
     /// Changes all random choices. [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
@@ -149,6 +161,8 @@ impl SettingsArgs {
             sampler: self.sampler,
             light_sampling: self.light_sampling,
             emitters: self.no_emissive.then_some(EmitterSampling::Off),
+            solver: self.solver,
+            memory: self.memory,
             seed: self.seed,
         }
     }

@@ -15,6 +15,8 @@ pub(crate) struct Summary {
     /// Vertices that could not be measured.
     invalid_vertices: usize,
     /// Direct light and all bounces.
+    /// How the bounces were solved.
+    method: String,
     steps: Vec<StepReport>,
     /// Bounces that were there before, direct light included.
     pub(crate) resumed_bounces: usize,
@@ -55,6 +57,8 @@ pub(crate) enum Step {
     Probe,
     /// A bounce; 0 is direct light.
     Bounce(usize),
+    /// Measuring all light but the direct once more.
+    FinalGather,
 }
 
 #[derive(Debug, Serialize)]
@@ -71,6 +75,7 @@ impl From<lumel::Step> for Step {
         match step {
             lumel::Step::Probe => Self::Probe,
             lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
+            lumel::Step::FinalGather => Self::FinalGather,
         }
     }
 }
@@ -82,6 +87,7 @@ impl Step {
             Self::Probe => "probe".to_owned(),
             Self::Bounce(0) => "direct".to_owned(),
             Self::Bounce(k) => format!("bounce {k}"),
+            Self::FinalGather => "final gather".to_owned(),
         }
     }
 }
@@ -103,12 +109,14 @@ impl Summary {
         let probe = seconds_of(Step::Probe).map(|_| report(Step::Probe, None));
         let shares = baker.shares(state).into_iter().enumerate();
         let bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
+        let gather = seconds_of(Step::FinalGather).map(|_| report(Step::FinalGather, None));
         Self {
             scene: scene.name().to_owned(),
             vertices: scene.vertex_count(),
             triangles: scene.triangle_count(),
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
-            steps: probe.into_iter().chain(bounces).collect(),
+            method: baker.method().to_string(),
+            steps: probe.into_iter().chain(bounces).chain(gather).collect(),
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),
@@ -143,6 +151,7 @@ impl Summary {
         let Seconds { load, build, solve, checkpoints, write, total } = self.seconds;
         lines.push(format!("load {load:.2} s"));
         lines.push(format!("build {build:.2} s"));
+        lines.push(self.method.clone());
         lines.extend(self.steps.iter().map(StepReport::text));
         lines.push(format!("solve {solve:.2} s"));
         if checkpoints >= 0.005 {

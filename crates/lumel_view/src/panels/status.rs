@@ -60,6 +60,7 @@ fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
         Phase::Probing => "Finding vertices inside geometry".to_owned(),
         Phase::Bounce(0) => "Direct light".to_owned(),
         Phase::Bounce(k) => format!("Bounce {k}{of}"),
+        Phase::FinalGather => "Final gather".to_owned(),
         Phase::StandardError => "Measuring the standard error".to_owned(),
         Phase::Ended(_) => String::new(),
     };
