@@ -19,6 +19,7 @@
 //! ```
 
 mod bits;
+mod cells;
 mod frame;
 mod halton;
 mod key;
@@ -28,6 +29,7 @@ mod sobol;
 mod stratified;
 mod warp;
 
+pub use cells::CellOrder;
 pub use frame::Frame;
 pub use key::{Dim, StreamKey};
 pub use piecewise::{PiecewiseConstant1D, PiecewiseConstant2D};

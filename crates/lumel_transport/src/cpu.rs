@@ -12,7 +12,7 @@ use crate::scatter::scattered;
 use glam::DVec3;
 use lumel_accel::RayTracer;
 use lumel_basis::{Basis, ElementId, Measure, NodeWeights, Receivers, Site};
-use lumel_sample::{Dim, Sampler, Stream, StreamKey};
+use lumel_sample::{CellOrder, Dim, Sampler, Stream, StreamKey};
 use lumel_scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -134,12 +134,10 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     ) {
         gather.clear();
         let sampler = self.plan.sampler.for_count(samples);
-        let mut points = Vec::with_capacity(samples as usize);
+        let mut cells = CellOrder::default();
         for (&element, site) in group.elements.iter().zip(&group.sites) {
-            let stream = sampler.stream(key(element), dim);
-            points.clear();
-            points.extend((0..samples).map(|i| stream.sample_2d(i)));
-            gather.add(site, &points);
+            let points = cells.points(&sampler.stream(key(element), dim), samples);
+            gather.add(site, points);
         }
     }
 
