@@ -40,6 +40,31 @@ struct Axis<S: Simd> {
     reversed: bool,
 }
 
+impl<S: Simd> Axis<S> {
+    #[inline(always)]
+    fn new(isa: S, origin: (f32, f32), (min, max): (f32, f32), smallest: f32) -> Self {
+        let reversed = max < -smallest;
+        let up = if max > smallest { EARLIER / max } else { 0.0 };
+        let down = if min < -smallest { EARLIER / min } else { 0.0 };
+        let (out, never) = if min > smallest {
+            (LATER / min, 0.0)
+        } else if reversed {
+            (LATER / max, 0.0)
+        } else {
+            (0.0, NEVER)
+        };
+        Self {
+            origin_min: S::F8::splat(isa, origin.0),
+            origin_max: S::F8::splat(isa, origin.1),
+            up: S::F8::splat(isa, up),
+            down: S::F8::splat(isa, down),
+            out: S::F8::splat(isa, out),
+            never: S::F8::splat(isa, never),
+            reversed,
+        }
+    }
+}
+
 /// A number beyond any distance, and finite so that zero times it is zero.
 const NEVER: f32 = 1e30;
 
@@ -47,34 +72,17 @@ impl<S: Simd> Beam<S> {
     /// A beam around rays; `smallest` separates directions from zero.
     #[inline(always)]
     pub(super) fn new(isa: S, origins: Interval, directions: Interval, smallest: f32) -> Self {
-        let mut octant = 0;
-        let mut one_octant = true;
-        let mut axis = |axis: usize| {
-            let (min, max) = (directions.min[axis], directions.max[axis]);
-            let reversed = max < -smallest;
-            octant |= usize::from(min + max < 0.0) << axis;
-            one_octant &= min > smallest || reversed;
-            let up = if max > smallest { EARLIER / max } else { 0.0 };
-            let down = if min < -smallest { EARLIER / min } else { 0.0 };
-            let (out, never) = if min > smallest {
-                (LATER / min, 0.0)
-            } else if reversed {
-                (LATER / max, 0.0)
-            } else {
-                (0.0, NEVER)
-            };
-            let splat = |x| S::F8::splat(isa, x);
-            Axis {
-                origin_min: splat(origins.min[axis]),
-                origin_max: splat(origins.max[axis]),
-                up: splat(up),
-                down: splat(down),
-                out: splat(out),
-                never: splat(never),
-                reversed,
-            }
+        let axis = |axis: usize| {
+            let origin = (origins.min[axis], origins.max[axis]);
+            Axis::new(isa, origin, (directions.min[axis], directions.max[axis]), smallest)
         };
         let axes = [axis(0), axis(1), axis(2)];
+        let (mut octant, mut one_octant) = (0, true);
+        for axis in 0..3 {
+            let (min, max) = (directions.min[axis], directions.max[axis]);
+            octant |= usize::from(min + max < 0.0) << axis;
+            one_octant &= min > smallest || max < -smallest;
+        }
         let center: [f32; 3] = std::array::from_fn(|a| 0.5 * origins.min[a] + 0.5 * origins.max[a]);
         let from = Origins {
             center,

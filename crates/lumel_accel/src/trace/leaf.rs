@@ -4,7 +4,7 @@
 //! it passes through. They are shared by all rays of one origin, which then cost three dot products each.
 
 use crate::bvh::Block;
-use crate::simd::{Lanes, Quads, Simd};
+use crate::simd::{Lanes, Quads};
 use crate::triangle::{EDGE_ERROR, passes};
 use glam::Vec3;
 
@@ -90,18 +90,28 @@ impl<L: Lanes> Edges<L> {
             slack: self.slack,
         }
     }
+}
 
-    /// One triangle of four in all lanes, or the four again and again.
+impl<L: Lanes> Edges<L> {
+    /// The four triangles again and again, for four rays.
     #[inline(always)]
-    pub(super) fn map<M: Lanes>(self, f: impl Fn(L) -> M) -> Edges<M> {
+    pub(super) fn repeated<M: Quads<F4 = L, Isa = L::Isa>>(self, isa: L::Isa) -> Edges<M> {
         Edges {
-            corner: each(self.corner, &f),
-            e1: each(self.e1, &f),
-            e2: each(self.e2, &f),
-            normal: each(self.normal, &f),
-            slack: f(self.slack),
+            corner: repeated(isa, self.corner),
+            e1: repeated(isa, self.e1),
+            e2: repeated(isa, self.e2),
+            normal: repeated(isa, self.normal),
+            slack: M::repeat(isa, self.slack),
         }
     }
+}
+
+#[inline(always)]
+fn repeated<M: Quads>(isa: M::Isa, v: V3<M::F4>) -> V3<M>
+where
+    M::F4: Copy,
+{
+    [M::repeat(isa, v[0]), M::repeat(isa, v[1]), M::repeat(isa, v[2])]
 }
 
 /// Where rays start, as far as errors are concerned.
@@ -126,14 +136,15 @@ pub(super) struct Planes<L> {
 }
 
 impl<L: Lanes> Planes<L> {
+    /// The four triangles again and again, for four rays.
     #[inline(always)]
-    pub(super) fn map<M: Lanes>(self, f: impl Fn(L) -> M) -> Planes<M> {
+    pub(super) fn repeated<M: Quads<F4 = L, Isa = L::Isa>>(self, isa: L::Isa) -> Planes<M> {
         Planes {
-            second: each(self.second, &f),
-            third: each(self.third, &f),
-            normal: each(self.normal, &f),
-            height: f(self.height),
-            slack: f(self.slack),
+            second: repeated(isa, self.second),
+            third: repeated(isa, self.third),
+            normal: repeated(isa, self.normal),
+            height: M::repeat(isa, self.height),
+            slack: M::repeat(isa, self.slack),
         }
     }
 
@@ -263,10 +274,4 @@ impl EdgesOfBlock {
             slack: at(12),
         }
     }
-}
-
-/// Repeats four triangles for four rays.
-#[inline(always)]
-pub(super) fn repeated<S: Simd>(isa: S) -> impl Fn(S::F4) -> S::F16 {
-    move |four| S::F16::repeat(isa, four)
 }

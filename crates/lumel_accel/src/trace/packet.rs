@@ -1,7 +1,7 @@
 //! Sixteen rays at once.
 
 use super::beam::{Beam, Interval};
-use super::leaf::{Edges, EdgesOfBlock, PlanesOfBlock, V3, each, load, repeated, splat};
+use super::leaf::{Edges, EdgesOfBlock, PlanesOfBlock, V3, each, load, splat};
 use super::single::{Follow, Line};
 use super::stack::{Entry, Stack};
 use super::{Found, LATER, NO_TRIANGLE, PACKET, SMALLEST_COMPONENT, bits, code};
@@ -107,10 +107,14 @@ impl Packet {
         (self.weights[0][lane], self.weights[1][lane]) = (found.weights[0], found.weights[1]);
     }
 
-    /// The lanes that see a triangle at all.
+    /// Of some lanes, those that see a triangle at all.
     #[inline(always)]
-    fn seeing(&self, tri: u32) -> u32 {
-        (0..PACKET).fold(0, |mask, lane| mask | u32::from(self.skip[lane] != tri) << lane)
+    fn seeing(&self, tri: u32, lanes: u32) -> u32 {
+        let mut seeing = lanes;
+        for lane in bits(lanes) {
+            seeing &= !(u32::from(self.skip[lane & 15] == tri) << lane);
+        }
+        seeing
     }
 }
 
@@ -326,9 +330,9 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
         let spread = |v: S::F16| v.spread(rays);
         let planes = if TOGETHER {
             let origin = splat(isa, self.beam.from.center);
-            edges.planes(origin).map(repeated(isa))
+            edges.planes(origin).repeated::<S::F16>(isa)
         } else {
-            edges.map(repeated(isa)).planes(each(self.origin, spread))
+            edges.repeated::<S::F16>(isa).planes(each(self.origin, spread))
         };
         let limit = S::F16::load(isa, &packet.t).spread(rays);
         let met = planes.test(isa, each(self.direction, spread), limit);
@@ -405,7 +409,7 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
             return false;
         }
         let tri = block.tri[i & 3];
-        let lanes = met.decided(lanes & packet.seeing(tri), |lane| {
+        let lanes = met.decided(packet.seeing(tri, lanes), |lane| {
             let (origin, direction) = packet.ray(lane);
             (block.triangle(i & 3), origin, direction)
         });

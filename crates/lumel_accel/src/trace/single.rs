@@ -84,9 +84,12 @@ impl<S: Simd> Prepared<S> {
         if met.lanes == 0 {
             return false;
         }
-        let not_skipped = (0..4).fold(0, |mask, i| mask | u32::from(block.tri[i] != self.line.skip) << i);
+        let mut seen = met.lanes;
+        for i in bits(met.lanes) {
+            seen &= !(u32::from(block.tri[i & 3] == self.line.skip) << i);
+        }
         let ray = |i: usize| (block.triangle(i), self.line.origin, self.line.direction);
-        let lanes = met.decided(not_skipped, ray);
+        let lanes = met.decided(seen, ray);
         if lanes == 0 {
             return false;
         }
