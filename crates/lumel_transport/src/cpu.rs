@@ -4,6 +4,7 @@ use crate::direct::{Direct, Tally};
 use crate::gather::{GROUP, Gather};
 use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
+use crate::light_points::LightPoints;
 use crate::lights::LightSet;
 use crate::order;
 use crate::plan::Plan;
@@ -254,10 +255,11 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
 
     /// Adds to each value what lights send there.
     fn add_direct(&mut self, group: &Group, values: &mut [DVec3]) -> Result<(), Cancelled> {
+        let mut points = LightPoints::default();
         for ((&element, site), value) in group.elements.iter().zip(&group.sites).zip(values) {
             self.control.check()?;
             let mut tally = Tally::default();
-            self.direct().at_point(site, self.key(element), &mut tally)?;
+            self.direct().at_point(site, self.key(element), &mut points, &mut tally)?;
             *value += tally.sum;
             self.n_rays += tally.n_rays;
         }

@@ -1,13 +1,16 @@
 //! The area form: light that arrives from lights.
 
 use crate::job::{Cancelled, Control};
+use crate::light_points::LightPoints;
+use crate::light_tree::LightTree;
 use crate::light_view::{LightSample, LightView};
-use crate::lights::{AreaLight, LightSet, PointlikeLight};
+use crate::lights::{LightSet, PointlikeLight};
 use crate::plan::{LightSampling, Plan};
+use crate::shadow_rays::{Beam, Seen};
 use glam::{DVec3, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_basis::Site;
-use lumel_sample::{Dim, Sampler, Stream, StreamKey};
+use lumel_sample::{Dim, Sampler, StreamKey};
 use lumel_scene::{Irradiance, Scene};
 
 /// Shadow rays of the pilot that sets the weight of the closed form: at most this many, and a quarter of the samples.
@@ -34,20 +37,20 @@ pub(crate) struct Tally {
 
 impl Direct<'_> {
     /// Irradiance at a site from all lights, each by `direct_samples` shadow rays.
-    pub(crate) fn at_point(&self, site: &Site, key: StreamKey, tally: &mut Tally) -> Result<(), Cancelled> {
+    pub(crate) fn at_point(
+        &self,
+        site: &Site,
+        key: StreamKey,
+        points: &mut LightPoints,
+        tally: &mut Tally,
+    ) -> Result<(), Cancelled> {
         self.pointlike(site, tally);
         let samples = self.plan.sampler.sample_count(self.plan.direct_samples);
         let sampler = self.plan.sampler.for_count(samples);
-        if self.lights.by_power.is_some() {
-            let stream = sampler.stream(key, Dim::LightSelect);
-            let mut total = Tally::default();
-            for i in 0..samples {
-                self.control.check_at(i)?;
-                let u = stream.sample_4d(i);
-                self.chosen_by_power(site, u[2], [u[0], u[1]], &mut total);
-            }
-            tally.sum += total.sum / f64::from(samples);
-            tally.n_rays += total.n_rays;
+        if let Some(tree) = &self.lights.tree {
+            let points = points.fill_by_choice(&sampler.stream(key, Dim::LightSelect), samples);
+            let sum = self.chosen(tree, site, points, tally)?;
+            tally.sum += sum / f64::from(samples);
             return Ok(());
         }
         for (l, light) in self.lights.area.iter().enumerate() {
@@ -57,11 +60,15 @@ impl Direct<'_> {
             let stream = sampler.stream(key, Dim::Light(l as u32));
             match (self.plan.light_sampling, view.unblocked) {
                 (LightSampling::Analytic, Some(unblocked)) => {
-                    let beta =
-                        self.visible_share(site, &view, (key, Dim::LightPilot(l as u32)), samples / 4, tally);
-                    self.minus_blocked(site, &view, unblocked, beta, (stream, samples), tally)?;
+                    let pilot = (key, Dim::LightPilot(l as u32));
+                    let beta = self.visible_share(site, &view, pilot, samples / 4, (points, tally))?;
+                    let seen = self.seen(site, &view, points.fill(&stream, samples), tally)?;
+                    tally.sum += minus_blocked(unblocked, beta, &seen, samples);
                 }
-                _ => self.plain(site, &view, stream, samples, tally)?,
+                _ => {
+                    let seen = self.seen(site, &view, points.fill(&stream, samples), tally)?;
+                    tally.sum += seen.lit / f64::from(samples);
+                }
             }
         }
         Ok(())
@@ -72,10 +79,17 @@ impl Direct<'_> {
     /// `u` places the point on each light.
     pub(crate) fn one_sample(&self, site: &Site, key: StreamKey, index: u32, u: [f32; 2], tally: &mut Tally) {
         self.pointlike(site, tally);
-        if let Some(by_power) = &self.lights.by_power {
-            // What is left of the coordinate within its light is uniform again.
-            let (_, offset, _) = by_power.sample(u[0]);
-            return self.chosen_by_power(site, u[0], [offset, u[1]], tally);
+        if let Some(tree) = &self.lights.tree {
+            let Some(choice) = tree.choose(site.origin.as_dvec3(), site.frame.normal.as_dvec3(), u[0]) else {
+                return;
+            };
+            let light = &self.lights.area[choice.light];
+            if let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) {
+                let weight = 1.0 / choice.probability;
+                // What is left of the coordinate within its light is uniform again.
+                self.add_if_seen(site, view.sample([choice.rest, u[1]]), weight, tally);
+            }
+            return;
         }
         for (l, light) in self.lights.area.iter().enumerate() {
             let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
@@ -97,49 +111,21 @@ impl Direct<'_> {
         }
     }
 
-    /// The textbook estimator: the mean of `L cos θ V / p`. Unbiased.
-    fn plain(
+    /// The light of points of one light: in all, and what of it is seen.
+    fn seen(
         &self,
         site: &Site,
         view: &LightView<'_>,
-        stream: Stream,
-        samples: u32,
+        points: &[(u64, [f32; 2])],
         tally: &mut Tally,
-    ) -> Result<(), Cancelled> {
-        let mut total = Tally::default();
-        for i in 0..samples {
-            self.control.check_at(i)?;
-            self.add_if_seen(site, view.sample(stream.sample_2d(i)), 1.0, &mut total);
-        }
-        tally.sum += total.sum / f64::from(samples);
-        tally.n_rays += total.n_rays;
-        Ok(())
-    }
-
-    /// The closed form as a control variate: `βE + mean of (V − β) L cos θ / p`, where `β` is the share of an
-    /// independent pilot that sees the light.
-    ///
-    /// `β = 1` where the light is seen whole leaves only the closed form; `β = 0` where it is hidden leaves exactly
-    /// zero; in a penumbra both terms vary less than the plain estimator. Unbiased, because the pilot's points are
-    /// independent of the samples.
-    fn minus_blocked(
-        &self,
-        site: &Site,
-        view: &LightView<'_>,
-        unblocked: Irradiance,
-        beta: f64,
-        (stream, samples): (Stream, u32),
-        tally: &mut Tally,
-    ) -> Result<(), Cancelled> {
-        let mut sum = DVec3::ZERO;
-        for i in 0..samples {
-            self.control.check_at(i)?;
-            if let Some(sample) = view.sample(stream.sample_2d(i)) {
-                sum += sample.unblocked.0.as_dvec3() * (self.visibility(site, &sample, tally) - beta);
+    ) -> Result<Seen, Cancelled> {
+        let mut beam = Beam::new(self.tracer, site);
+        for (_, u) in points {
+            if let Some(sample) = view.sample(*u) {
+                beam.add(sample.target, sample.unblocked.0.as_dvec3(), self.control)?;
             }
         }
-        tally.sum += unblocked.0.as_dvec3() * beta + sum / f64::from(samples);
-        Ok(())
+        Ok(beam.finish(tally))
     }
 
     /// The share of a pilot's points on the light that is seen; 1 if none lies above the horizon.
@@ -151,33 +137,49 @@ impl Direct<'_> {
         view: &LightView<'_>,
         (key, dim): (StreamKey, Dim),
         requested: u32,
-        tally: &mut Tally,
-    ) -> f64 {
+        (points, tally): (&mut LightPoints, &mut Tally),
+    ) -> Result<f64, Cancelled> {
         let samples = self.plan.sampler.sample_count(requested.clamp(1, MAX_PILOT));
         let stream = self.plan.sampler.for_count(samples).stream(key, dim);
-        let (mut seen, mut tried) = (0.0, 0.0);
-        for sample in (0..samples).filter_map(|i| view.sample(stream.sample_2d(i))) {
-            seen += self.visibility(site, &sample, tally);
-            tried += 1.0;
-        }
-        if tried > 0.0 { seen / tried } else { 1.0 }
+        let seen = self.seen(site, view, points.fill(&stream, samples), tally)?;
+        Ok(if seen.n_rays > 0 { f64::from(seen.n_lit) / f64::from(seen.n_rays) } else { 1.0 })
     }
 
-    /// One sample of one area light that is chosen with a probability in proportion to its power.
-    fn chosen_by_power(&self, site: &Site, select: f32, u: [f32; 2], tally: &mut Tally) {
-        let Some(by_power) = &self.lights.by_power else { return };
-        let (chosen, _, probability) = by_power.sample(select);
-        let light: &AreaLight = &self.lights.area[chosen];
-        if let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) {
-            self.add_if_seen(site, view.sample(u), 1.0 / probability, tally);
+    /// The sum over samples of lights that are chosen one by one.
+    ///
+    /// Points in the order of the choice: those of one light, and of neighbours in the tree, follow each other.
+    fn chosen(
+        &self,
+        tree: &LightTree,
+        site: &Site,
+        points: &[([f32; 2], f32)],
+        tally: &mut Tally,
+    ) -> Result<DVec3, Cancelled> {
+        let (origin, normal) = (site.origin.as_dvec3(), site.frame.normal.as_dvec3());
+        let mut beam = Beam::new(self.tracer, site);
+        let mut view = None;
+        for (u, select) in points {
+            let Some(choice) = tree.choose(origin, normal, *select) else { continue };
+            if view.as_ref().is_none_or(|(light, _)| *light != choice.light) {
+                let light = &self.lights.area[choice.light];
+                let new = LightView::new(self.scene, light, site, self.plan.light_sampling);
+                view = Some((choice.light, new));
+            }
+            if let Some((_, Some(view))) = &view
+                && let Some(sample) = view.sample(*u)
+            {
+                let value = sample.unblocked.0.as_dvec3() / choice.probability;
+                beam.add(sample.target, value, self.control)?;
+            }
         }
+        Ok(beam.finish(tally).lit)
     }
 
-    fn add_if_seen(&self, site: &Site, sample: Option<LightSample>, weight: f32, tally: &mut Tally) {
+    fn add_if_seen(&self, site: &Site, sample: Option<LightSample>, weight: f64, tally: &mut Tally) {
         if let Some(sample) = sample
             && !self.blocked(site, sample.target, tally)
         {
-            tally.sum += (sample.unblocked.0 * weight).as_dvec3();
+            tally.sum += sample.unblocked.0.as_dvec3() * weight;
         }
     }
 
@@ -219,4 +221,14 @@ impl Direct<'_> {
             }
         }
     }
+}
+
+/// The closed form as a control variate: `βE + mean of (V − β) L cos θ / p`, where `β` is the share of an independent
+/// pilot that sees the light.
+///
+/// `β = 1` where the light is seen whole leaves only the closed form; `β = 0` where it is hidden leaves exactly zero;
+/// in a penumbra both terms vary less than the plain estimator. Unbiased, because the pilot's points are independent
+/// of the samples.
+fn minus_blocked(unblocked: Irradiance, beta: f64, seen: &Seen, samples: u32) -> DVec3 {
+    unblocked.0.as_dvec3() * beta + (seen.lit - seen.all * beta) / f64::from(samples)
 }

@@ -12,6 +12,9 @@ mod direct;
 mod gather;
 mod hemisphere;
 mod job;
+mod light_cone;
+mod light_points;
+mod light_tree;
 mod light_view;
 mod lights;
 mod order;
@@ -20,6 +23,7 @@ mod plan;
 mod polygon;
 mod rows;
 mod scatter;
+mod shadow_rays;
 
 pub use accumulate::{Measured, PartialField, accumulate};
 pub use cached::CachedTransport;

@@ -1,13 +1,14 @@
 //! The lights of a scene, ready to be sampled.
 
+use crate::light_tree::{Extent, LightTree};
 use crate::plan::EmitterSampling;
-use lumel_sample::{PiecewiseConstant1D, PiecewiseConstant2D};
+use lumel_sample::PiecewiseConstant2D;
 use lumel_scene::{
     Barycentrics, DirectionalLight, Light, PointLight, Radiance, RectLight, Scene, SpotLight, SurfacePoint,
     Texture, TriId, luminance,
 };
 
-/// Up to this many lights with an area are all sampled at every receiver; of more, some are chosen by power.
+/// Up to this many lights with an area are all sampled at every receiver; of more, some are chosen.
 const MAX_LOOPED: usize = 8;
 
 /// Emissive surfaces up to this share of the total area are worth sampling as lights.
@@ -43,8 +44,8 @@ pub(crate) enum PointlikeLight {
 pub(crate) struct LightSet {
     pub(crate) area: Vec<AreaLight>,
     pub(crate) pointlike: Vec<PointlikeLight>,
-    /// Chooses among the area lights by power when they are too many to loop over.
-    pub(crate) by_power: Option<PiecewiseConstant1D>,
+    /// Chooses among the area lights when they are too many to loop over.
+    pub(crate) tree: Option<LightTree>,
     /// Whether hemisphere rays collect the emission of the surfaces they meet.
     pub(crate) emission_by_rays: bool,
     /// Whether hemisphere rays collect the sky.
@@ -57,7 +58,7 @@ impl LightSet {
         let mut set = Self {
             area: Vec::new(),
             pointlike: Vec::new(),
-            by_power: None,
+            tree: None,
             emission_by_rays: false,
             sky: !scene.sky().is_zero(),
         };
@@ -71,8 +72,8 @@ impl LightSet {
         }
         set.add_emissive_surfaces(scene, emitters);
         if set.area.len() > MAX_LOOPED {
-            let powers: Vec<f32> = set.area.iter().map(|light| light.relative_power(scene)).collect();
-            set.by_power = PiecewiseConstant1D::new(&powers);
+            let extents = set.area.iter().enumerate();
+            set.tree = LightTree::new(extents.filter_map(|(i, l)| Some((i, l.extent(scene)?))).collect());
         }
         set
     }
@@ -134,8 +135,21 @@ fn brightness(texture: &Texture) -> Option<PiecewiseConstant2D> {
 }
 
 impl AreaLight {
+    /// What chooses among lights knows of this one; `None` if it sends nothing.
+    fn extent(&self, scene: &Scene) -> Option<Extent> {
+        let power = self.relative_power(scene);
+        match self {
+            Self::Rect(rect) | Self::TexturedRect(rect, _) => {
+                Extent::flat(&rect.corners().map(|p| p.as_dvec3()), power)
+            }
+            Self::Triangle(tri, _) | Self::TexturedTriangle(tri) => {
+                Extent::flat(&scene.triangle_positions(*tri).map(|p| p.as_dvec3()), power)
+            }
+        }
+    }
+
     /// Power up to a common factor, for choosing lights.
-    fn relative_power(&self, scene: &Scene) -> f32 {
+    fn relative_power(&self, scene: &Scene) -> f64 {
         let middle = |tri| SurfacePoint { tri, bary: Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 } };
         let (radiance, area) = match self {
             Self::Rect(rect) => (rect.radiance.0, rect.area()),
@@ -149,6 +163,7 @@ impl AreaLight {
                 (seen * 0.25 + scene.material(*tri).emission.0 * 0.05, scene.area(*tri))
             }
         };
-        luminance(radiance) * area
+        // In f64: the area of a small light times a small radiance leaves the range of f32.
+        f64::from(luminance(radiance)) * f64::from(area)
     }
 }

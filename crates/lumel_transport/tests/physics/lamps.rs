@@ -138,7 +138,7 @@ fn sky_and_lights_add_up_in_every_combination() {
 }
 
 #[test]
-fn many_lights_are_chosen_by_power_without_bias() {
+fn many_lights_are_chosen_without_bias() {
     // Nine that shine, of very different power, and one that does not.
     let rect = |i: u32| {
         let (x, y) = ((i % 3) as f32 * 0.5, (i / 3) as f32 * 0.5);

@@ -1,0 +1,78 @@
+//! Shadow rays of one site, in bundles.
+
+use crate::direct::Tally;
+use crate::job::{Cancelled, Control};
+use glam::{DVec3, Vec3};
+use lumel_accel::{Bundle, RayTracer, SHADOW_END};
+use lumel_basis::Site;
+
+/// Shadow rays that are traced at once: as many as the tracer's shafts have. Cells of the light that are wider than
+/// that are no better.
+const BUNDLE: usize = 64;
+
+/// Collects shadow rays and traces them when there are enough.
+pub(crate) struct Beam<'a> {
+    tracer: &'a dyn RayTracer,
+    site: &'a Site,
+    segments: [Vec3; BUNDLE],
+    values: [DVec3; BUNDLE],
+    waiting: usize,
+    seen: Seen,
+}
+
+/// What has become of the rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Seen {
+    /// The sum of the values of all rays.
+    pub(crate) all: DVec3,
+    /// The sum over rays that nothing blocks; the same bits as `all` if that is all of them.
+    pub(crate) lit: DVec3,
+    /// Rays that nothing blocks.
+    pub(crate) n_lit: u32,
+    /// All rays.
+    pub(crate) n_rays: u32,
+}
+
+impl<'a> Beam<'a> {
+    pub(crate) fn new(tracer: &'a dyn RayTracer, site: &'a Site) -> Self {
+        let (segments, values) = ([Vec3::ZERO; BUNDLE], [DVec3::ZERO; BUNDLE]);
+        Self { tracer, site, segments, values, waiting: 0, seen: Seen::default() }
+    }
+
+    /// Adds the ray to a point from which `value` arrives if nothing is in the way.
+    pub(crate) fn add(&mut self, target: Vec3, value: DVec3, control: &Control) -> Result<(), Cancelled> {
+        self.segments[self.waiting] = target - self.site.origin;
+        self.values[self.waiting] = value;
+        self.waiting += 1;
+        if self.waiting == BUNDLE {
+            control.check()?;
+            self.trace();
+        }
+        Ok(())
+    }
+
+    /// Traces what is left.
+    pub(crate) fn finish(mut self, tally: &mut Tally) -> Seen {
+        self.trace();
+        tally.n_rays += u64::from(self.seen.n_rays);
+        self.seen
+    }
+
+    /// Sums in the order in which rays were added, however they are traced.
+    fn trace(&mut self) {
+        let n = self.waiting;
+        let mut occluded = [false; BUNDLE];
+        let Site { origin, skip, .. } = *self.site;
+        let bundle = Bundle { origin, directions: &self.segments[..n], t_max: SHADOW_END, skip };
+        self.tracer.occlusions(&bundle, &mut occluded[..n]);
+        for (value, blocked) in self.values[..n].iter().zip(&occluded) {
+            self.seen.all += *value;
+            if !blocked {
+                self.seen.lit += *value;
+                self.seen.n_lit += 1;
+            }
+        }
+        self.seen.n_rays += n as u32;
+        self.waiting = 0;
+    }
+}
