@@ -116,11 +116,11 @@ impl Direct<'_> {
         &self,
         site: &Site,
         view: &LightView<'_>,
-        points: &[(u64, [f32; 2])],
+        points: &[[f32; 2]],
         tally: &mut Tally,
     ) -> Result<Seen, Cancelled> {
         let mut beam = Beam::new(self.tracer, site);
-        for (_, u) in points {
+        for u in points {
             if let Some(sample) = view.sample(*u) {
                 beam.add(sample.target, sample.unblocked.0.as_dvec3(), self.control)?;
             }
