@@ -29,6 +29,9 @@ impl Default for UvTransform {
 impl UvTransform {
     /// The transformed coordinate.
     pub fn apply(&self, uv: Vec2) -> Vec2 {
+        if self.rotation == 0.0 {
+            return self.offset + uv * self.scale;
+        }
         let (sin, cos) = self.rotation.sin_cos();
         let Vec2 { x, y } = uv * self.scale;
         self.offset + Vec2::new(cos * x + sin * y, cos * y - sin * x)

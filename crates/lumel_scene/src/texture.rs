@@ -148,27 +148,39 @@ impl Texture {
 }
 
 /// The two texels around a coordinate and the weight of the second.
+#[inline]
 fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
     // Wrapping first keeps the texel position small, so that far-away coordinates lose no precision.
     let wrapped = match wrap {
-        Wrap::Repeat => coordinate.rem_euclid(1.0),
-        Wrap::Mirror => coordinate.rem_euclid(2.0),
+        Wrap::Repeat => coordinate - floor(coordinate),
+        Wrap::Mirror => coordinate - 2.0 * floor(0.5 * coordinate),
         Wrap::Clamp => coordinate.clamp(0.0, 1.0),
     };
     let position = wrapped * size as f32 - 0.5;
-    let first = position.floor();
-    let fold = |index: i64| -> u32 {
-        let n = i64::from(size);
-        (match wrap {
-            Wrap::Repeat => index.rem_euclid(n),
-            Wrap::Mirror => {
-                let m = index.rem_euclid(2 * n);
-                m.min(2 * n - 1 - m)
-            }
-            Wrap::Clamp => index.clamp(0, n - 1),
-        }) as u32
+    let first = floor(position);
+    let n = i64::from(size);
+    // At most one texel beyond the ends.
+    let fold = |index: i64| match wrap {
+        Wrap::Repeat if index < 0 => n - 1,
+        Wrap::Repeat if index >= n => 0,
+        Wrap::Mirror if index >= 2 * n => 0,
+        Wrap::Mirror if index >= n => 2 * n - 1 - index,
+        _ => index.clamp(0, n - 1),
     };
-    (fold(first as i64), fold(first as i64 + 1), position - first)
+    let [low, high] = [first as i64, first as i64 + 1].map(|index| fold(index) as u32);
+    (low, high, position - first)
+}
+
+/// `x.floor()`, which is a call of the C library where the processor is not known to have it.
+#[inline]
+fn floor(x: f32) -> f32 {
+    // From here on all numbers are whole.
+    const WHOLE: f32 = (1 << 23) as f32;
+    if x.abs() >= WHOLE {
+        return x;
+    }
+    let towards_zero = x as i32 as f32;
+    if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
 }
 
 #[cfg(test)]
@@ -201,6 +213,14 @@ mod tests {
         let seam = Vec2::new(0.0, 0.5);
         assert!((ramp(Wrap::Repeat).sample(seam).x - 1.5).abs() < 1e-5);
         assert!((ramp(Wrap::Clamp).sample(seam).x - 0.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn floors_are_those_of_the_standard_library() {
+        let near = [0.0f32, -0.0, 0.5, 1.0, 8e6, 8_388_607.5, 1e9, 3e38, 1e-40];
+        for x in near.into_iter().flat_map(|x| [x, -x, x.next_up(), -x.next_up()]) {
+            assert_eq!(floor(x), x.floor(), "{x}");
+        }
     }
 
     #[test]
