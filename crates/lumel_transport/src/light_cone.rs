@@ -42,7 +42,7 @@ impl Cone {
 }
 
 /// The angle between two vectors, with all its digits where it is small.
-pub(crate) fn angle(a: DVec3, b: DVec3) -> f64 {
+fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 

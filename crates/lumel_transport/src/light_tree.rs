@@ -2,15 +2,15 @@
 //!
 //! Conty Estevez and Kulla, *Importance Sampling of Many Lights with Adaptive Tree Splitting*, 2018.
 
-use crate::light_cone::{Cone, angle};
+use crate::light_cone::Cone;
 use glam::DVec3;
-use std::f64::consts::FRAC_PI_2;
 
 /// Places along an axis where a set of lights may be split.
 const BUCKETS: usize = 12;
 
-/// Slack for bounds of angles, radians: a million roundings in f64, and far less than matters for the choice.
-const SLACK: f64 = 1e-9;
+/// Slack for bounds by cosines: a sine from its cosine is off by up to 1e-8 where it is small. Far less than matters for
+/// the choice.
+const SLACK: f64 = 1e-7;
 
 /// What the tree knows of a light, or of many.
 #[derive(Clone, Copy, Debug)]
@@ -44,29 +44,57 @@ impl Extent {
     fn center(&self) -> DVec3 {
         0.5 * (self.min + self.max)
     }
+}
+
+/// An extent, ready to be asked for its importance.
+#[derive(Clone, Debug)]
+struct Bound {
+    center: DVec3,
+    radius: f64,
+    axis: DVec3,
+    /// Cosine and sine of the spread of normals.
+    spread: [f64; 2],
+    power: f64,
+}
+
+impl Bound {
+    fn new(extent: &Extent) -> Self {
+        let (sin, cos) = extent.normals.spread.sin_cos();
+        let radius = 0.5 * (extent.max - extent.min).length();
+        let Extent { normals: Cone { axis, .. }, power, .. } = *extent;
+        Self { center: extent.center(), radius, axis, spread: [cos, sin], power }
+    }
 
     /// What the lights may send to a receiver, up to a common factor; zero only if none of them can send anything.
     ///
     /// The distance is never taken for less than the radius: closer than that, the bounds say nothing about it.
     fn importance(&self, point: DVec3, normal: DVec3) -> f64 {
-        let away = self.center() - point;
-        let radius = 0.5 * (self.max - self.min).length();
-        let distance = away.length();
+        let away = self.center - point;
+        let squared = away.length_squared();
+        let distance = squared.sqrt();
         // Seen from within their bounds, lights may lie anywhere.
-        let (cos_light, cos_receiver) = if distance <= radius * (1.0 + SLACK) {
-            (1.0, 1.0)
-        } else {
-            let subtended = (radius / distance).asin() + SLACK;
-            let off_light = angle(self.normals.axis, -away) - self.normals.spread - subtended;
-            let off_receiver = angle(normal, away) - subtended;
-            (cos_above_horizon(off_light), cos_above_horizon(off_receiver))
-        };
-        self.power * cos_light * cos_receiver / distance.max(radius).powi(2)
+        if distance <= self.radius * (1.0 + SLACK) {
+            return self.power / squared.max(self.radius * self.radius);
+        }
+        let sin = self.radius / distance;
+        let subtended = [(1.0 - sin * sin).max(0.0).sqrt(), sin];
+        let off_light = less(cos_sin(-self.axis.dot(away) / distance), self.spread);
+        let cos_light = less(off_light, subtended)[0] + SLACK;
+        let cos_receiver = less(cos_sin(normal.dot(away) / distance), subtended)[0] + SLACK;
+        self.power * cos_light.max(0.0) * cos_receiver.max(0.0) / squared
     }
 }
 
-fn cos_above_horizon(angle: f64) -> f64 {
-    if angle < FRAC_PI_2 { angle.max(0.0).cos() } else { 0.0 }
+fn cos_sin(cos: f64) -> [f64; 2] {
+    [cos, (1.0 - cos * cos).max(0.0).sqrt()]
+}
+
+/// Cosine and sine of the difference of two angles up to π, or of zero if that is negative.
+fn less([cos_a, sin_a]: [f64; 2], [cos_b, sin_b]: [f64; 2]) -> [f64; 2] {
+    if cos_a >= cos_b {
+        return [1.0, 0.0];
+    }
+    [cos_a * cos_b + sin_a * sin_b, sin_a * cos_b - cos_a * sin_b]
 }
 
 /// A binary tree over lights.
@@ -78,7 +106,7 @@ pub(crate) struct LightTree {
 
 #[derive(Clone, Debug)]
 struct Node {
-    extent: Extent,
+    bound: Bound,
     below: Below,
 }
 
@@ -115,7 +143,7 @@ impl LightTree {
     ///
     /// The probability is positive for all lights that would send anything if nothing were in the way.
     pub(crate) fn choose(&self, point: DVec3, normal: DVec3, u: f32) -> Option<Choice> {
-        if self.nodes[0].extent.importance(point, normal) <= 0.0 {
+        if self.nodes[0].bound.importance(point, normal) <= 0.0 {
             return None;
         }
         let (mut at, mut rest, mut probability) = (0, f64::from(u), 1.0);
@@ -145,7 +173,7 @@ impl LightTree {
     /// Where their parent's loose bounds promised what neither can hold, power decides: the contribution is zero, and
     /// probabilities still sum to one.
     fn share_of_first(&self, first: usize, second: usize, point: DVec3, normal: DVec3) -> f64 {
-        let [a, b] = [first, second].map(|node| self.nodes[node].extent);
+        let [a, b] = [first, second].map(|node| &self.nodes[node].bound);
         let (i, j) = (a.importance(point, normal), b.importance(point, normal));
         let share = if i + j > 0.0 { i / (i + j) } else { a.power / (a.power + b.power) };
         // Rounding must leave no light that can shine without a chance.
@@ -156,10 +184,10 @@ impl LightTree {
         let Some(extent) = lights.iter().map(|(_, extent)| *extent).reduce(Extent::union) else { return };
         let at = self.nodes.len();
         if let [(light, _)] = *lights {
-            self.nodes.push(Node { extent, below: Below::Light(light) });
+            self.nodes.push(Node { bound: Bound::new(&extent), below: Below::Light(light) });
             return;
         }
-        self.nodes.push(Node { extent, below: Below::Pair { second: 0 } });
+        self.nodes.push(Node { bound: Bound::new(&extent), below: Below::Pair { second: 0 } });
         let middle = split(lights, &extent);
         let (left, right) = lights.split_at_mut(middle);
         self.add(left);

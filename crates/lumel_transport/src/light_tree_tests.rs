@@ -46,7 +46,7 @@ fn unblocked(corners: &Corners, (point, normal): (DVec3, DVec3)) -> f64 {
 /// The probability of each light.
 fn probabilities(tree: &LightTree, (point, normal): (DVec3, DVec3), n: usize) -> Vec<f64> {
     let mut all = vec![0.0; n];
-    let start = if tree.nodes[0].extent.importance(point, normal) > 0.0 { 1.0 } else { 0.0 };
+    let start = if tree.nodes[0].bound.importance(point, normal) > 0.0 { 1.0 } else { 0.0 };
     let mut open = vec![(0, start)];
     while let Some((at, probability)) = open.pop() {
         match tree.nodes[at].below {
