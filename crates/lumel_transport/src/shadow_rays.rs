@@ -76,3 +76,47 @@ impl<'a> Beam<'a> {
         self.waiting = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lumel_accel::{Hit, Ray};
+    use lumel_sample::Frame;
+    use std::sync::Mutex;
+
+    /// Notes the sizes of bundles; what goes to negative x is blocked.
+    #[derive(Default)]
+    struct Notes(Mutex<Vec<usize>>);
+
+    impl RayTracer for Notes {
+        fn closest_hit(&self, _: &Ray) -> Option<Hit> {
+            None
+        }
+
+        fn occluded(&self, ray: &Ray) -> bool {
+            ray.direction.x < 0.0
+        }
+
+        fn occlusions(&self, bundle: &Bundle<'_>, occluded: &mut [bool]) {
+            self.0.lock().unwrap().push(occluded.len());
+            for (i, blocked) in occluded.iter_mut().enumerate() {
+                *blocked = self.occluded(&bundle.ray(i));
+            }
+        }
+    }
+
+    #[test]
+    fn rays_are_traced_in_bundles_and_each_counts_once() {
+        let (notes, mut tally) = (Notes::default(), Tally::default());
+        let site = Site { origin: Vec3::ZERO, frame: Frame::from_normal(Vec3::Z), skip: None };
+        let mut beam = Beam::new(&notes, &site);
+        for i in 0..150 {
+            let x = if i % 3 == 0 { -1.0 } else { 1.0 };
+            beam.add(Vec3::new(x, 0.0, 1.0), DVec3::ONE, &Control::default()).unwrap();
+        }
+        let seen = beam.finish(&mut tally);
+        let expected = Seen { all: DVec3::splat(150.0), lit: DVec3::splat(100.0), n_lit: 100, n_rays: 150 };
+        assert_eq!((seen, tally.n_rays), (expected, 150));
+        assert_eq!(*notes.0.lock().unwrap(), [64, 64, 22]);
+    }
+}
