@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn every_element_comes_once_beside_one_that_is_near_and_faces_the_same_way() {
         let at = |i: u32| Vec3::new((i * 7 % 64) as f32, (i / 64) as f32, 0.0);
-        let normal = |i: u32| if i % 2 == 0 { Vec3::Z } else { Vec3::NEG_Y };
+        let normal = |i: u32| if i.is_multiple_of(2) { Vec3::Z } else { Vec3::NEG_Y };
         let points = PointReceivers::new((0..4096).map(|i| (at(i), normal(i)))).unwrap();
         let order = spatial(&points);
         let mut seen = order.clone();

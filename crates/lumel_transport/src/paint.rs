@@ -1,50 +1,48 @@
 //! What the ends of rays reflect.
 
-use crate::hemisphere;
+use crate::hemisphere::{self, Seen};
 use crate::rows::End;
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use lumel_basis::{Basis, Field, NodeId, NodeWeights};
-use lumel_scene::{Scene, TriId};
-use std::collections::HashMap;
+use lumel_scene::{Albedo, Scene, TriId};
+use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// Albedos that are stored per ray, in steps of 1/65535.
-const STEPS: f32 = u16::MAX as f32;
+/// Albedos that are stored per ray come in steps of this.
+const STEP: f32 = 1.0 / u16::MAX as f32;
 
-/// Where a triangle's light is read and what it reflects of it, for all triangles of a scene.
+// What has been multiplied already is multiplied by exactly one.
+const _: () = assert!(u16::MAX as f32 * STEP == 1.0);
+
+/// Where each triangle's light is read, and what it reflects of it.
 pub(crate) struct Paint {
-    /// The nodes at the corners and the number of the albedo. Empty if the basis is not linear over triangles.
-    triangles: Vec<[u32; 4]>,
-    /// Albedos that are the same all over a triangle.
-    albedos: Vec<Vec4>,
-    /// Per chunk, the albedos at the ends of its rays, where they vary within triangles.
-    at_ends: Option<Vec<OnceLock<Box<[[u16; 3]]>>>>,
+    /// Empty if the basis is not linear over triangles.
+    triangles: Vec<Triangle>,
+    /// Per chunk, the albedos at the ends of its rays; only where there are any that vary within a triangle.
+    at_ends: Option<Vec<OnceLock<AlbedosAtEnds>>>,
 }
 
-/// Stands for the number of an albedo where it varies.
-const VARIES: u32 = u32::MAX;
+type AlbedosAtEnds = Box<[[u16; 3]]>;
+
+#[derive(Clone, Copy)]
+struct Triangle {
+    nodes: [NodeId; 3],
+    /// `None` if it is not the same all over the triangle.
+    albedo: Option<Albedo>,
+}
 
 impl Paint {
     pub(crate) fn new<B: Basis>(scene: &Scene, basis: &B, n_chunks: usize) -> Self {
-        let mut albedos = Vec::new();
-        let mut known: HashMap<[u32; 3], u32> = HashMap::new();
-        let mut triangles = Vec::with_capacity(scene.triangle_count());
-        for tri in (0..scene.triangle_count() as u32).map(TriId) {
-            let Some([a, b, c]) = basis.corner_nodes(tri) else {
-                triangles.clear();
-                break;
-            };
-            let albedo = scene.uniform_albedo(tri).map_or(VARIES, |albedo| {
-                *known.entry(albedo.0.to_array().map(f32::to_bits)).or_insert_with(|| {
-                    albedos.push(albedo.0.extend(0.0));
-                    albedos.len() as u32 - 1
-                })
-            });
-            triangles.push([a.0, b.0, c.0, albedo]);
-        }
-        let varies = triangles.iter().any(|t| t[3] == VARIES);
+        let triangle = |tri: u32| {
+            let albedo = scene.uniform_albedo(TriId(tri));
+            Some(Triangle { nodes: basis.corner_nodes(TriId(tri))?, albedo })
+        };
+        let triangles: Option<Vec<Triangle>> =
+            (0..scene.triangle_count() as u32).into_par_iter().map(triangle).collect();
+        let triangles = triangles.unwrap_or_default();
+        let varies = triangles.iter().any(|t| t.albedo.is_none());
         let at_ends = varies.then(|| (0..n_chunks).map(|_| OnceLock::new()).collect());
-        Self { triangles, albedos, at_ends }
+        Self { triangles, at_ends }
     }
 
     /// Whether albedos have to be kept per ray.
@@ -52,10 +50,25 @@ impl Paint {
         self.at_ends.is_some()
     }
 
-    /// The paint under a certain light.
+    /// The surfaces under a certain light.
     pub(crate) fn with<'a>(&'a self, field: &'a Field) -> Painted<'a> {
-        let values = if self.triangles.is_empty() { &[][..] } else { field.values() };
-        Painted { paint: self, field, values: values.iter().map(|v| v.extend(0.0)).collect() }
+        let corners = |t: &Triangle| {
+            let albedo = t.albedo.map_or(Vec4::ONE, |albedo| albedo.0.extend(0.0));
+            t.nodes.map(|node| field.node(node).0.extend(0.0) * albedo)
+        };
+        Painted { paint: self, field, corners: self.triangles.par_iter().map(corners).collect() }
+    }
+
+    fn albedo_at(&self, scene: &Scene, end: End) -> [u16; 3] {
+        let varies = self.triangles.get(end.tri as usize).is_some_and(|t| t.albedo.is_none());
+        match end.seen() {
+            Some(Seen::Surface(at)) if varies => scene
+                .albedo(at)
+                .0
+                .to_array()
+                .map(|albedo| (albedo / STEP + 0.5).clamp(0.0, u16::MAX.into()) as u16),
+            _ => [u16::MAX; 3],
+        }
     }
 }
 
@@ -63,15 +76,29 @@ impl Paint {
 pub(crate) struct Painted<'a> {
     paint: &'a Paint,
     pub(crate) field: &'a Field,
-    /// The field, a register to a node.
-    values: Vec<Vec4>,
+    /// What each triangle reflects at its corners; what reaches them, where its albedo varies. All that a ray reads
+    /// lies together.
+    corners: Vec<[Vec4; 3]>,
 }
 
 impl Painted<'_> {
-    /// The albedos at the ends of a chunk's rays, looked up once; `None` where every triangle has its own.
+    /// The albedos at the ends of a chunk's rays, looked up once; one where all of the triangle has the same.
     pub(crate) fn albedos(&self, scene: &Scene, chunk: u32, ends: &[End]) -> Option<&[[u16; 3]]> {
         let slot = &self.paint.at_ends.as_ref()?[chunk as usize];
-        Some(slot.get_or_init(|| ends.iter().map(|end| albedo_at(scene, *end)).collect()))
+        Some(slot.get_or_init(|| ends.iter().map(|end| self.paint.albedo_at(scene, *end)).collect()))
+    }
+
+    /// Whether every basis function is linear over triangles, so that [`at_corners`](Self::at_corners) is all.
+    pub(crate) fn is_linear(&self) -> bool {
+        !self.corners.is_empty()
+    }
+
+    /// What a triangle sends along a ray that ends there, before the ray's albedo; zero for sky and backs.
+    #[inline(always)]
+    pub(crate) fn at_corners(&self, end: End) -> Vec4 {
+        let Some([a, b, c]) = self.corners.get(end.tri as usize) else { return Vec4::ZERO };
+        let [u, v, w] = end.weights();
+        *a * u + *b * v + *c * w
     }
 
     /// The light `ρE` at the end of a ray, in W·m⁻² as a cosine sample counts it.
@@ -84,42 +111,17 @@ impl Painted<'_> {
         albedo: Option<[u16; 3]>,
         weights: &mut NodeWeights,
     ) -> Vec4 {
-        let Some(&[a, b, c, paint]) = self.paint.triangles.get(end.tri as usize) else {
-            return self.reflected_anyhow(scene, basis, end, weights);
-        };
-        let [u, v, w] = end.weights();
-        let at = |node: u32| self.values[NodeId(node).index()];
-        let irradiance = at(a) * u + at(b) * v + at(c) * w;
-        let albedo = match self.paint.albedos.get(paint as usize) {
-            Some(albedo) => *albedo,
-            None => {
-                let [r, g, b] = albedo.unwrap_or_default();
-                Vec4::new(f32::from(r), f32::from(g), f32::from(b), 0.0) * (1.0 / STEPS)
-            }
-        };
-        irradiance * albedo
-    }
-
-    /// The same for sky and backs, and for a basis of which no more is known.
-    #[inline(never)]
-    fn reflected_anyhow<B: Basis>(
-        &self,
-        scene: &Scene,
-        basis: &B,
-        end: End,
-        weights: &mut NodeWeights,
-    ) -> Vec4 {
-        match end.seen() {
-            Some(seen) if self.paint.triangles.is_empty() => {
-                hemisphere::reflected(scene, basis, self.field, &seen, weights).0.extend(0.0)
-            }
-            _ => Vec4::ZERO,
+        if self.is_linear() {
+            let sent = self.at_corners(end);
+            return albedo.map_or(sent, |albedo| sent * unpacked(albedo));
         }
+        let seen = end.seen().unwrap_or(Seen::Back);
+        hemisphere::reflected(scene, basis, self.field, &seen, weights).0.extend(0.0)
     }
 }
 
-fn albedo_at(scene: &Scene, end: End) -> [u16; 3] {
-    let Some(hemisphere::Seen::Surface(at)) = end.seen() else { return [0; 3] };
-    let albedo: Vec3 = scene.albedo(at).0;
-    (albedo * STEPS).round().to_array().map(|x| x.clamp(0.0, STEPS) as u16)
+/// An albedo as it was before it was stored per ray.
+#[inline(always)]
+pub(crate) fn unpacked([r, g, b]: [u16; 3]) -> Vec4 {
+    Vec4::new(f32::from(r), f32::from(g), f32::from(b), 0.0) * STEP
 }

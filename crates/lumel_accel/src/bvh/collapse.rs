@@ -46,7 +46,8 @@ impl Binary {
         let as_node = area + whole.0;
         let as_leaf = if items.len() <= MAX_LEAF { leaf_cost(area, items.len()) } else { f32::INFINITY };
         // A tie, or areas that are not finite: the smaller structure if it may be one.
-        node.is_leaf = items.len() <= MAX_LEAF && !(as_node < as_leaf);
+        let node_is_cheaper = as_node < as_leaf;
+        node.is_leaf = items.len() <= MAX_LEAF && !node_is_cheaper;
         node.costs[0] = if node.is_leaf { as_leaf } else { as_node };
         for children in 2..WIDTH {
             let (cost, share) = best_share(children);
