@@ -27,11 +27,12 @@ const ORDER: &[&str] = &[
 ];
 
 /// Radiosity and radiance differ by pi; where the types that keep them apart are defined, where directions are
-/// warped and where angles are read from files, it may appear.
+/// warped, and where angles are read from files or bound directions, it may appear.
 const PI_ALLOWED: &[&str] = &[
     "lumel_scene/src/units.rs",
     "lumel_sample/src/warp.rs",
     "lumel_import/src/gltf/lights.rs",
+    "lumel_transport/src/light_cone.rs",
     "lumel_testkit/",
 ];
 

@@ -1,6 +1,6 @@
 //! The operator on stored rows: rays are traced once, and every bounce after that is a sparse product.
 
-use crate::cpu::{CHUNK, CpuTransport, Group};
+use crate::cpu::{CHUNK, CpuTransport, Group, OPENNESS_RAYS};
 use crate::gather::Gather;
 use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
@@ -76,14 +76,15 @@ impl<B: Basis> CachedTransport<B> {
         let ends = self.ends(chunk, control)?;
         let sums = match painted {
             Some(painted) => apply(&self.inner, painted, job, chunk, ends, &self.rows.origin, control)?,
-            None => self.emitters(job, chunk, ends, control)?,
+            None => self.at_points_by_kind(job, chunk, ends, control)?,
         };
         control.count(self.inner.elements(chunk).len() as u64, 0);
         Ok(sums)
     }
 
-    /// Direct light at points: lights by shadow rays, sky and glowing surfaces by the rows.
-    fn emitters(
+    /// What depends on whether rays meet anything: light of sky and glowing surfaces, besides that of lights by shadow
+    /// rays; or openness.
+    fn at_points_by_kind(
         &self,
         job: &Job<'_>,
         chunk: u32,
@@ -92,22 +93,25 @@ impl<B: Basis> CachedTransport<B> {
     ) -> Result<ChunkSums, Cancelled> {
         let inner = &self.inner;
         let elements = inner.elements(chunk);
-        let active: Vec<ElementId> = elements.iter().copied().filter(|&e| job.measures(e)).collect();
-        let group = inner.group(&active);
-        let (mut values, n_rays) = inner.direct_at(job, &group, control)?;
-        let lanes = elements.len();
-        let mut value = values.iter_mut();
-        for (lane, _) in elements.iter().enumerate().filter(|(_, e)| job.measures(**e)) {
-            let row = ends.iter().skip(lane).step_by(lanes);
-            let sum: DVec3 = row
-                .filter_map(|end| end.seen())
-                .map(|seen| {
-                    hemisphere::emitted(&inner.scene, inner.lights.emission_by_rays, &seen).0.as_dvec3()
-                })
-                .sum();
-            if let Some(value) = value.next() {
-                *value += sum / (ends.len() / lanes) as f64;
+        let active: Vec<usize> = (0..elements.len()).filter(|&i| job.measures(elements[i])).collect();
+        let group = inner.group(&active.iter().map(|&i| elements[i]).collect::<Vec<_>>());
+        let (mut values, n_rays) = match job.source {
+            Source::Emitters => inner.direct_at(job, &group, control)?,
+            _ => (vec![DVec3::ZERO; active.len()], 0),
+        };
+        let measured = |end: &End| match (job.source, end.seen()) {
+            (Source::Openness, seen) => {
+                DVec3::splat(if matches!(seen, Some(Seen::Back)) { 0.0 } else { 1.0 })
             }
+            (_, Some(seen)) => {
+                hemisphere::emitted(&inner.scene, inner.lights.emission_by_rays, &seen).0.as_dvec3()
+            }
+            (_, None) => DVec3::ZERO,
+        };
+        let lanes = elements.len();
+        for (value, lane) in values.iter_mut().zip(active) {
+            let row = ends.iter().skip(lane).step_by(lanes);
+            *value += row.map(measured).sum::<DVec3>() / (ends.len() / lanes) as f64;
         }
         control.count(0, n_rays);
         Ok(group.sums(&values))
@@ -268,7 +272,7 @@ impl<B: Basis> Transport for CachedTransport<B> {
         self.inner.shape()
     }
 
-    /// Other passes than the first, openness and direct light over areas are measured without the rows.
+    /// Other passes than the first, direct light of lights alone and all direct light over areas go without the rows.
     fn measure(
         &self,
         job: &Job<'_>,
@@ -276,15 +280,13 @@ impl<B: Basis> Transport for CachedTransport<B> {
         control: &Control,
         sink: &dyn ChunkSink,
     ) -> Result<(), Cancelled> {
-        let has_rows = job.pass == SHARED_PASS;
+        let at_points = !self.rows.origin.over_area;
         let painted = match job.source {
-            Source::Field(field) if has_rows => Some(self.paint.with(field)),
-            Source::Emitters
-                if has_rows && self.inner.lights.needs_hemisphere() && !self.rows.origin.over_area =>
-            {
-                None
-            }
-            _ => return self.inner.measure(job, chunks, control, sink),
+            _ if job.pass != SHARED_PASS => return self.inner.measure(job, chunks, control, sink),
+            Source::Field(field) => Some(self.paint.with(field)),
+            Source::Openness if at_points && self.rows.origin.per_element >= OPENNESS_RAYS => None,
+            Source::Emitters if at_points && self.inner.lights.needs_hemisphere() => None,
+            Source::Emitters | Source::Openness => return self.inner.measure(job, chunks, control, sink),
         };
         scattered(chunks).into_par_iter().try_for_each(|chunk| {
             sink.accept(chunk, self.measure_chunk(job, painted.as_ref(), chunk, control)?);

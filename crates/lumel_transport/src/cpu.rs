@@ -23,7 +23,7 @@ use std::sync::Arc;
 pub(crate) const CHUNK: usize = GROUP;
 
 /// Rays that decide whether an element lies inside geometry.
-const OPENNESS_RAYS: u32 = 64;
+pub(crate) const OPENNESS_RAYS: u32 = 64;
 
 /// Rays that decide whether an origin on an area lies inside geometry, and how many must meet the back of a surface:
 /// three quarters, which an origin that sees backs in a third of its hemisphere reaches once in fifty times.

@@ -19,6 +19,7 @@ mod trees;
 mod work;
 
 use embree::Embree;
+use glam::Vec3;
 use serde_json::{Value, json};
 use std::path::Path;
 use trees::Trees;
@@ -27,7 +28,7 @@ use work::Rays;
 const HELP: &str = "\
 usage: cargo x bench rays [--quick] [--scene NAME]... [--rounds N] [--json FILE]
 
-Traces hemisphere rays (256 from each of 4096 receivers) and shadow rays (64 to an area light) with Embree 4 and with
+Traces hemisphere rays (256 from each of 4096 receivers) and shadow rays (64 to an area light that they face) with Embree 4 and with
 lumel's tracer, single and in bundles, and prints rays per second, the ratio to Embree's single rays (median, lowest
 and highest of the rounds) and the share of answers that differ from Embree's robust mode; then times to build a tree,
 its memory, and how a solve gains from threads. \"one origin\" bundles the rays of a receiver, \"transposed\" the rays
@@ -47,7 +48,7 @@ const SHADOW: u32 = 64;
 
 struct Options {
     scenes: Vec<&'static str>,
-    tiles: u32,
+    tiles: usize,
     rounds: usize,
     json: Option<String>,
 }
@@ -117,13 +118,20 @@ fn measure(name: &'static str, embree: Option<&Embree>, options: &Options) -> Re
     let (scene, rounds) = (&test.scene, options.rounds);
     println!("\n{}: {} vertices, {} triangles", test.name, scene.vertex_count(), scene.traced_count());
     let trees = Trees::build(scene, embree);
-    let tiles = work::tiles(scene, options.tiles, test.pitch);
-    let vertices = work::vertices(scene, options.tiles as usize);
+    let tiles = work::tiles(scene, options.tiles, test.pitch, |_, _| true);
+    let vertices = work::vertices(scene, options.tiles);
     let rays = Rays::hemispheres(&tiles, GATHER);
     let in_tiles = gather::measure("hemispheres of receivers in tiles", &trees, &rays, rounds);
     let rays = Rays::hemispheres(&vertices, GATHER);
     let of_vertices = gather::measure("hemispheres of vertices", &trees, &rays, rounds);
     let shadows = test.lights.iter().map(|(name, light)| {
+        // A bake asks only where surface and light face each other.
+        let facing = light.u.cross(light.v);
+        let lit = |center: Vec3, normal: Vec3| {
+            let to_light = light.center - center;
+            normal.dot(to_light) > 0.0 && facing.dot(to_light) < 0.0
+        };
+        let tiles = work::tiles(scene, options.tiles, test.pitch, lit);
         let rays = Rays::shadows(&tiles, SHADOW, light);
         let result = shadow::measure(&format!("shadows of {name}"), &trees, &rays, rounds);
         ((*name).to_owned(), result)

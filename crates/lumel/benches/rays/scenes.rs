@@ -36,8 +36,15 @@ pub(crate) fn open(name: &'static str) -> Result<TestScene, String> {
         .iter()
         .find_map(|light| if let Light::Rect(rect) = light { Some(*rect) } else { None });
     let light = own.unwrap_or_else(sponza_light);
-    let large = RectLight { u: light.u * 4.0, v: light.v * 4.0, ..light };
-    let lights = vec![("its light", light), ("a light 4 times as wide", large)];
+    let scene = scene.relit(vec![Light::Rect(light)]).map_err(|e| e.to_string())?;
+    let wider = |light: RectLight| RectLight { u: light.u * 4.0, v: light.v * 4.0, ..light };
+    let small = light_in_the_middle(&scene);
+    let lights = vec![
+        ("its light", light),
+        ("its light, 4 times as wide", wider(light)),
+        ("a small light in the middle", small),
+        ("a large light in the middle", wider(small)),
+    ];
     Ok(TestScene { name, scene: Arc::new(scene), pitch, lights })
 }
 
@@ -46,8 +53,21 @@ fn sponza_file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/sponza-dabrovic/sponza.obj")
 }
 
+/// A square that faces down, above the middle of a scene, a twenty-fifth as wide as the scene is long.
+fn light_in_the_middle(scene: &Scene) -> RectLight {
+    let bounds = scene.bounds();
+    let extent = bounds.max - bounds.min;
+    let half_size = 0.02 * extent.max_element();
+    RectLight {
+        center: bounds.center() + Vec3::Y * (0.3 * extent.y),
+        u: Vec3::X * half_size,
+        v: Vec3::NEG_Z * half_size,
+        ..sponza_light()
+    }
+}
+
 /// The light of Aalto University's course in its preset of that scene: above the courtyard, facing down.
-pub(crate) fn sponza_light() -> RectLight {
+fn sponza_light() -> RectLight {
     let half_size = 0.682_608_84;
     RectLight {
         center: Vec3::new(-5.206_645_5, 6.506_246_6, -0.159_730_85),

@@ -14,6 +14,8 @@ const TILE: u32 = 16;
 const RUN: usize = (TILE * TILE) as usize;
 /// Neighbours that are traced together when rays are transposed.
 pub(crate) const GROUP: usize = 16;
+/// Places that are tried for tiles.
+const TRIES: u32 = 100_000;
 /// How far the receivers of a tile start above it, as a share of their distance.
 const LIFT: f32 = 0.025;
 
@@ -26,24 +28,35 @@ pub(crate) struct Receiver {
 
 /// Square tiles of 16x16 receivers `pitch` metres apart, around random points of the surfaces: every area is as likely
 /// as every other. A tile is flat, as the surface is at its centre; its receivers follow each other in Morton order.
-pub(crate) fn tiles(scene: &Scene, count: u32, pitch: f32) -> Vec<Receiver> {
+///
+/// Only where a centre and its normal are `wanted`.
+pub(crate) fn tiles(
+    scene: &Scene,
+    count: usize,
+    pitch: f32,
+    wanted: impl Fn(Vec3, Vec3) -> bool,
+) -> Vec<Receiver> {
     let mut sums = Vec::new();
     let mut sum = 0.0;
     for tri in 0..scene.traced_count() as u32 {
         sum += f64::from(scene.area(TriId(tri)));
         sums.push(sum);
     }
-    let tile = |number: u32| {
+    let place = |number: u32| {
         let [choice, s, t, _] = Sampler::Random.sample_4d(StreamKey::new(7).element(number), 0, Dim::Area);
         let tri = TriId(sums.partition_point(|below| *below < f64::from(choice) * sum) as u32);
         let center = scene.position(SurfacePoint { tri, bary: uniform_triangle([s, t]).into() });
-        let frame = Frame::from_normal(scene.geometric_normal(tri));
+        (center, scene.geometric_normal(tri))
+    };
+    let tile = |(center, normal): (Vec3, Vec3)| {
+        let frame = Frame::from_normal(normal);
         (0..TILE * TILE).map(move |i| {
             let place = Vec2::from(morton(i).map(|k| k as f32 - 0.5 * (TILE - 1) as f32));
             Receiver { origin: center + frame.to_world(place.extend(LIFT)) * pitch, frame }
         })
     };
-    (0..count).flat_map(tile).collect()
+    let places = (0..TRIES).map(place).filter(|(center, normal)| wanted(*center, *normal));
+    places.take(count).flat_map(tile).collect()
 }
 
 /// Cell `i` of a square grid, in Morton order.

@@ -12,8 +12,8 @@ use crate::triangle::is_traceable;
 use glam::Vec3;
 
 /// Up to this many rays that are left in a subtree go on one by one: apart, together, and for any hit.
-const FEW_APART: u32 = 2;
-const FEW_TOGETHER: u32 = 3;
+const FEW_APART: u32 = 1;
+const FEW_TOGETHER: u32 = 2;
 const FEW_ANY: u32 = 1;
 
 /// Sixteen rays by coordinate, and the best hit of each so far.
@@ -22,6 +22,8 @@ const FEW_ANY: u32 = 1;
 pub(crate) struct Packet {
     origin: [[f32; PACKET]; 3],
     direction: [[f32; PACKET]; 3],
+    /// One over the directions, filled in when the trace begins.
+    inverse: [[f32; PACKET]; 3],
     t: [f32; PACKET],
     weights: [[f32; PACKET]; 2],
     code: [u32; PACKET],
@@ -35,6 +37,7 @@ impl Packet {
         Self {
             origin: [[0.0; PACKET]; 3],
             direction: [[0.0; PACKET]; 3],
+            inverse: [[0.0; PACKET]; 3],
             t: [0.0; PACKET],
             weights: [[0.0; PACKET]; 2],
             code: [NO_TRIANGLE; PACKET],
@@ -163,7 +166,7 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
     };
 
     #[inline(always)]
-    fn new(isa: S, bvh: &'a Bvh, packet: &Packet) -> Self {
+    fn new(isa: S, bvh: &'a Bvh, packet: &mut Packet) -> Self {
         let origin: V3<S::F16> = load(isa, &packet.origin);
         let direction: V3<S::F16> = load(isa, &packet.direction);
         let [x, y, z] = direction;
@@ -173,6 +176,9 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
             let tiny = d.abs().lt(S::F16::splat(isa, smallest));
             S::F16::splat(isa, 1.0).div(d.replace(S::F16::splat(isa, smallest), tiny))
         });
+        for (axis, inverse) in inverse.iter().enumerate() {
+            inverse.store(&mut packet.inverse[axis]);
+        }
         let interval =
             |v: V3<S::F16>| Interval { min: each(v, Lanes::smallest), max: each(v, Lanes::largest) };
         let origins = if TOGETHER {
@@ -288,7 +294,8 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
         let mut any = false;
         for lane in bits(lanes) {
             let (origin, direction) = packet.ray(lane);
-            let line = Line { origin, direction, skip: packet.skip[lane & 15] };
+            let inverse = each([0, 1, 2], |axis: usize| packet.inverse[axis][lane & 15]);
+            let line = Line { origin, direction, inverse, skip: packet.skip[lane & 15] };
             let mut found = packet.found(lane & 15);
             let follow = Follow::<ANY> { bvh: self.bvh, line, start, stack: &mut *stack, found: &mut found };
             if self.isa.call(follow) {

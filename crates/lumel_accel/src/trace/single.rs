@@ -13,6 +13,8 @@ use glam::Vec3;
 pub(super) struct Line {
     pub(super) origin: Vec3,
     pub(super) direction: Vec3,
+    /// One over each component of the direction; of those near zero, over something not so near.
+    pub(super) inverse: [f32; 3],
     pub(super) skip: u32,
 }
 
@@ -33,8 +35,7 @@ impl<S: Simd> Prepared<S> {
     fn new(isa: S, line: Line) -> Self {
         let (o, d) = (line.origin.to_array(), line.direction.to_array());
         let reach = line.direction.abs().max_element();
-        let smallest = (reach * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
-        let inverse = d.map(|d| 1.0 / if d.abs() < smallest { smallest.copysign(d) } else { d });
+        let inverse = line.inverse;
         let octant = (0..3).fold(0, |bits, axis| bits | usize::from(inverse[axis] < 0.0) << axis);
         Self {
             line,
@@ -199,5 +200,8 @@ impl Kernel for AnySingle<'_> {
 
 fn line(ray: &Ray) -> Line {
     let skip = ray.skip.map_or(super::NO_TRIANGLE, |tri| tri.0);
-    Line { origin: ray.origin, direction: ray.direction, skip }
+    let smallest = (ray.direction.abs().max_element() * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
+    let away_from_zero = |d: f32| if d.abs() < smallest { smallest.copysign(d) } else { d };
+    let inverse = ray.direction.to_array().map(|d| 1.0 / away_from_zero(d));
+    Line { origin: ray.origin, direction: ray.direction, inverse, skip }
 }
