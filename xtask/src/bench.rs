@@ -1,5 +1,6 @@
 //! `cargo x bench`: which benchmark to run, and what it needs beside it.
 
+use crate::instructions::instructions;
 use crate::{cargo, embree, run, say};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
@@ -29,11 +30,14 @@ pub(crate) fn bench(arguments: &[String]) -> Result<()> {
     };
     let rest = with_full_paths(rest)?;
     let Some(name) = name else { return usual(&rest) };
+    if name == "instructions" {
+        return instructions(&rest);
+    }
     match BENCHMARKS.iter().find(|benchmark| benchmark.name == name) {
         Some(benchmark) => benchmark.run(&rest),
         None => {
             let names = BENCHMARKS.map(|benchmark| benchmark.name).join(", ");
-            bail!("unknown benchmark \"{name}\"; there are {names}")
+            bail!("unknown benchmark \"{name}\"; there are {names}, instructions")
         }
     }
 }

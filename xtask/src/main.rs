@@ -2,6 +2,7 @@
 
 mod bench;
 mod embree;
+mod instructions;
 mod system;
 mod tidy;
 mod tools;
@@ -20,6 +21,7 @@ usage: cargo x COMMAND [ARGUMENTS]
   bench [ARGUMENTS]  measure ray tracing and solving: `rays` and `bake`; arguments go to them, as does --help
   bench rays         measure ray tracing against Embree 4, which it fetches from PyPI
   bench bake         measure solves
+  bench instructions count instructions of the ray tracer's kernels (needs valgrind)
   bench frame        measure what a picture costs on this machine's graphics device
   bench window       measure what an open window costs, and how much it slows a solve (needs Xvfb and xdotool)
 ";

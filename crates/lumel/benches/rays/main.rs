@@ -17,6 +17,7 @@ mod scenes;
 mod shadow;
 mod trees;
 mod work;
+mod workload;
 
 use embree::Embree;
 use glam::Vec3;
@@ -54,6 +55,10 @@ struct Options {
 }
 
 fn main() {
+    if let Some(name) = workload() {
+        let embree = std::env::var_os("LUMEL_EMBREE").and_then(|file| Embree::load(Path::new(&file)).ok());
+        return workload::run(&name, embree.as_ref()).expect("the scene is built in");
+    }
     let Some(options) = options() else { return println!("{HELP}") };
     let machine = machine::describe();
     println!("{}", machine::line(&machine));
@@ -71,6 +76,11 @@ fn main() {
         let text = serde_json::to_string_pretty(&all).expect("numbers and names can be written");
         std::fs::write(&file, text).expect("the file can be written");
     }
+}
+
+/// The piece of work after `--workload`, which is not measured here.
+fn workload() -> Option<String> {
+    std::env::args().skip_while(|argument| argument != "--workload").nth(1)
 }
 
 fn options() -> Option<Options> {
