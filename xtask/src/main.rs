@@ -1,5 +1,8 @@
 //! `cargo x`: tests, checks and benchmarks of the lumel workspace.
 
+mod bench;
+mod embree;
+mod instructions;
 mod system;
 mod tidy;
 mod tools;
@@ -15,7 +18,10 @@ usage: cargo x COMMAND [ARGUMENTS]
   test [ARGUMENTS]   set up what the tests need, then run all of them; arguments go to `cargo test`
   ci                 what has to pass before a change lands: fmt, clippy, test, doc, tidy
   tidy               check file lengths, the crate graph, licences, unfinished marks and where pi is used
-  bench [ARGUMENTS]  measure ray tracing and solving; arguments go to the benchmark, see `cargo x bench --help`
+  bench [ARGUMENTS]  measure ray tracing and solving: `rays` and `bake`; arguments go to them, as does --help
+  bench rays         measure ray tracing against Embree 4, which it fetches from PyPI
+  bench bake         measure solves
+  bench instructions count instructions of the ray tracer's kernels (needs valgrind)
   bench frame        measure what a picture costs on this machine's graphics device
   bench window       measure what an open window costs, and how much it slows a solve (needs Xvfb and xdotool)
 ";
@@ -43,7 +49,7 @@ fn dispatch() -> Result<()> {
         "test" => test(&rest),
         "ci" => ci(),
         "tidy" => tidy::tidy(),
-        "bench" => bench(&rest),
+        "bench" => bench::bench(&rest),
         _ => bail!("unknown command \"{command}\"\n\n{USAGE}"),
     }
 }
@@ -101,17 +107,4 @@ fn ci() -> Result<()> {
     doc.arg("--no-deps").env("RUSTDOCFLAGS", "-D warnings");
     run(doc)?;
     test(&[])
-}
-
-fn bench(arguments: &[String]) -> Result<()> {
-    let (target, rest): (&[&str], _) = match arguments.split_first() {
-        Some((name, rest)) if name == "frame" => (&["lumel_render", "--bench", "frame"], rest),
-        Some((name, rest)) if name == "window" => {
-            (&["lumel_view", "--bench", "window", "--features", "inspection"], rest)
-        }
-        _ => (&["lumel", "--bench", "bake"], arguments),
-    };
-    let mut command = cargo(&["bench", "--package"]);
-    command.args(target).arg("--").args(rest);
-    run(command)
 }

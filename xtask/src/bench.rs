@@ -1,0 +1,95 @@
+//! `cargo x bench`: which benchmark to run, and what it needs beside it.
+
+use crate::instructions::instructions;
+use crate::{cargo, embree, run, say};
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+
+/// A benchmark of the workspace.
+struct Benchmark {
+    name: &'static str,
+    package: &'static str,
+    features: &'static [&'static str],
+}
+
+const BENCHMARKS: [Benchmark; 4] = [
+    Benchmark { name: "rays", package: "lumel", features: &[] },
+    Benchmark { name: "bake", package: "lumel", features: &[] },
+    Benchmark { name: "frame", package: "lumel_render", features: &[] },
+    Benchmark { name: "window", package: "lumel_view", features: &["--features", "inspection"] },
+];
+
+/// What runs when no name is given.
+const USUAL: [&str; 2] = ["rays", "bake"];
+
+/// Runs the benchmark that the first argument names, with the others; without a name, the usual ones.
+pub(crate) fn bench(arguments: &[String]) -> Result<()> {
+    let (name, rest) = match arguments.split_first() {
+        Some((name, rest)) if !name.starts_with('-') => (Some(name.as_str()), rest),
+        _ => (None, arguments),
+    };
+    let rest = with_full_paths(rest)?;
+    let Some(name) = name else { return usual(&rest) };
+    if name == "instructions" {
+        return instructions(&rest);
+    }
+    match BENCHMARKS.iter().find(|benchmark| benchmark.name == name) {
+        Some(benchmark) => benchmark.run(&rest),
+        None => {
+            let names = BENCHMARKS.map(|benchmark| benchmark.name).join(", ");
+            bail!("unknown benchmark \"{name}\"; there are {names}, instructions")
+        }
+    }
+}
+
+/// Makes the file after `--json` independent of the folder that the benchmark is started in.
+fn with_full_paths(arguments: &[String]) -> Result<Vec<String>> {
+    let mut full = arguments.to_vec();
+    for i in 1..full.len() {
+        if full[i - 1] == "--json" {
+            full[i] = std::path::absolute(&full[i])?.to_string_lossy().into_owned();
+        }
+    }
+    Ok(full)
+}
+
+/// Runs the usual benchmarks; a JSON file holds the results of all of them by name.
+fn usual(arguments: &[String]) -> Result<()> {
+    let json = arguments.iter().position(|argument| argument == "--json").map(|i| i + 1);
+    let json = json.filter(|i| *i < arguments.len());
+    let mut all = serde_json::Map::new();
+    for benchmark in BENCHMARKS.iter().filter(|benchmark| USUAL.contains(&benchmark.name)) {
+        let mut own = arguments.to_vec();
+        if let Some(i) = json {
+            own[i] = format!("{}.{}", arguments[i], benchmark.name);
+        }
+        benchmark.run(&own)?;
+        // After a question for help there is no file.
+        if let Some(file) = json.map(|i| &own[i]).filter(|file| Path::new(file).exists()) {
+            let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {file}"))?;
+            all.insert(benchmark.name.to_owned(), serde_json::from_str(&text)?);
+            std::fs::remove_file(file)?;
+        }
+    }
+    if let Some(file) = json.map(|i| &arguments[i]) {
+        let text = serde_json::to_string_pretty(&all)?;
+        std::fs::write(file, text).with_context(|| format!("cannot write {file}"))?;
+    }
+    Ok(())
+}
+
+impl Benchmark {
+    fn run(&self, arguments: &[String]) -> Result<()> {
+        let mut command = cargo(&["bench", "--package", self.package, "--bench", self.name]);
+        command.args(self.features).arg("--").args(arguments);
+        if self.name == "rays" {
+            match embree::library() {
+                Ok(file) => {
+                    command.env(embree::VARIABLE, file);
+                }
+                Err(reason) => say(&format!("Embree cannot be had: {reason:#}")),
+            }
+        }
+        run(command)
+    }
+}
