@@ -14,13 +14,13 @@ impl RayTracer for Bvh {
         if !is_traceable(ray.origin, ray.direction) {
             return None;
         }
-        self.instructions().run(ClosestSingle { bvh: self, ray, root })
+        Stack::lend(|stack| self.instructions().run(ClosestSingle { bvh: self, ray, root, stack }))
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
         self.root.is_some_and(|root| {
             is_traceable(ray.origin, ray.direction)
-                && self.instructions().run(AnySingle { bvh: self, ray, root })
+                && Stack::lend(|stack| self.instructions().run(AnySingle { bvh: self, ray, root, stack }))
         })
     }
 
@@ -36,35 +36,17 @@ impl RayTracer for Bvh {
 
     fn occlusions(&self, bundle: &Bundle<'_>, occluded: &mut [bool]) {
         let Some(root) = self.root else { return occluded.fill(false) };
-        let (mut packet, mut stack) = (Packet::new(), Stack::new());
-        let shafts = bundle.directions.chunks(SHAFT).zip(occluded.chunks_mut(SHAFT));
-        for (shaft, (directions, occluded)) in shafts.enumerate() {
+        let skip = bundle.skip.map_or(NO_TRIANGLE, |tri| tri.0);
+        for (directions, occluded) in bundle.directions.chunks(SHAFT).zip(occluded.chunks_mut(SHAFT)) {
+            let part = Bundle { directions, ..*bundle };
             if directions.len() < FEW {
                 for (i, blocked) in occluded.iter_mut().enumerate() {
-                    *blocked = self.occluded(&bundle.ray(shaft * SHAFT + i));
+                    *blocked = self.occluded(&part.ray(i));
                 }
-                continue;
-            }
-            let skip = bundle.skip.map_or(NO_TRIANGLE, |tri| tri.0);
-            let Some(mut walked) = Shaft::new(self, root, (bundle.origin, bundle.t_max, skip), directions)
-            else {
+            } else if let Some(shaft) = Shaft::new(self, root, (part.origin, part.t_max, skip), directions) {
+                self.occluded_in_shaft(root, shaft, &part, occluded);
+            } else {
                 occluded.fill(false);
-                continue;
-            };
-            let complete = walked.walk(&mut stack);
-            for (k, occluded) in occluded.chunks_mut(PACKET).enumerate() {
-                let mut free = walked.free(k);
-                if !complete && free != 0 {
-                    let first = shaft * SHAFT + k * PACKET;
-                    packet.fill((first..first + occluded.len()).map(|i| bundle.ray(i)));
-                    packet.retain(free);
-                    self.trace::<true, true>(root, &mut packet, &mut stack);
-                    free = packet.unmet();
-                }
-                for (i, blocked) in occluded.iter_mut().enumerate() {
-                    // Rays that cannot be traced were never free.
-                    *blocked = free >> i & 1 == 0 && is_traceable(bundle.origin, directions[k * PACKET + i]);
-                }
             }
         }
     }
@@ -78,7 +60,7 @@ impl Bvh {
         hits: &mut [Option<Hit>],
     ) {
         let Some(root) = self.root else { return hits.fill(None) };
-        let (mut packet, mut stack) = (Packet::new(), Stack::new());
+        let mut packet = Packet::new();
         for first in (0..count).step_by(PACKET) {
             let range = first..count.min(first + PACKET);
             let hits = &mut hits[range.clone()];
@@ -90,19 +72,43 @@ impl Bvh {
                 hits.fill(None);
                 continue;
             }
-            self.trace::<TOGETHER, false>(root, &mut packet, &mut stack);
+            self.trace::<TOGETHER, false>(root, &mut packet);
             for (lane, hit) in hits.iter_mut().enumerate() {
                 *hit = packet.found(lane).hit();
             }
         }
     }
 
-    fn trace<const TOGETHER: bool, const ANY: bool>(
+    /// Walks the tree with a shaft, then with packets of the rays that are undecided.
+    fn occluded_in_shaft(
         &self,
         root: Child,
-        packet: &mut Packet,
-        stack: &mut Stack,
+        mut shaft: Shaft<'_>,
+        bundle: &Bundle<'_>,
+        occluded: &mut [bool],
     ) {
-        self.instructions().run(PacketTrace::<TOGETHER, ANY> { bvh: self, root, packet, stack });
+        let complete = Stack::lend(|stack| shaft.walk(stack));
+        let mut packet = None;
+        for (k, occluded) in occluded.chunks_mut(PACKET).enumerate() {
+            let rays = k * PACKET..k * PACKET + occluded.len();
+            let mut free = shaft.free(k);
+            if !complete && free != 0 {
+                let packet = packet.get_or_insert_with(Packet::new);
+                packet.fill(rays.clone().map(|i| bundle.ray(i)));
+                packet.retain(free);
+                self.trace::<true, true>(root, packet);
+                free = packet.unmet();
+            }
+            for ((i, blocked), ray) in occluded.iter_mut().enumerate().zip(rays) {
+                // Rays that cannot be traced were never free.
+                *blocked = free >> i & 1 == 0 && is_traceable(bundle.origin, bundle.directions[ray]);
+            }
+        }
+    }
+
+    fn trace<const TOGETHER: bool, const ANY: bool>(&self, root: Child, packet: &mut Packet) {
+        Stack::lend(|stack| {
+            self.instructions().run(PacketTrace::<TOGETHER, ANY> { bvh: self, root, packet, stack });
+        });
     }
 }

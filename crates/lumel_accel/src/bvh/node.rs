@@ -87,6 +87,8 @@ impl Order {
 pub(crate) struct Child(u32);
 
 impl Child {
+    /// The node that is made first.
+    pub(crate) const ROOT: Self = Self(0);
     const LEAF: u32 = 1 << 31;
     const COUNT_BITS: u32 = 4;
 

@@ -168,6 +168,7 @@ pub(crate) struct ClosestSingle<'a> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) root: Child,
+    pub(crate) stack: &'a mut Stack,
 }
 
 impl Kernel for ClosestSingle<'_> {
@@ -176,7 +177,7 @@ impl Kernel for ClosestSingle<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, isa: S) -> Option<Hit> {
         let mut found = Found::nothing(self.ray.t_max);
-        follow::<S, false>(isa, self.bvh, line(self.ray), self.root, &mut Stack::new(), &mut found);
+        follow::<S, false>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut found);
         found.hit()
     }
 }
@@ -186,6 +187,7 @@ pub(crate) struct AnySingle<'a> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) root: Child,
+    pub(crate) stack: &'a mut Stack,
 }
 
 impl Kernel for AnySingle<'_> {
@@ -194,7 +196,7 @@ impl Kernel for AnySingle<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, isa: S) -> bool {
         let mut found = Found::nothing(self.ray.t_max);
-        follow::<S, true>(isa, self.bvh, line(self.ray), self.root, &mut Stack::new(), &mut found)
+        follow::<S, true>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut found)
     }
 }
 

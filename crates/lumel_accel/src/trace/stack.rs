@@ -1,9 +1,10 @@
 //! Nodes still to be visited.
 
 use crate::bvh::{Child, MAX_STACK};
+use std::cell::RefCell;
 
 /// A node, and who is to visit it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     /// Where the first of its rays enters it.
     pub(super) near: f32,
@@ -21,9 +22,20 @@ pub(crate) struct Stack {
 // So that an index is brought into range by a mask.
 const _: () = assert!(MAX_STACK.is_power_of_two());
 
+thread_local! {
+    /// Of this thread: to fill a new one with zeros takes longer than many a ray.
+    static OF_THREAD: RefCell<Stack> =
+        const { RefCell::new(Stack { entries: [Entry { near: 0.0, child: Child::ROOT, lanes: 0 }; MAX_STACK], len: 0 }) };
+}
+
 impl Stack {
-    pub(crate) fn new() -> Self {
-        Self { entries: [Entry::default(); MAX_STACK], len: 0 }
+    /// Lends the thread's stack, empty. What it is lent to must not ask for it again.
+    #[inline]
+    pub(crate) fn lend<T>(to: impl FnOnce(&mut Self) -> T) -> T {
+        OF_THREAD.with_borrow_mut(|stack| {
+            stack.clear();
+            to(stack)
+        })
     }
 
     pub(super) fn clear(&mut self) {
