@@ -4,7 +4,7 @@ use crate::method::Method;
 use crate::settings::{BasisKind, Settings, Tail};
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
-use lumel_basis::{AreaVertexBasis, Basis, Field, NodeId, VertexBasis};
+use lumel_basis::{AreaVertexBasis, Basis, Field, Measure, NodeId, VertexBasis};
 use lumel_export::{Solution, SolutionError, SolutionMeta};
 use lumel_scene::{Scene, luminance};
 use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, final_gather, solve};
@@ -204,7 +204,9 @@ impl Baker {
             let differences = "they are unknown to this version".to_owned();
             return Err(ResumeError::Settings { differences });
         };
-        if !found.same_bounces_as(&self.settings) {
+        let shape = self.operator.transport.shape();
+        let as_stored = method(&self.scene, (shape.elements, shape.measure), &found) == self.operator.method;
+        if !(found.same_bounces_as(&self.settings) && as_stored) {
             return Err(ResumeError::Settings { differences: self.settings.differences_of_bounces(&found) });
         }
         let first_vertices = self.first_vertices();
@@ -263,7 +265,7 @@ fn operator<B: Basis + 'static>(
 ) -> Operator {
     let basis = Arc::new(basis);
     let plan = settings.plan();
-    let method = method(world.0, &*basis, settings);
+    let method = method(world.0, (basis.element_count(), basis.measure()), settings);
     let plain = |plan| cpu_transport(world, &basis, plan);
     let (transport, rows): (Box<dyn Transport>, _) = match method {
         Method::Neumann => (Box::new(plain(plan)), None),
@@ -280,12 +282,12 @@ fn operator<B: Basis + 'static>(
     Operator { basis, method, transport, rows, finisher }
 }
 
-/// How the settings solve a scene.
-fn method<B: Basis>(scene: &Scene, basis: &B, settings: &Settings) -> Method {
+/// How the settings solve a scene with so many elements.
+fn method(scene: &Scene, (elements, measure): (usize, Measure), settings: &Settings) -> Method {
     let textured = scene.has_varying_albedo();
     let bytes = |rays: u32| {
         let plan = Plan { indirect_samples: rays, ..settings.plan() };
-        Rows::bytes_for(basis.element_count(), plan.rays_per_element(basis.measure()), textured)
+        Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
     };
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
 }

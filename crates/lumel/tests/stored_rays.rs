@@ -244,6 +244,14 @@ fn with_little_memory_few_rays_are_stored_and_a_final_gather_smooths_them() {
     let mut resumed = baker.resume(&baker.solution(&state)).unwrap();
     baker.run(&mut resumed, &Control::default(), &Silent).unwrap();
     assert_eq!(resumed, state);
+    // With memory for all rays the bounces would be others.
+    let enough = Baker::new(Arc::clone(&scene), settings(u64::MAX, 256, 2));
+    let error = enough.resume(&baker.solution(&state)).unwrap_err().to_string();
+    assert!(error.contains("memory"), "{error}");
+    // More than enough is the same.
+    let more = Baker::new(scene, settings(u64::MAX - 1, 256, 2));
+    let solution = enough.solution(&solved(&enough).0);
+    assert!(more.resume(&solution).is_ok());
 }
 
 #[test]

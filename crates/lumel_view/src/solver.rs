@@ -9,6 +9,7 @@ use glam::Vec3;
 use lumel::{
     Baker, Control, Observer, Position, Remainder, Scene, Settings, Snapshot, SolveState, Step, Workload,
 };
+use lumel_basis::Field;
 use lumel_scene::luminance;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -340,7 +341,7 @@ fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &K
         let _closing = Closing(&watch);
         baker.run(&mut state, control, &watch)
     });
-    let tail = state.tail.as_ref().map(|tail| Arc::new(baker.at_vertices(tail)));
+    let tail = beyond_bounces(&state).map(|tail| Arc::new(baker.at_vertices(&tail)));
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
     shared.publish_light(|p| {
         p.light.current = None;
@@ -353,6 +354,17 @@ fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &K
         Err(lumel::SolveError::Cancelled(_)) => Ending::Stopped,
         Err(error) => Ending::Failed(error.to_string()),
     }
+}
+
+/// What the sum of the bounces lacks of all light: the tail, or what a final gather has made different.
+fn beyond_bounces(state: &SolveState) -> Option<Field> {
+    if state.gathered.is_none() {
+        return state.tail.clone();
+    }
+    let bounces = Field::sum(state.valid.len(), &state.bounces);
+    let total = state.total();
+    let rest = total.values().iter().zip(bounces.values()).map(|(total, bounces)| *total - *bounces);
+    Some(Field::from_values(rest.collect()))
 }
 
 /// Follows a solve.

@@ -278,6 +278,10 @@ impl Session {
             return self.finish_standard_error(&ending);
         }
         let done = ending == Ending::Done;
+        if let (Some(solved), Some(document)) = (running.job.solved(), &mut self.document) {
+            // With it come the rays that it has stored: the next solve needs no new ones for other lights.
+            document.baker = Arc::clone(&solved.baker);
+        }
         if let (Some(solved), Some(computed)) = (running.job.solved(), &mut self.computed) {
             computed.complete = done;
             computed.seconds = Some(running.job.progress().seconds);
