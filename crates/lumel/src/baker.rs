@@ -87,6 +87,14 @@ impl Baker {
         plain_transport(self.settings.basis, (&self.scene, &self.tracer), &self.vertex_basis, plan)
     }
 
+    /// Whether a solve with these settings, under any lights, needs no new hemisphere ray: all are stored.
+    pub fn has_rays_of(&self, settings: &Settings) -> bool {
+        let rays = |s: &Settings| (s.basis, s.solver, s.indirect_samples, s.sampler, s.seed);
+        let stored = matches!(self.operator.method, Method::Cached { .. })
+            && self.operator.rows.as_ref().is_some_and(|rows| rows.is_complete());
+        stored && rays(settings) == rays(&self.settings)
+    }
+
     /// How the bounces are solved.
     pub fn method(&self) -> Method {
         self.operator.method

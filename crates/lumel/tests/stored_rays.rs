@@ -165,6 +165,9 @@ fn a_moved_light_needs_no_new_hemisphere_ray() {
     let scene = scene("cornell-box");
     let old = Baker::new(Arc::clone(&scene), settings());
     let (_, first) = solved(&old);
+    assert!(old.has_rays_of(&Settings { direct_samples: 3, bounces: BounceLimit::All, ..settings() }));
+    assert!(!old.has_rays_of(&Settings { seed: 9, ..settings() }));
+    assert!(!Baker::new(Arc::clone(&scene), settings()).has_rays_of(&settings()));
     let relit = moved(&scene);
     let (kept, again) = solved(&old.relit(Arc::clone(&relit), settings()));
     let (new, all) = solved(&Baker::new(relit, settings()));

@@ -96,6 +96,11 @@ impl Rows {
         elements as u64 * u64::from(rays_per_element) * per_ray as u64
     }
 
+    /// Whether all rays have been traced.
+    pub fn is_complete(&self) -> bool {
+        self.chunks.iter().all(|chunk| chunk.get().is_some())
+    }
+
     /// Bytes of the rows that are held now, without albedos.
     pub fn bytes(&self) -> u64 {
         self.chunks.iter().filter_map(OnceLock::get).map(|chunk| size_of_val(&**chunk) as u64).sum()

@@ -114,7 +114,7 @@ impl App {
             threads: start.threads,
             wakes: Wakes { event: Arc::clone(&wake), glimpse },
         })?;
-        session.settings = prefs.settings.clone();
+        (session.settings, session.live) = (prefs.settings.clone(), prefs.live);
         let stage = cc.wgpu_render_state.clone().map(Stage::new);
         match &stage {
             Some(stage) if stage.gpu().is_software() => {
@@ -390,7 +390,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        self.prefs.settings = self.session.settings.clone();
+        (self.prefs.settings, self.prefs.live) = (self.session.settings.clone(), self.session.live);
         for (key, text) in
             [(PREFS_KEY, serde_json::to_string(&self.prefs)), (DOCK_KEY, serde_json::to_string(&self.dock))]
         {

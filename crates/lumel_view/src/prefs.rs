@@ -191,6 +191,8 @@ pub struct Prefs {
     pub recent: Vec<String>,
     /// Settings of the solve.
     pub settings: Settings,
+    /// Whether the light follows changes of the lights.
+    pub live: bool,
     /// How the picture is drawn.
     pub view: ViewPrefs,
     /// How fast one flies, relative to the scene's size.
@@ -211,6 +213,7 @@ impl Default for Prefs {
             version: VERSION,
             recent: Vec::new(),
             settings: Settings::default(),
+            live: true,
             view: ViewPrefs::default(),
             speed: 1.0,
             look_speed: 0.25,

@@ -22,6 +22,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     samples(ui, settings);
     bounces(ui, settings);
     ui.collapsing("More", |ui| more(ui, settings));
+    live(app, ui);
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
         if ui.button("Save solution...").clicked() {
@@ -36,6 +37,19 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
                     long as the solve. It is the error of sampling there, not of the light that is gathered.";
         if button.on_hover_text(hint).clicked() {
             app.session.measure_standard_error();
+        }
+    });
+}
+
+/// Whether the light follows the hand.
+fn live(app: &mut App, ui: &mut Ui) {
+    let obstacle = app.session.obstacle_to_live();
+    ui.horizontal_wrapped(|ui| {
+        let hint = "While lights are moved, sized or coloured, their light and all bounces of it follow at once. No \
+                    new hemisphere rays are traced.";
+        ui.checkbox(&mut app.session.live, "Light follows changes").on_hover_text(hint);
+        if let Some(obstacle) = obstacle.filter(|_| app.session.live) {
+            ui.label(RichText::new(obstacle).color(theme::WEAK));
         }
     });
 }

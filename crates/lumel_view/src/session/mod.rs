@@ -5,6 +5,7 @@
 
 mod edit;
 mod files;
+mod live;
 mod solve;
 
 pub use files::{LoadedLight, MESH_FORMATS, Purpose, SOLUTION_FORMATS, SavedFile, light_from};
@@ -59,6 +60,8 @@ pub struct Session {
     pub active: usize,
     /// Settings of the next solve.
     pub settings: Settings,
+    /// Whether the light follows changes of the lights at once, where all rays are stored.
+    pub live: bool,
     /// Numbered states.
     pub slots: Slots,
     /// The view.
@@ -117,6 +120,7 @@ impl Session {
             lights: Vec::new(),
             active: 0,
             settings: Settings::default(),
+            live: true,
             slots: Slots::default(),
             camera: FlyCamera::default(),
             light: Light::default(),
@@ -173,6 +177,7 @@ impl Session {
         self.poll_opening();
         self.poll_files();
         self.poll_solve(hand);
+        self.follow_lights(hand);
         if hand == Hand::Free {
             self.history.commit(&Edit::of(self));
         }

@@ -58,9 +58,22 @@ pub(super) struct Running {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
+    /// Asked for.
     Solve,
+    /// After a change of lights, by itself: shown when it is done.
+    Follow,
     StandardError,
+}
+
+impl Running {
+    pub(super) fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    pub(super) fn is_under_way(&self) -> bool {
+        self.job.ending().is_none()
+    }
 }
 
 /// What to do when a job that was asked to stop has stopped.
@@ -74,12 +87,13 @@ enum Then {
 impl Session {
     /// Whether a solve runs.
     pub fn is_solving(&self) -> bool {
-        self.running.as_ref().is_some_and(|r| r.job.ending().is_none())
+        self.running.as_ref().is_some_and(|r| r.kind != Kind::Follow && r.is_under_way())
     }
 
     /// What a running job is doing.
     pub fn phase(&self) -> Option<Phase> {
-        self.running.as_ref().map(|r| r.job.glance().1).filter(|phase| !matches!(phase, Phase::Ended(_)))
+        let asked_for = self.running.as_ref().filter(|r| r.kind != Kind::Follow);
+        asked_for.map(|r| r.job.glance().1).filter(|phase| !matches!(phase, Phase::Ended(_)))
     }
 
     /// What the light was computed from.
@@ -96,6 +110,9 @@ impl Session {
 
     /// Solves for the light: goes on where a solve was stopped, or begins anew when lights or settings have changed.
     pub fn solve(&mut self) {
+        if self.is_following() {
+            self.end_solve();
+        }
         if let Some(running) = &mut self.running
             && running.job.ending().is_none()
         {
@@ -171,6 +188,15 @@ impl Session {
         self.run(task, Work::Solve(start), keep, Kind::Solve);
     }
 
+    /// Solves for lights that have changed; hidden vertices stay as they are.
+    pub(super) fn follow(&mut self, settings: Settings) {
+        let Some(document) = &self.document else { return };
+        let Ok(scene) = document.relit(&self.lights) else { return };
+        let task = task(document, &scene, &settings);
+        // Checkpoints of what takes a moment are not worth a file for each step of a hand.
+        self.run(task, Work::Solve(Start::Anew), Box::new(|_, _| Ok(())), Kind::Follow);
+    }
+
     fn run(&mut self, task: Task, work: Work, keep: Keep, kind: Kind) {
         let scene = Arc::clone(&task.scene);
         let job = Job::start(task, work, Arc::clone(&self.pool), keep, self.wakes.clone());
@@ -211,13 +237,14 @@ impl Session {
     pub(super) fn poll_solve(&mut self, hand: Hand) {
         let Some(running) = &mut self.running else { return };
         let (generation, phase) = running.job.glance();
-        if generation != running.seen {
+        let shown_whole = running.kind == Kind::Follow && phase != Phase::Ended(Ending::Done);
+        if generation != running.seen && !shown_whole {
             running.seen = generation;
             let published = running.job.published();
             match running.kind {
                 // The old light stays in sight until there is some of the new.
-                Kind::Solve if published.light.is_empty() => {}
-                Kind::Solve => {
+                Kind::Solve | Kind::Follow if published.light.is_empty() => {}
+                Kind::Solve | Kind::Follow => {
                     self.light = published.light;
                     self.stats = published.stats;
                     self.computed = Some(Computed {
@@ -277,6 +304,13 @@ impl Session {
         if running.kind == Kind::StandardError {
             return self.finish_standard_error(&ending);
         }
+        if running.kind == Kind::Follow && ending != Ending::Done {
+            if let Ending::Failed(problem) = ending {
+                self.live = false;
+                self.notices.push(Level::Error, format!("The light no longer follows: {problem}"));
+            }
+            return;
+        }
         let done = ending == Ending::Done;
         if let (Some(solved), Some(document)) = (running.job.solved(), &mut self.document) {
             // With it come the rays that it has stored: the next solve needs no new ones for other lights.
@@ -286,6 +320,9 @@ impl Session {
             computed.complete = done;
             computed.seconds = Some(running.job.progress().seconds);
             computed.solved = Some(solved);
+        }
+        if running.kind == Kind::Follow {
+            return;
         }
         match (ending, running.then) {
             (Ending::Failed(problem), _) => {

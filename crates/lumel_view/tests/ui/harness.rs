@@ -5,7 +5,7 @@ use eframe::Storage;
 use eframe::egui::{Key, ViewportCommand, ViewportId};
 use eframe::egui_wgpu::WgpuSetup;
 use egui_kittest::Harness;
-use lumel::BounceLimit;
+use lumel::{BounceLimit, SolverKind};
 use lumel_picture::Picture;
 use lumel_render::Gpu;
 use lumel_view::app::{App, StartUp};
@@ -86,6 +86,8 @@ impl Window {
             App::new(cc, setup.start).unwrap()
         });
         let mut window = Self { harness, folder };
+        // Most tests are about solves that are asked for.
+        window.session().live = false;
         window.wait_for_files();
         Some(window)
     }
@@ -161,7 +163,8 @@ impl Window {
     /// Starts a solve whose first bounce takes half a minute, and waits until it is at that.
     #[track_caller]
     pub(crate) fn solve_for_long(&mut self) {
-        self.session().settings.indirect_samples = 65_536;
+        let settings = &mut self.session().settings;
+        (settings.solver, settings.indirect_samples) = (SolverKind::Neumann, 400_000);
         self.press(Key::Enter);
         self.wait_until("the first bounce", |app| app.session.phase() == Some(Phase::Bounce(1)));
     }
@@ -170,7 +173,8 @@ impl Window {
     #[track_caller]
     pub(crate) fn solve_bounces(&mut self, finished: usize) {
         let settings = &mut self.session().settings;
-        (settings.indirect_samples, settings.bounces) = (512, BounceLimit::Count(8));
+        settings.solver = SolverKind::Neumann;
+        (settings.indirect_samples, settings.bounces) = (2048, BounceLimit::Count(8));
         self.press(Key::Enter);
         self.wait_until("some bounces", |app| app.session.light.bounces.len() >= finished);
         assert!(self.state().session.is_solving());

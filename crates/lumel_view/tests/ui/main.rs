@@ -10,6 +10,7 @@ mod files;
 mod hands;
 mod harness;
 mod lights;
+mod live;
 mod measure;
 mod names;
 mod prefs;
