@@ -1,9 +1,11 @@
 //! `cargo x bench`: which benchmark to run, and what it needs beside it.
 
 use crate::instructions::instructions;
-use crate::{cargo, embree, run, say};
+use crate::{cargo, embree, root, run, say};
 use anyhow::{Context, Result, bail};
-use std::path::Path;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 /// A benchmark of the workspace.
 struct Benchmark {
@@ -30,14 +32,16 @@ pub(crate) fn bench(arguments: &[String]) -> Result<()> {
     };
     let rest = with_full_paths(rest)?;
     let Some(name) = name else { return usual(&rest) };
-    if name == "instructions" {
-        return instructions(&rest);
+    match name {
+        "instructions" => return instructions(&rest),
+        "peers" => return peers(&rest),
+        _ => {}
     }
     match BENCHMARKS.iter().find(|benchmark| benchmark.name == name) {
         Some(benchmark) => benchmark.run(&rest),
         None => {
             let names = BENCHMARKS.map(|benchmark| benchmark.name).join(", ");
-            bail!("unknown benchmark \"{name}\"; there are {names}, instructions")
+            bail!("unknown benchmark \"{name}\"; there are {names}, peers, instructions")
         }
     }
 }
@@ -92,4 +96,28 @@ impl Benchmark {
         }
         run(command)
     }
+}
+
+/// A benchmark of the package `lumel`, compiled.
+pub(crate) fn executable(name: &str) -> Result<PathBuf> {
+    let mut build = cargo(&["bench", "--package", "lumel", "--bench", name, "--no-run"]);
+    build.arg("--message-format=json").stderr(Stdio::inherit());
+    let output = build.output()?;
+    if !output.status.success() {
+        bail!("the benchmark cannot be compiled");
+    }
+    let messages = String::from_utf8(output.stdout)?;
+    let mut executables = messages.lines().filter_map(|line| {
+        let message: Value = serde_json::from_str(line).ok()?;
+        let is_it = message["target"]["name"] == name;
+        is_it.then(|| message["executable"].as_str().map(PathBuf::from)).flatten()
+    });
+    executables.next_back().with_context(|| format!("cargo names no executable for the benchmark {name}"))
+}
+
+/// Compares lumel with other renderers, by a script that sets up an environment for them.
+fn peers(arguments: &[String]) -> Result<()> {
+    let mut command = Command::new("python3");
+    command.arg(root().join("bench/peers/run.py")).args(arguments).env("LUMEL_PEERS", executable("peers")?);
+    run(command)
 }

@@ -3,11 +3,10 @@
 //! Counts do not depend on what else the machine does, so they show small regressions. Valgrind 3.19 and earlier know
 //! no AVX-512: what is counted then is the AVX2 path.
 
-use crate::{cargo, embree, root, say};
+use crate::{bench, embree, say};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
-use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// Counts all workloads, or those whose names follow, prints them and writes them to the file after `--json`.
 pub(crate) fn instructions(arguments: &[String]) -> Result<()> {
@@ -28,7 +27,7 @@ pub(crate) fn instructions(arguments: &[String]) -> Result<()> {
         bail!("there is no valgrind to count instructions with; try `apt-get install valgrind`");
     };
     let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
-    let program = program()?;
+    let program = bench::executable("rays")?;
     let library = embree::library();
     let start = |mut command: Command| {
         if let Ok(library) = &library {
@@ -74,23 +73,6 @@ fn row(printed: &str, log: &str) -> Option<Value> {
     // Embree chooses by itself; it sees the same processor.
     let with = if name.starts_with("embree") { "-" } else { with };
     Some(json!({"workload": name, "with": with, "per": per, "n": n, "instructions": count / n}))
-}
-
-/// The benchmark of rays, compiled.
-fn program() -> Result<PathBuf> {
-    let mut build = cargo(&["bench", "--package", "lumel", "--bench", "rays", "--no-run"]);
-    build.arg("--message-format=json").current_dir(root()).stderr(Stdio::inherit());
-    let output = build.output()?;
-    if !output.status.success() {
-        bail!("the benchmark cannot be compiled");
-    }
-    let messages = String::from_utf8(output.stdout)?;
-    let mut executables = messages.lines().filter_map(|line| {
-        let message: Value = serde_json::from_str(line).ok()?;
-        let is_it = message["target"]["name"] == "rays";
-        is_it.then(|| message["executable"].as_str().map(PathBuf::from)).flatten()
-    });
-    executables.next_back().context("cargo names no executable for the benchmark of rays")
 }
 
 /// Results go to stdout; a closed one is no reason to stop.

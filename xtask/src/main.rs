@@ -22,6 +22,7 @@ usage: cargo x COMMAND [ARGUMENTS]
   bench rays         measure ray tracing against Embree 4, which it fetches from PyPI
   bench bake         measure solves
   bench instructions count instructions of the ray tracer's kernels (needs valgrind)
+  bench peers        measure Mitsuba, Blender Cycles and Radiance beside lumel; fetches them from PyPI
   bench frame        measure what a picture costs on this machine's graphics device
   bench window       measure what an open window costs, and how much it slows a solve (needs Xvfb and xdotool)
 ";

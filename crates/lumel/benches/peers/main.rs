@@ -1,0 +1,184 @@
+//! lumel's part in the comparison with other renderers: `cargo x bench peers`, which runs `bench/peers/run.py`.
+//!
+//! Writes a scene and its receivers for the others to read, the reference that all are compared with, and what lumel
+//! itself makes of it in how much time.
+
+#![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
+#![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
+
+mod scenes;
+
+use cpu_time::ProcessTime;
+use glam::Vec3;
+use lumel::{
+    Baker, BounceLimit, Bvh, Control, RayTracer, RectLight, Scene, Settings, Silent, SolveState,
+    measure_points,
+};
+use lumel_accel::Ray;
+use lumel_basis::{ElementId, NodeWeights, PointReceivers, Receivers, VertexBasis};
+use lumel_sample::{Dim, Sampler, StreamKey};
+use lumel_scene::{Light, TriId};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const HELP: &str = "\
+usage: peers export SCENE FOLDER       write the scene, its receivers and which of them are compared
+       peers reference SCENE FOLDER    write the irradiance of those that are compared, and its standard error
+       peers solve SCENE FOLDER DIRECT INDIRECT SEED
+                                       write lumel's irradiance of all receivers and print the time it took
+Scenes: cornell-box, sponza. Arrays are of little-endian numbers of four bytes without a header.
+";
+
+/// Reflections after the direct light.
+const BOUNCES: u32 = 4;
+/// What is nearer to a light than this share of the scene's diagonal is right behind it.
+const CLOSE: f32 = 0.01;
+/// Receivers that are compared.
+const SAMPLE: usize = 2000;
+
+fn main() {
+    // Cargo adds --bench.
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments[..] {
+        ["export", scene, folder] => export(scene, Path::new(folder)),
+        ["reference", scene, folder] => reference(scene, Path::new(folder)),
+        ["solve", scene, folder, direct, indirect, seed] => {
+            let settings = Settings {
+                direct_samples: direct.parse().unwrap(),
+                indirect_samples: indirect.parse().unwrap(),
+                seed: seed.parse().unwrap(),
+                ..settings()
+            };
+            solve(scene, Path::new(folder), settings);
+        }
+        _ => println!("{HELP}"),
+    }
+}
+
+fn settings() -> Settings {
+    Settings { bounces: BounceLimit::Count(BOUNCES), ..Settings::default() }
+}
+
+/// Origin and normal of all nodes of the vertex basis.
+fn receivers(scene: &Arc<Scene>) -> Vec<[Vec3; 2]> {
+    let basis = VertexBasis::new(Arc::clone(scene));
+    let site = |e| basis.receiver(ElementId(e), [0.5; 2], &mut NodeWeights::default());
+    (0..basis.element_count() as u32).map(site).map(|site| [site.origin, site.frame.normal]).collect()
+}
+
+fn export(name: &str, folder: &Path) {
+    let scene = Arc::new(scenes::open(name, scenes::Detail::Usual));
+    let receivers = receivers(&scene);
+    let (valid, _, _) = bake(&scene, Settings { direct_samples: 1, indirect_samples: 64, ..settings() });
+    let [Light::Rect(light)] = scene.lights() else { panic!("{name} has other lights than one rectangle") };
+    let triangles = &scene.triangles()[..scene.traced_count()];
+    let materials = (0..triangles.len() as u32).map(|tri| scene.material_id(TriId(tri)).0);
+    let albedos: Vec<[f32; 3]> =
+        scene.materials().iter().map(|material| material.albedo.to_array()).collect();
+    std::fs::create_dir_all(folder).unwrap();
+    write(folder, "positions.f32", scene.positions().iter().flat_map(|p| p.to_array()).map(f32::to_le_bytes));
+    write(folder, "triangles.u32", triangles.iter().flatten().map(|i| i.to_le_bytes()));
+    write(folder, "materials.u32", materials.map(u32::to_le_bytes));
+    let numbers = receivers.iter().flatten().flat_map(|v| v.to_array());
+    write(folder, "receivers.f32", numbers.map(f32::to_le_bytes));
+    let valid: Vec<u32> = (0..valid.len() as u32).filter(|i| valid[*i as usize]).collect();
+    write(folder, "valid.u32", valid.iter().map(|i| i.to_le_bytes()));
+    let gap = CLOSE * scene.bounds().diagonal();
+    let seen = |i: &u32| !is_behind(light, receivers[*i as usize][0], gap);
+    let sample = sample(valid.iter().copied().filter(seen).collect());
+    write(folder, "sample.u32", sample.iter().map(|i| i.to_le_bytes()));
+    let description = json!({
+        "scene": name, "vertices": receivers.len(), "triangles": triangles.len(), "bounces": BOUNCES,
+        "valid": valid.len(), "sample": sample.len(), "albedos": albedos,
+        "light": {
+            "center": light.center, "u": light.u, "v": light.v, "radiance": light.radiance.0,
+            "normal": light.normal(), "backing": backing(&scene, light),
+        },
+    });
+    std::fs::write(folder.join("scene.json"), description.to_string()).unwrap();
+    println!("{description}");
+}
+
+/// The albedo of what lies closely behind a light.
+fn backing(scene: &Scene, light: &RectLight) -> Option<[f32; 3]> {
+    let hit = Bvh::build(scene).closest_hit(&Ray::new(light.center, -light.normal()?))?;
+    (hit.t < CLOSE * scene.bounds().diagonal()).then(|| scene.material(hit.at.tri).albedo.to_array())
+}
+
+/// Whether a point is in the gap behind a light. Light passes through a light of lumel, but not through those of others.
+fn is_behind(light: &RectLight, point: Vec3, gap: f32) -> bool {
+    let from_center = point - light.center;
+    let along = |axis: Vec3| (from_center.dot(axis) / axis.length_squared()).abs();
+    let height = light.normal().map_or(0.0, |normal| from_center.dot(normal));
+    along(light.u) < 1.0 && along(light.v) < 1.0 && (-gap..=0.0).contains(&height)
+}
+
+/// Random ones, all different, in random order.
+fn sample(mut from: Vec<u32>) -> Vec<u32> {
+    let count = SAMPLE.min(from.len()) as u32;
+    let choose = |k: u32| {
+        let [choice, _] = Sampler::Random.sample_2d(StreamKey::new(11), k, Dim::Area);
+        let at = (choice * from.len() as f32) as usize;
+        from.swap_remove(at.min(from.len() - 1))
+    };
+    (0..count).map(choose).collect()
+}
+
+/// All light at the receivers that are compared, gathered with many rays from a long solve on a mesh of half the edge
+/// length.
+fn reference(name: &str, folder: &Path) {
+    let scene = Arc::new(scenes::open(name, scenes::Detail::Usual));
+    let all = receivers(&scene);
+    let sample = std::fs::read(folder.join("sample.u32")).unwrap();
+    let sample = sample.chunks(4).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap()));
+    let points = PointReceivers::new(sample.map(|i| all[i as usize].into())).unwrap();
+    let fine = Arc::new(scenes::open(name, scenes::Detail::Fine));
+    println!("reference from {} vertices", fine.vertex_count());
+    let long = Settings { direct_samples: 1024, indirect_samples: 512, ..settings() };
+    let baker = Baker::new(Arc::clone(&fine), long.clone());
+    let mut state = SolveState::new();
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    let many = Settings { direct_samples: 1 << 14, indirect_samples: 1 << 14, ..long };
+    let baker = Baker::with_tracer(fine, Arc::clone(baker.tracer()), many);
+    let measured = measure_points(&baker, &state, &points, &Control::default()).unwrap();
+    let flat = |values: &[Vec3]| values.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
+    write(folder, "reference.f32", flat(&measured.irradiance).into_iter().map(f32::to_le_bytes));
+    write(folder, "reference_error.f32", flat(&measured.standard_error).into_iter().map(f32::to_le_bytes));
+}
+
+fn solve(name: &str, folder: &Path, settings: Settings) {
+    let scene = Arc::new(scenes::open(name, scenes::Detail::Usual));
+    let (direct, indirect) = (settings.direct_samples, settings.indirect_samples);
+    let (valid, irradiance, [tree_seconds, seconds]) = bake(&scene, settings);
+    let numbers = irradiance.iter().flat_map(|v| v.to_array());
+    write(folder, "lumel.f32", numbers.map(f32::to_le_bytes));
+    println!(
+        "{}",
+        json!({
+            "direct_samples": direct, "indirect_samples": indirect, "cpu_seconds": seconds,
+            "tree_cpu_seconds": tree_seconds, "vertices": valid.len(),
+        })
+    );
+}
+
+/// Which receivers could be measured, their irradiance, and processor time of all threads: for the tree, and for the
+/// solve.
+fn bake(scene: &Arc<Scene>, settings: Settings) -> (Vec<bool>, Vec<Vec3>, [f64; 2]) {
+    let start = ProcessTime::now();
+    let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(scene));
+    let tree = start.elapsed().as_secs_f64();
+    let start = ProcessTime::now();
+    let baker = Baker::with_tracer(Arc::clone(scene), tracer, settings);
+    let mut state = SolveState::new();
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    let irradiance = state.total().values().to_vec();
+    let seconds = start.elapsed().as_secs_f64();
+    (state.valid, irradiance, [tree, seconds])
+}
+
+fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = [u8; 4]>) {
+    let file: PathBuf = folder.join(name);
+    std::fs::write(file, numbers.flatten().collect::<Vec<u8>>()).unwrap();
+}
