@@ -154,7 +154,13 @@ fn trace<B: Basis>(
     }
     let group = inner.group(elements);
     let mut gather = Gather::default();
-    inner.add_rays(&mut gather, &group, (origin.per_element, Dim::Hemisphere), |e| key(origin, e));
+    inner.add_rays(
+        &mut gather,
+        &group,
+        (origin.per_element, Dim::Hemisphere),
+        |e| key(origin, e),
+        control,
+    )?;
     let mut next = vec![0; elements.len()];
     gather.trace(inner.tracer(), &group.sites, strata, control, |i, hit| {
         ends[next[i] * elements.len() + i] = End::new(&Seen::new(&inner.scene, hit));

@@ -132,14 +132,17 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         group: &Group,
         (samples, dim): (u32, Dim),
         key: impl Fn(ElementId) -> StreamKey,
-    ) {
+        control: &Control,
+    ) -> Result<(), Cancelled> {
         gather.clear();
         let sampler = self.plan.sampler.for_count(samples);
         let mut cells = CellOrder::default();
         for (&element, site) in group.elements.iter().zip(&group.sites) {
+            control.check()?;
             let points = cells.points(&sampler.stream(key(element), dim), samples);
             gather.add(site, points);
         }
+        Ok(())
     }
 
     fn measure_chunk(&self, job: &Job<'_>, chunk: u32, control: &Control) -> Result<ChunkSums, Cancelled> {
@@ -280,7 +283,7 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         let samples = plan.samples(requested, Measure::AtPoint);
         let mut means = vec![DVec3::ZERO; values.len()];
         let mut gather = std::mem::take(&mut self.gather);
-        self.transport.add_rays(&mut gather, group, (samples, dim), |e| self.key(e));
+        self.transport.add_rays(&mut gather, group, (samples, dim), |e| self.key(e), self.control)?;
         let transport = self.transport;
         gather.trace(&*transport.tracer, &group.sites, samples as usize, self.control, |i, hit| {
             means[i] += self.measured(&Seen::new(&transport.scene, hit));

@@ -164,7 +164,7 @@ impl Window {
     #[track_caller]
     pub(crate) fn solve_for_long(&mut self) {
         let settings = &mut self.session().settings;
-        (settings.solver, settings.indirect_samples) = (SolverKind::Neumann, 400_000);
+        (settings.solver, settings.indirect_samples) = (SolverKind::Neumann, 65_536);
         self.press(Key::Enter);
         self.wait_until("the first bounce", |app| app.session.phase() == Some(Phase::Bounce(1)));
     }
