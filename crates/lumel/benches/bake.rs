@@ -4,12 +4,14 @@
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
 
 use glam::{DVec3, Vec3};
-use lumel::{Baker, BounceLimit, Bvh, Control, Light, RayTracer, Scene, Settings, Silent, SolveState};
+use lumel::{
+    Baker, BounceLimit, Bvh, Control, Light, Observer, RayTracer, Scene, Settings, Silent, SolveState, Step,
+};
 use lumel_accel::{Bundle, SHADOW_END};
 use lumel_basis::{ElementId, NodeWeights, Receivers, Site, VertexBasis};
-use lumel_sample::{Dim, SamplerKind, StreamKey, cosine_hemisphere};
+use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
 use serde_json::{Value, json};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 const HELP: &str = "\
@@ -18,6 +20,7 @@ usage: cargo x bench [--quick] [--json FILE]
 Traces hemisphere gathers (256 rays from one origin) and shadow rays (64 to one light) on one core, and bakes the
 Cornell box (4 bounces) and the atrium (2 bounces) with 64, 256 and 1024 hemisphere rays on all cores. The error is
 the noise of one bake, relative to the root mean square of the light: the difference of two seeds over the root of 2.
+Then a light is moved, and all is solved again on the rays that are stored.
 
   --quick       64 rays only
   --json FILE   write the results as JSON too
@@ -63,10 +66,11 @@ fn measure(name: &str, bounces: u32, samples: &[u32]) -> Value {
     println!("  bounces   rays per vertex    solve s   Mrays/s   error %   error² · s");
     let tracer: Arc<dyn RayTracer> = Arc::new(bvh);
     let solves: Vec<Value> = samples.iter().map(|&n| solve_row(&scene, &tracer, bounces, n)).collect();
+    let relight = relight_row(&scene, &tracer);
     json!({
         "scene": name, "vertices": scene.vertex_count(), "triangles": scene.triangle_count(),
         "build_seconds": build_seconds, "gather_mrays_per_core": gather, "shadow_mrays_per_core": shadow,
-        "solves": solves,
+        "solves": solves, "relight": relight,
     })
 }
 
@@ -117,9 +121,10 @@ fn bundle<'a>(site: &Site, directions: &'a [Vec3], t_max: f32) -> Bundle<'a> {
 
 fn directions(sites: &[(u32, Site)], n: u32, direction: impl Fn(&Site, [f32; 2]) -> Vec3) -> Vec<Vec<Vec3>> {
     let sampler = SamplerKind::Sobol.for_count(n);
+    let mut cells = CellOrder::default();
     let of = |(element, site): &(u32, Site)| {
         let stream = sampler.stream(StreamKey::new(1).element(*element), Dim::Hemisphere);
-        (0..n).map(|i| direction(site, stream.sample_2d(i))).collect()
+        cells.points(&stream, n).iter().map(|&u| direction(site, u)).collect()
     };
     sites.iter().map(of).collect()
 }
@@ -129,6 +134,60 @@ fn rate(bundles: &[Vec<Vec3>], trace: impl Fn(usize, &[Vec3]) -> usize) -> f64 {
     let once = || bundles.iter().enumerate().map(|(i, b)| trace(i, b)).sum::<usize>();
     let seconds = median((0..REPEATS).map(|_| timed(|| std::hint::black_box(once())).1).collect());
     n_rays as f64 / seconds / 1e6
+}
+
+/// Seconds that each step of a solve takes.
+#[derive(Default)]
+struct Steps(Mutex<Timings>);
+
+#[derive(Default)]
+struct Timings {
+    begun: Option<Instant>,
+    done: Vec<(Step, f64)>,
+}
+
+impl Observer for Steps {
+    fn step_started(&self, _: Step) {
+        self.0.lock().unwrap().begun = Some(Instant::now());
+    }
+
+    fn step_done(&self, step: Step, _: &SolveState) {
+        let mut timings = self.0.lock().unwrap();
+        let seconds = timings.begun.take().unwrap().elapsed().as_secs_f64();
+        timings.done.push((step, seconds));
+    }
+}
+
+/// Seconds to solve again after a light has moved, until a thousandth of the light is missing: all bounces, and all.
+fn relight_row(scene: &Arc<Scene>, tracer: &Arc<dyn RayTracer>) -> Value {
+    let settings = Settings { bounces: BounceLimit::All, ..Settings::default() };
+    let baker = Baker::with_tracer(Arc::clone(scene), Arc::clone(tracer), settings.clone());
+    baker.run(&mut SolveState::new(), &Control::default(), &Silent).unwrap();
+    let once = |step: usize| {
+        let mut lights = scene.lights().to_vec();
+        if let Some(Light::Rect(rect)) = lights.first_mut() {
+            rect.center += Vec3::X * (0.01 * step as f32);
+        }
+        let relit = Arc::new(scene.relit(lights).unwrap());
+        let (steps, mut state) = (Steps::default(), SolveState::new());
+        let ((), all) = timed(|| {
+            let baker = baker.relit(relit, settings.clone());
+            baker.run(&mut state, &Control::default(), &steps).unwrap();
+        });
+        let steps = steps.0.into_inner().unwrap().done;
+        let bounces = steps.iter().filter(|(step, _)| matches!(step, Step::Bounce(1..)));
+        (bounces.map(|(_, seconds)| seconds).sum::<f64>(), all, state.bounces.len() - 1)
+    };
+    let runs: Vec<(f64, f64, usize)> = (1..=REPEATS).map(once).collect();
+    let bounces = median(runs.iter().map(|r| r.0).collect());
+    let all = median(runs.iter().map(|r| r.1).collect());
+    println!(
+        "  a light moved: {} bounces again {:.1} ms, with direct light {:.1} ms",
+        runs[0].2,
+        bounces * 1e3,
+        all * 1e3
+    );
+    json!({"n_bounces": runs[0].2, "bounces_seconds": bounces, "seconds": all})
 }
 
 fn solve_row(scene: &Arc<Scene>, tracer: &Arc<dyn RayTracer>, bounces: u32, samples: u32) -> Value {

@@ -8,7 +8,7 @@ use lumel_basis::{AreaVertexBasis, Basis, Field, Measure, NodeId, VertexBasis};
 use lumel_export::{Solution, SolutionError, SolutionMeta};
 use lumel_scene::{Scene, luminance};
 use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, final_gather, solve};
-use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Rows, Transport};
+use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Rows, Stored, Transport};
 use std::sync::Arc;
 
 /// Why a solution cannot be continued.
@@ -45,7 +45,7 @@ struct Operator {
     /// Measures direct light and bounces.
     transport: Box<dyn Transport>,
     /// The rays that it stores.
-    rows: Option<Arc<Rows>>,
+    stored: Option<Stored>,
     /// Gathers all light once more, where not all rays are stored.
     finisher: Option<Box<dyn Transport>>,
 }
@@ -75,7 +75,7 @@ impl Baker {
         }
         let vertex_basis = self.vertex_basis.clone();
         let operator =
-            operator_of((&scene, &self.tracer), &vertex_basis, &settings, self.operator.rows.as_ref());
+            operator_of((&scene, &self.tracer), &vertex_basis, &settings, self.operator.stored.as_ref());
         // The energy of a basis depends on its albedo too, which relit scenes share.
         let same_basis = settings.basis == self.settings.basis;
         let energy = if same_basis { self.energy.clone() } else { Energy::new(&scene, &*operator.basis) };
@@ -91,7 +91,7 @@ impl Baker {
     pub fn has_rays_of(&self, settings: &Settings) -> bool {
         let rays = |s: &Settings| (s.basis, s.solver, s.indirect_samples, s.sampler, s.seed);
         let stored = matches!(self.operator.method, Method::Cached { .. })
-            && self.operator.rows.as_ref().is_some_and(|rows| rows.is_complete());
+            && self.operator.stored.as_ref().is_some_and(|stored| stored.rows().is_complete());
         stored && rays(settings) == rays(&self.settings)
     }
 
@@ -257,11 +257,13 @@ fn operator_of(
     world: World<'_>,
     vertex_basis: &VertexBasis,
     settings: &Settings,
-    rows: Option<&Arc<Rows>>,
+    stored: Option<&Stored>,
 ) -> Operator {
     match settings.basis {
-        BasisKind::Vertex => operator(world, vertex_basis.clone(), settings, rows),
-        BasisKind::VertexArea => operator(world, AreaVertexBasis::new(vertex_basis.clone()), settings, rows),
+        BasisKind::Vertex => operator(world, vertex_basis.clone(), settings, stored),
+        BasisKind::VertexArea => {
+            operator(world, AreaVertexBasis::new(vertex_basis.clone()), settings, stored)
+        }
     }
 }
 
@@ -269,25 +271,25 @@ fn operator<B: Basis + 'static>(
     world: World<'_>,
     basis: B,
     settings: &Settings,
-    rows: Option<&Arc<Rows>>,
+    stored: Option<&Stored>,
 ) -> Operator {
     let basis = Arc::new(basis);
     let plan = settings.plan();
     let method = method(world.0, (basis.element_count(), basis.measure()), settings);
     let plain = |plan| cpu_transport(world, &basis, plan);
-    let (transport, rows): (Box<dyn Transport>, _) = match method {
+    let (transport, stored): (Box<dyn Transport>, _) = match method {
         Method::Neumann => (Box::new(plain(plan)), None),
         Method::Cached { .. } | Method::FinalGather { .. } => {
-            let stored =
+            let rays =
                 if let Method::FinalGather { stored, .. } = method { stored } else { plan.indirect_samples };
-            let cached = CachedTransport::new(plain(Plan { indirect_samples: stored, ..plan }), rows);
-            let rows = Arc::clone(cached.rows());
-            (Box::new(cached), Some(rows))
+            let cached = CachedTransport::new(plain(Plan { indirect_samples: rays, ..plan }), stored);
+            let stored = cached.stored();
+            (Box::new(cached), Some(stored))
         }
     };
     let gathers = matches!(method, Method::FinalGather { .. });
     let finisher = gathers.then(|| Box::new(plain(plan)) as Box<dyn Transport>);
-    Operator { basis, method, transport, rows, finisher }
+    Operator { basis, method, transport, stored, finisher }
 }
 
 /// How the settings solve a scene with so many elements.

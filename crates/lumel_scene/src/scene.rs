@@ -173,6 +173,11 @@ impl Scene {
         Ok(Self { unlit: Arc::clone(&self.unlit), lights, hash: OnceLock::new() })
     }
 
+    /// Whether the two are one scene, [relit](Self::relit) or not: the same surfaces and materials.
+    pub fn has_surfaces_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.unlit, &other.unlit)
+    }
+
     /// The scene's name.
     pub fn name(&self) -> &str {
         &self.unlit.name

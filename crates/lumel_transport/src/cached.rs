@@ -10,6 +10,7 @@ use crate::scatter::scattered;
 use glam::{DVec3, Vec4};
 use lumel_basis::{Basis, ElementId, Measure, NodeWeights};
 use lumel_sample::{Dim, StreamKey};
+use lumel_scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -30,23 +31,45 @@ const BLOCK: usize = 16;
 pub struct CachedTransport<B> {
     inner: CpuTransport<B>,
     rows: Arc<Rows>,
-    paint: Paint,
+    paint: Arc<Paint>,
+}
+
+/// What an operator has stored and others of the same surfaces may share.
+#[derive(Clone)]
+pub struct Stored {
+    rows: Arc<Rows>,
+    paint: Arc<Paint>,
+    scene: Arc<Scene>,
+}
+
+impl Stored {
+    /// The rays.
+    pub fn rows(&self) -> &Rows {
+        &self.rows
+    }
 }
 
 impl<B: Basis> CachedTransport<B> {
     /// Stores the rays of an operator, or takes those of another one where they are the same.
-    pub fn new(inner: CpuTransport<B>, shared: Option<&Arc<Rows>>) -> Self {
+    pub fn new(inner: CpuTransport<B>, shared: Option<&Stored>) -> Self {
         let origin = origin(&inner);
-        let rows = match shared {
-            Some(rows) if rows.origin == origin => Arc::clone(rows),
-            _ => Arc::new(Rows::new(origin)),
-        };
-        let paint = Paint::new(&inner.scene, &*inner.source, rows.chunks.len());
+        let shared = shared.filter(|stored| stored.rows.origin == origin);
+        let rows = shared.map_or_else(|| Arc::new(Rows::new(origin)), |stored| Arc::clone(&stored.rows));
+        // Other materials need other albedos at the ends of the same rays.
+        let painted = shared.filter(|stored| stored.scene.has_surfaces_of(&inner.scene));
+        let new_paint = || Arc::new(Paint::new(&inner.scene, &*inner.source, rows.chunks.len()));
+        let paint = painted.map_or_else(new_paint, |stored| Arc::clone(&stored.paint));
         Self { inner, rows, paint }
     }
 
-    /// The rows, to be shared.
-    pub fn rows(&self) -> &Arc<Rows> {
+    /// What it stores, to be shared.
+    pub fn stored(&self) -> Stored {
+        let (rows, paint) = (Arc::clone(&self.rows), Arc::clone(&self.paint));
+        Stored { rows, paint, scene: Arc::clone(&self.inner.scene) }
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> &Rows {
         &self.rows
     }
 

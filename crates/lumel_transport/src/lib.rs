@@ -26,7 +26,7 @@ mod scatter;
 mod shadow_rays;
 
 pub use accumulate::{Measured, PartialField, accumulate};
-pub use cached::CachedTransport;
+pub use cached::{CachedTransport, Stored};
 pub use cpu::CpuTransport;
 pub use hemisphere::direction as hemisphere_direction;
 pub use job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
