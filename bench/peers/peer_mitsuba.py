@@ -93,7 +93,8 @@ def main(folder, answer, rays):
     size = min(int(rays), BATCH)
     batch(scene, world, size, 0)
     start = time.process_time()
-    batches = [batch(scene, world, size, seed + 1) for seed in range(int(rays) // size)]
+    # Runs of different length share no seed: the longest is the reference.
+    batches = [batch(scene, world, size, int(rays) + i) for i in range(int(rays) // size)]
     seconds = time.process_time() - start
     mean = np.mean(batches, axis=0)
     deviation = np.std(batches, axis=0, ddof=1) if len(batches) > 1 else np.full_like(mean, np.nan)

@@ -41,12 +41,13 @@ class World:
         return len(self.sample) / len(self.valid)
 
     def reference(self):
-        """Irradiance of the receivers that are compared."""
-        return self._read("reference.f32", 3)
+        """Irradiance of the receivers that are compared, and its standard error."""
+        stored = np.load(self.folder / "reference.npz")
+        return stored["irradiance"], stored["standard_error"]
 
-    def reference_error(self):
-        """Its standard error."""
-        return self._read("reference_error.f32", 3)
+    def long_solve(self):
+        """The same by a long solve of lumel on a finer mesh."""
+        return self._read("long.f32", 3), self._read("long_error.f32", 3)
 
     def _read(self, name, columns=1):
         kind = "<f4" if name.endswith(".f32") else "<u4"

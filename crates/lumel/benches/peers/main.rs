@@ -1,7 +1,7 @@
 //! lumel's part in the comparison with other renderers: `cargo x bench peers`, which runs `bench/peers/run.py`.
 //!
-//! Writes a scene and its receivers for the others to read, the reference that all are compared with, and what lumel
-//! itself makes of it in how much time.
+//! Writes a scene and its receivers for the others to read, an answer that took long, to check the reference with, and
+//! what lumel makes of the scene in how much time.
 
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
@@ -24,7 +24,8 @@ use std::sync::Arc;
 
 const HELP: &str = "\
 usage: peers export SCENE FOLDER       write the scene, its receivers and which of them are compared
-       peers reference SCENE FOLDER    write the irradiance of those that are compared, and its standard error
+       peers long SCENE FOLDER         write the irradiance of those that are compared, from a long solve on a finer
+                                       mesh, and its standard error
        peers solve SCENE FOLDER DIRECT INDIRECT SEED
                                        write lumel's irradiance of all receivers and print the time it took
 Scenes: cornell-box, sponza. Arrays are of little-endian numbers of four bytes without a header.
@@ -43,7 +44,7 @@ fn main() {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
         ["export", scene, folder] => export(scene, Path::new(folder)),
-        ["reference", scene, folder] => reference(scene, Path::new(folder)),
+        ["long", scene, folder] => long(scene, Path::new(folder)),
         ["solve", scene, folder, direct, indirect, seed] => {
             let settings = Settings {
                 direct_samples: direct.parse().unwrap(),
@@ -126,26 +127,25 @@ fn sample(mut from: Vec<u32>) -> Vec<u32> {
     (0..count).map(choose).collect()
 }
 
-/// All light at the receivers that are compared, gathered with many rays from a long solve on a mesh of half the edge
-/// length.
-fn reference(name: &str, folder: &Path) {
+/// All light at the receivers that are compared, gathered with many rays from a long solve on a finer mesh.
+fn long(name: &str, folder: &Path) {
     let scene = Arc::new(scenes::open(name, scenes::Detail::Usual));
     let all = receivers(&scene);
     let sample = std::fs::read(folder.join("sample.u32")).unwrap();
     let sample = sample.chunks(4).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap()));
     let points = PointReceivers::new(sample.map(|i| all[i as usize].into())).unwrap();
     let fine = Arc::new(scenes::open(name, scenes::Detail::Fine));
-    println!("reference from {} vertices", fine.vertex_count());
-    let long = Settings { direct_samples: 1024, indirect_samples: 512, ..settings() };
-    let baker = Baker::new(Arc::clone(&fine), long.clone());
+    println!("long solve on {} vertices", fine.vertex_count());
+    let solved = Settings { direct_samples: 256, indirect_samples: 256, ..settings() };
+    let baker = Baker::new(Arc::clone(&fine), solved.clone());
     let mut state = SolveState::new();
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
-    let many = Settings { direct_samples: 1 << 14, indirect_samples: 1 << 14, ..long };
+    let many = Settings { direct_samples: 1 << 14, indirect_samples: 1 << 14, ..solved };
     let baker = Baker::with_tracer(fine, Arc::clone(baker.tracer()), many);
     let measured = measure_points(&baker, &state, &points, &Control::default()).unwrap();
     let flat = |values: &[Vec3]| values.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
-    write(folder, "reference.f32", flat(&measured.irradiance).into_iter().map(f32::to_le_bytes));
-    write(folder, "reference_error.f32", flat(&measured.standard_error).into_iter().map(f32::to_le_bytes));
+    write(folder, "long.f32", flat(&measured.irradiance).into_iter().map(f32::to_le_bytes));
+    write(folder, "long_error.f32", flat(&measured.standard_error).into_iter().map(f32::to_le_bytes));
 }
 
 fn solve(name: &str, folder: &Path, settings: Settings) {

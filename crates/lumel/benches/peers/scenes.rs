@@ -10,7 +10,7 @@ use std::path::Path;
 pub(crate) enum Detail {
     /// As it is baked.
     Usual,
-    /// Edges at most half as long.
+    /// Edges much shorter.
     Fine,
 }
 
@@ -26,7 +26,7 @@ pub(crate) fn open(name: &str, detail: Detail) -> Scene {
             ("cornell-box", OpenOptions { subdivide: fine.then_some(1), ..OpenOptions::default() })
         }
         "sponza" => {
-            let max_edge = Some(if fine { 0.5 } else { 3.0 });
+            let max_edge = Some(if fine { 0.25 } else { 3.0 });
             (sponza.to_str().unwrap(), OpenOptions { max_edge, ..OpenOptions::default() })
         }
         _ => panic!("there is no scene {name} to compare renderers in"),
