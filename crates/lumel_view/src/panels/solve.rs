@@ -45,8 +45,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
 fn live(app: &mut App, ui: &mut Ui) {
     let obstacle = app.session.obstacle_to_live();
     ui.horizontal_wrapped(|ui| {
-        let hint = "While lights are moved, sized or coloured, their light and all bounces of it follow at once. No \
-                    new hemisphere rays are traced.";
+        let hint = "While lights are moved, sized or coloured, their light and all bounces of it follow at once. The \
+                    stored hemisphere rays are used again.";
         ui.checkbox(&mut app.session.live, "Light follows changes").on_hover_text(hint);
         if let Some(obstacle) = obstacle.filter(|_| app.session.live) {
             ui.label(RichText::new(obstacle).color(theme::WEAK));
