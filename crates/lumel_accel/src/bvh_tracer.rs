@@ -2,7 +2,7 @@
 
 use crate::bvh::{Bvh, Child};
 use crate::ray::{Bundle, Hit, Ray, RayTracer};
-use crate::trace::{AnySingle, ClosestSingle, NO_TRIANGLE, PACKET, Packet, PacketTrace, SHAFT, Shaft, Stack};
+use crate::trace::{Alone, NO_TRIANGLE, PACKET, Packet, PacketTrace, SHAFT, Shaft, Stack};
 use crate::triangle::is_traceable;
 
 /// Fewer rays than this are not worth a packet.
@@ -10,18 +10,11 @@ const FEW: usize = 4;
 
 impl RayTracer for Bvh {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let root = self.root?;
-        if !is_traceable(ray.origin, ray.direction) {
-            return None;
-        }
-        Stack::lend(|stack| self.instructions().run(ClosestSingle { bvh: self, ray, root, stack }))
+        self.follow::<false>(ray)
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        self.root.is_some_and(|root| {
-            is_traceable(ray.origin, ray.direction)
-                && Stack::lend(|stack| self.instructions().run(AnySingle { bvh: self, ray, root, stack }))
-        })
+        self.follow::<true>(ray).is_some()
     }
 
     fn closest_hits(&self, bundle: &Bundle<'_>, hits: &mut [Option<Hit>]) {
@@ -53,6 +46,13 @@ impl RayTracer for Bvh {
 }
 
 impl Bvh {
+    /// What a ray meets, the closest or with `ANY` any.
+    #[inline]
+    fn follow<const ANY: bool>(&self, ray: &Ray) -> Option<Hit> {
+        let root = self.root.filter(|_| is_traceable(ray.origin, ray.direction))?;
+        Stack::lend(|stack| self.instructions().run(Alone::<ANY> { bvh: self, ray, root, stack }))
+    }
+
     fn closest_in_packets<const TOGETHER: bool, I: Iterator<Item = Ray>>(
         &self,
         count: usize,

@@ -55,20 +55,17 @@ pub(super) fn build(corners: &[[Vec3; 3]]) -> Bvh {
     if items.is_empty() {
         return Bvh { nodes: Vec::new(), blocks: Vec::new(), root: None, instructions };
     }
-    let mut flat = None;
-    for rule in [Rule::SurfaceArea, Rule::Balanced] {
+    let mut tree = |rule| {
         let mut inner = vec![Binary::default(); items.len() - 1];
         split(&mut items, &mut inner, rule);
-        let collapsed = flatten(Subtree { items: &items, inner: &inner }, corners);
-        let fits = collapsed.stack <= MAX_STACK;
-        flat = Some(collapsed);
-        if fits {
-            break;
-        }
+        flatten(Subtree { items: &items, inner: &inner }, corners)
+    };
+    let mut flat = tree(Rule::SurfaceArea);
+    if flat.stack > MAX_STACK {
         // A scene whose triangles shrink again and again can make a list of the tree.
+        flat = tree(Rule::Balanced);
     }
-    let (nodes, blocks, root) = flat.map(|flat| (flat.nodes, flat.blocks, flat.root)).unwrap_or_default();
-    Bvh { nodes, blocks, root: Some(root), instructions }
+    Bvh { nodes: flat.nodes, blocks: flat.blocks, root: Some(flat.root), instructions }
 }
 
 /// Triangles that are not finite cannot be met, and their boxes would spoil the tree.

@@ -5,7 +5,7 @@
 //! Boulos, Wald, Shirley, *Geometric and arithmetic culling methods for entire ray packets*, 2006.
 
 use super::leaf::Origins;
-use super::{EARLIER, LATER};
+use super::{EARLIER, LATER, smallest_component};
 use crate::bvh::Node;
 use crate::simd::{Lanes, Simd};
 
@@ -23,6 +23,8 @@ pub(super) struct Beam<S: Simd> {
     pub(super) octant: usize,
     /// No direction changes its sign within the beam, on any axis.
     pub(super) one_octant: bool,
+    /// What separates components of its directions from zero.
+    pub(super) smallest: f32,
     pub(super) from: Origins,
 }
 
@@ -69,9 +71,11 @@ impl<S: Simd> Axis<S> {
 const NEVER: f32 = 1e30;
 
 impl<S: Simd> Beam<S> {
-    /// A beam around rays; `smallest` separates directions from zero.
+    /// A beam around rays.
     #[inline(always)]
-    pub(super) fn new(isa: S, origins: Interval, directions: Interval, smallest: f32) -> Self {
+    pub(super) fn new(isa: S, origins: Interval, directions: Interval) -> Self {
+        let reach = (0..3).fold(0.0, |r: f32, a| r.max(directions.max[a]).max(-directions.min[a]));
+        let smallest = smallest_component(reach);
         let axis = |axis: usize| {
             let origin = (origins.min[axis], origins.max[axis]);
             Axis::new(isa, origin, (directions.min[axis], directions.max[axis]), smallest)
@@ -87,9 +91,9 @@ impl<S: Simd> Beam<S> {
         let from = Origins {
             center,
             spread: (0..3).fold(0.0, |s: f32, a| s.max(origins.max[a] - origins.min[a])),
-            reach: (0..3).fold(0.0, |r: f32, a| r.max(directions.max[a]).max(-directions.min[a])),
+            reach,
         };
-        Self { axes, octant, one_octant, from }
+        Self { axes, octant, one_octant, smallest, from }
     }
 
     /// Bounds of where rays enter and leave the boxes of a node, and the boxes relative to the origins.

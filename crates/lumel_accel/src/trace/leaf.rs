@@ -90,9 +90,7 @@ impl<L: Lanes> Edges<L> {
             slack: self.slack,
         }
     }
-}
 
-impl<L: Lanes> Edges<L> {
     /// The four triangles again and again, for four rays.
     #[inline(always)]
     pub(super) fn repeated<M: Quads<F4 = L, Isa = L::Isa>>(self, isa: L::Isa) -> Edges<M> {

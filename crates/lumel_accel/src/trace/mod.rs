@@ -9,7 +9,7 @@ mod stack;
 
 pub(crate) use packet::{Packet, PacketTrace};
 pub(crate) use shaft::{SHAFT, Shaft};
-pub(crate) use single::{AnySingle, ClosestSingle};
+pub(crate) use single::Alone;
 pub(crate) use stack::Stack;
 
 use crate::ray::Hit;
@@ -28,6 +28,12 @@ const LATER: f32 = 1.0 + 1e-5;
 
 /// Components of directions are kept this far from zero, relative to the longest, so that no slab distance is 0 · ∞.
 const SMALLEST_COMPONENT: f32 = 1e-18;
+
+/// That limit for directions whose longest component is `reach`.
+#[inline(always)]
+fn smallest_component(reach: f32) -> f32 {
+    (reach * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE)
+}
 
 /// No triangle.
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;

@@ -4,7 +4,7 @@ use super::beam::{Beam, Interval};
 use super::leaf::{Edges, EdgesOfBlock, PlanesOfBlock, V3, each, load, splat};
 use super::single::{Follow, Line};
 use super::stack::{Entry, Stack};
-use super::{Found, LATER, NO_TRIANGLE, PACKET, SMALLEST_COMPONENT, bits, code};
+use super::{Found, LATER, NO_TRIANGLE, PACKET, bits, code};
 use crate::bvh::{Block, Bvh, Child};
 use crate::ray::Ray;
 use crate::simd::{Kernel, Lanes, Permute, Quads, Simd};
@@ -169,16 +169,6 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
     fn new(isa: S, bvh: &'a Bvh, packet: &mut Packet) -> Self {
         let origin: V3<S::F16> = load(isa, &packet.origin);
         let direction: V3<S::F16> = load(isa, &packet.direction);
-        let [x, y, z] = direction;
-        let smallest =
-            (x.abs().max(y.abs()).max(z.abs()).largest() * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
-        let inverse = each(direction, |d| {
-            let tiny = d.abs().lt(S::F16::splat(isa, smallest));
-            S::F16::splat(isa, 1.0).div(d.replace(S::F16::splat(isa, smallest), tiny))
-        });
-        for (axis, inverse) in inverse.iter().enumerate() {
-            inverse.store(&mut packet.inverse[axis]);
-        }
         let interval =
             |v: V3<S::F16>| Interval { min: each(v, Lanes::smallest), max: each(v, Lanes::largest) };
         let origins = if TOGETHER {
@@ -187,7 +177,14 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
         } else {
             interval(origin)
         };
-        let beam = Beam::new(isa, origins, interval(direction), smallest);
+        let beam = Beam::new(isa, origins, interval(direction));
+        let inverse = each(direction, |d| {
+            let tiny = d.abs().lt(S::F16::splat(isa, beam.smallest));
+            S::F16::splat(isa, 1.0).div(d.replace(S::F16::splat(isa, beam.smallest), tiny))
+        });
+        for (axis, inverse) in inverse.iter().enumerate() {
+            inverse.store(&mut packet.inverse[axis]);
+        }
         Self { isa, bvh, beam, origin, direction, inverse }
     }
 

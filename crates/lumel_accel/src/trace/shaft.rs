@@ -8,7 +8,7 @@
 use super::beam::{Beam, Interval};
 use super::leaf::{Edges, PlanesOfBlock, load, splat};
 use super::stack::{Entry, Stack};
-use super::{PACKET, SMALLEST_COMPONENT, bits};
+use super::{PACKET, bits};
 use crate::bvh::{Block, Bvh, Child};
 use crate::simd::{Kernel, Lanes, Permute, Simd};
 use crate::triangle::is_traceable;
@@ -137,7 +137,7 @@ impl Kernel for Walk<'_, '_> {
                 let places = near.le(entered.far.permute(order.0)) & order.present();
                 for place in bits(places) {
                     let child = node.children[order.slot(place as u32)];
-                    stack.push_if(true, Entry { near: 0.0, child, lanes: 0 });
+                    stack.push(Entry { near: 0.0, child, lanes: 0 });
                 }
             } else {
                 let blocks = &bvh.blocks[current.blocks()];
@@ -169,7 +169,5 @@ fn beam<S: Simd>(isa: S, shaft: &Shaft<'_>) -> Beam<S> {
         directions.min[axis] = a.min(b).min(c.min(d)).smallest();
         directions.max[axis] = a.max(b).max(c.max(d)).largest();
     }
-    let reach = (0..3).fold(0.0, |r: f32, a| r.max(directions.max[a]).max(-directions.min[a]));
-    let smallest = (reach * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
-    Beam::new(isa, Interval { min: origin, max: origin }, directions, smallest)
+    Beam::new(isa, Interval { min: origin, max: origin }, directions)
 }

@@ -2,7 +2,7 @@
 
 use super::leaf::{Edges, Origins, V3, splat};
 use super::stack::{Entry, Stack};
-use super::{EARLIER, Found, LATER, SMALLEST_COMPONENT, bits, code};
+use super::{EARLIER, Found, LATER, NO_TRIANGLE, bits, code, smallest_component};
 use crate::bvh::{Block, Bvh, Child, Node};
 use crate::ray::{Hit, Ray};
 use crate::simd::{Kernel, Lanes, Permute, Simd};
@@ -73,7 +73,7 @@ impl<S: Simd> Prepared<S> {
         near.store(&mut nears);
         for place in bits(entered) {
             let child = node.children[order.slot(place as u32)];
-            stack.push_if(true, Entry { near: nears[place & 7], child, lanes: 1 });
+            stack.push(Entry { near: nears[place & 7], child, lanes: 1 });
         }
     }
 
@@ -163,46 +163,28 @@ impl<const ANY: bool> Kernel for Follow<'_, ANY> {
     }
 }
 
-/// The closest hit of a ray.
-pub(crate) struct ClosestSingle<'a> {
+/// A ray that comes alone: its closest hit, or with `ANY` the first that is found.
+pub(crate) struct Alone<'a, const ANY: bool> {
     pub(crate) bvh: &'a Bvh,
     pub(crate) ray: &'a Ray,
     pub(crate) root: Child,
     pub(crate) stack: &'a mut Stack,
 }
 
-impl Kernel for ClosestSingle<'_> {
+impl<const ANY: bool> Kernel for Alone<'_, ANY> {
     type Output = Option<Hit>;
 
     #[inline(always)]
     fn run<S: Simd>(self, isa: S) -> Option<Hit> {
         let mut found = Found::nothing(self.ray.t_max);
-        follow::<S, false>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut found);
+        follow::<S, ANY>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut found);
         found.hit()
     }
 }
 
-/// Whether a ray meets anything.
-pub(crate) struct AnySingle<'a> {
-    pub(crate) bvh: &'a Bvh,
-    pub(crate) ray: &'a Ray,
-    pub(crate) root: Child,
-    pub(crate) stack: &'a mut Stack,
-}
-
-impl Kernel for AnySingle<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, isa: S) -> bool {
-        let mut found = Found::nothing(self.ray.t_max);
-        follow::<S, true>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut found)
-    }
-}
-
 fn line(ray: &Ray) -> Line {
-    let skip = ray.skip.map_or(super::NO_TRIANGLE, |tri| tri.0);
-    let smallest = (ray.direction.abs().max_element() * SMALLEST_COMPONENT).max(f32::MIN_POSITIVE);
+    let skip = ray.skip.map_or(NO_TRIANGLE, |tri| tri.0);
+    let smallest = smallest_component(ray.direction.abs().max_element());
     let away_from_zero = |d: f32| if d.abs() < smallest { smallest.copysign(d) } else { d };
     let inverse = ray.direction.to_array().map(|d| 1.0 / away_from_zero(d));
     Line { origin: ray.origin, direction: ray.direction, inverse, skip }

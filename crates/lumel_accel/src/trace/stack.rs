@@ -46,6 +46,11 @@ impl Stack {
         self.len
     }
 
+    #[inline(always)]
+    pub(super) fn push(&mut self, entry: Entry) {
+        self.push_if(true, entry);
+    }
+
     /// Pushes an entry if it is `wanted`, without a branch.
     #[inline(always)]
     pub(super) fn push_if(&mut self, wanted: bool, entry: Entry) {
