@@ -1,7 +1,6 @@
 //! The operator on stored rows: rays are traced once, and every bounce after that is a sparse product.
 
 use crate::cpu::{CHUNK, CpuTransport, Group, OPENNESS_RAYS};
-use crate::gather::Gather;
 use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 use crate::paint::{Paint, Painted, unpacked};
@@ -116,16 +115,13 @@ impl<B: Basis> CachedTransport<B> {
     ) -> Result<ChunkSums, Cancelled> {
         let inner = &self.inner;
         let elements = inner.elements(chunk);
-        let active: Vec<usize> = (0..elements.len()).filter(|&i| job.measures(elements[i])).collect();
-        let group = inner.group(&active.iter().map(|&i| elements[i]).collect::<Vec<_>>());
+        let (active, group) = active(inner, job, elements);
         let (mut values, n_rays) = match job.source {
             Source::Emitters => inner.direct_at(job, &group, control)?,
             _ => (vec![DVec3::ZERO; active.len()], 0),
         };
         let measured = |end: &End| match (job.source, end.seen()) {
-            (Source::Openness, seen) => {
-                DVec3::splat(if matches!(seen, Some(Seen::Back)) { 0.0 } else { 1.0 })
-            }
+            (Source::Openness, Some(seen)) => hemisphere::openness(&seen),
             (_, Some(seen)) => {
                 hemisphere::emitted(&inner.scene, inner.lights.emission_by_rays, &seen).0.as_dvec3()
             }
@@ -176,14 +172,8 @@ fn trace<B: Basis>(
         return Ok(ends.into());
     }
     let group = inner.group(elements);
-    let mut gather = Gather::default();
-    inner.add_rays(
-        &mut gather,
-        &group,
-        (origin.per_element, Dim::Hemisphere),
-        |e| key(origin, e),
-        control,
-    )?;
+    let mut gather =
+        inner.rays(&group, (origin.per_element, Dim::Hemisphere), |e| key(origin, e), control)?;
     let mut next = vec![0; elements.len()];
     gather.trace(inner.tracer(), &group.sites, strata, control, |i, hit| {
         ends[next[i] * elements.len() + i] = End::new(&Seen::new(&inner.scene, hit));
@@ -209,9 +199,15 @@ fn apply<B: Basis>(
         return over_area(inner, painted, job, elements, (ends, albedos), origin, control);
     }
     let values = at_points(inner, painted, elements.len(), ends, albedos);
-    let active: Vec<usize> = (0..elements.len()).filter(|&i| job.measures(elements[i])).collect();
-    let group: Group = inner.group(&active.iter().map(|&i| elements[i]).collect::<Vec<_>>());
+    let (active, group) = active(inner, job, elements);
     Ok(group.sums(&active.iter().map(|&i| values[i]).collect::<Vec<_>>()))
+}
+
+/// The places of the elements that a job measures among those of a chunk, and where they are measured.
+fn active<B: Basis>(inner: &CpuTransport<B>, job: &Job<'_>, elements: &[ElementId]) -> (Vec<usize>, Group) {
+    let places: Vec<usize> = (0..elements.len()).filter(|&i| job.measures(elements[i])).collect();
+    let group = inner.group(&places.iter().map(|&i| elements[i]).collect::<Vec<_>>());
+    (places, group)
 }
 
 /// The mean of each row of `lanes` interleaved ones.

@@ -73,6 +73,23 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         self.plan.sampler.for_count(samples).stream(key, Dim::Area)
     }
 
+    /// What a site sees in one direction.
+    #[inline]
+    fn see(&self, site: &Site, u: [f32; 2]) -> Seen {
+        let hit = self.tracer.closest_hit(&hemisphere::ray(site, hemisphere::direction(site, u)));
+        Seen::new(&self.scene, hit)
+    }
+
+    /// Whether a site of which one ray has met the back of a surface lies inside geometry; traces [`INSIDE_RAYS`].
+    ///
+    /// Inside a closed solid all rays do. One ray alone must not decide: in front of a one-sided wall that shows its
+    /// back, leaving out what is dark would make the rest too bright.
+    fn is_inside(&self, site: &Site, key: StreamKey) -> bool {
+        let stream = Sampler::Sobol.stream(key, Dim::Validity);
+        let met_back = |i: &u32| matches!(self.see(site, stream.sample_2d(*i)), Seen::Back);
+        (0..INSIDE_RAYS).filter(met_back).count() >= INSIDE_BACKS
+    }
+
     /// Traces the hemisphere rays of an area.
     pub(crate) fn trace_area(
         &self,
@@ -81,21 +98,24 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         ends: &mut [End],
         control: &Control,
     ) -> Result<(), Cancelled> {
-        let job = Job { source: Source::Openness, bounce: 0, pass: 0, active: None };
-        let mut meter = Meter::new(self, &job, control);
         let stream = self.area_stream(ends.len() as u32, key);
+        let (mut towards, mut n_rays) = (NodeWeights::default(), 0);
         for (i, end) in (0u32..).zip(ends) {
             control.check_at(i)?;
             let [s, t, away @ ..] = stream.sample_4d(i);
-            meter.towards.clear();
-            let site = self.receivers.receiver(element, [s, t], &mut meter.towards);
-            meter.n_rays += 1;
-            let hit = self.tracer.closest_hit(&hemisphere::ray(&site, hemisphere::direction(&site, away)));
-            let seen = Seen::new(&self.scene, hit);
-            let inside = matches!(seen, Seen::Back) && meter.is_inside(&site, key.pass(i));
-            *end = if inside { End::INSIDE } else { End::new(&seen) };
+            towards.clear();
+            let site = self.receivers.receiver(element, [s, t], &mut towards);
+            let seen = self.see(&site, away);
+            n_rays += 1;
+            *end = End::new(&seen);
+            if matches!(seen, Seen::Back) {
+                n_rays += u64::from(INSIDE_RAYS);
+                if self.is_inside(&site, key.pass(i)) {
+                    *end = End::INSIDE;
+                }
+            }
         }
-        control.count(0, meter.n_rays);
+        control.count(0, n_rays);
         Ok(())
     }
 
@@ -125,24 +145,22 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         Ok((values, meter.n_rays))
     }
 
-    /// Puts the hemisphere rays of a group into `gather`.
-    pub(crate) fn add_rays(
+    /// The hemisphere rays of a group.
+    pub(crate) fn rays(
         &self,
-        gather: &mut Gather,
         group: &Group,
         (samples, dim): (u32, Dim),
         key: impl Fn(ElementId) -> StreamKey,
         control: &Control,
-    ) -> Result<(), Cancelled> {
-        gather.clear();
+    ) -> Result<Gather, Cancelled> {
         let sampler = self.plan.sampler.for_count(samples);
-        let mut cells = CellOrder::default();
+        let (mut gather, mut cells) = (Gather::default(), CellOrder::default());
         for (&element, site) in group.elements.iter().zip(&group.sites) {
             control.check()?;
             let points = cells.points(&sampler.stream(key(element), dim), samples);
             gather.add(site, points);
         }
-        Ok(())
+        Ok(gather)
     }
 
     fn measure_chunk(&self, job: &Job<'_>, chunk: u32, control: &Control) -> Result<ChunkSums, Cancelled> {
@@ -227,14 +245,13 @@ struct Meter<'a, B, R> {
     towards: NodeWeights,
     /// Scratch space for reading the field back.
     weights: NodeWeights,
-    gather: Gather,
     n_rays: u64,
 }
 
 impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
     fn new(transport: &'a CpuTransport<B, R>, job: &'a Job<'a>, control: &'a Control) -> Self {
         let (towards, weights) = (NodeWeights::default(), NodeWeights::default());
-        Self { transport, job, control, towards, weights, gather: Gather::default(), n_rays: 0 }
+        Self { transport, job, control, towards, weights, n_rays: 0 }
     }
 
     fn key(&self, element: ElementId) -> StreamKey {
@@ -282,28 +299,16 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         };
         let samples = plan.samples(requested, Measure::AtPoint);
         let mut means = vec![DVec3::ZERO; values.len()];
-        let mut gather = std::mem::take(&mut self.gather);
-        self.transport.add_rays(&mut gather, group, (samples, dim), |e| self.key(e), self.control)?;
         let transport = self.transport;
+        let mut gather = transport.rays(group, (samples, dim), |e| self.key(e), self.control)?;
         gather.trace(&*transport.tracer, &group.sites, samples as usize, self.control, |i, hit| {
             means[i] += self.measured(&Seen::new(&transport.scene, hit));
         })?;
-        self.gather = gather;
         self.n_rays += u64::from(samples) * group.sites.len() as u64;
         for (value, sum) in values.iter_mut().zip(means) {
             *value += sum / f64::from(samples);
         }
         Ok(())
-    }
-
-    /// Traces one hemisphere ray: what it measures, and whether it met the back of a surface.
-    #[inline]
-    fn look(&mut self, site: &Site, u: [f32; 2]) -> (DVec3, bool) {
-        self.n_rays += 1;
-        let transport = self.transport;
-        let hit = transport.tracer.closest_hit(&hemisphere::ray(site, hemisphere::direction(site, u)));
-        let seen = Seen::new(&transport.scene, hit);
-        (self.measured(&seen), matches!(seen, Seen::Back))
     }
 
     /// What a hemisphere ray measures where it ends.
@@ -315,7 +320,7 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
                 hemisphere::reflected(&t.scene, &*t.source, field, seen, &mut self.weights).0.as_dvec3()
             }
             Source::Emitters => hemisphere::emitted(&t.scene, t.lights.emission_by_rays, seen).0.as_dvec3(),
-            Source::Openness => DVec3::splat(if matches!(seen, Seen::Back) { 0.0 } else { 1.0 }),
+            Source::Openness => hemisphere::openness(seen),
         }
     }
 
@@ -339,10 +344,15 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
             let [s, t, away @ ..] = stream.sample_4d(i);
             self.towards.clear();
             let site = self.transport.receivers.receiver(element, [s, t], &mut self.towards);
-            let (mut value, met_back) = self.look(&site, away);
-            if met_back && self.is_inside(&site, key.pass(i)) {
-                continue;
+            let seen = transport.see(&site, away);
+            self.n_rays += 1;
+            if matches!(seen, Seen::Back) {
+                self.n_rays += u64::from(INSIDE_RAYS);
+                if transport.is_inside(&site, key.pass(i)) {
+                    continue;
+                }
             }
+            let mut value = self.measured(&seen);
             if direct {
                 let mut tally = Tally::default();
                 self.direct().one_sample(&site, key, i, away, &mut tally);
@@ -355,16 +365,6 @@ impl<'a, B: Basis, R: Receivers> Meter<'a, B, R> {
         }
         sums.sums.append(&mut nodes);
         Ok(())
-    }
-
-    /// Whether a site of which one ray has met the back of a surface lies inside geometry.
-    ///
-    /// Inside a closed solid all rays do. One ray alone must not decide: in front of a one-sided wall that shows its
-    /// back, leaving out what is dark would make the rest too bright.
-    fn is_inside(&mut self, site: &Site, key: StreamKey) -> bool {
-        let stream = Sampler::Sobol.stream(key, Dim::Validity);
-        let met_back = |i: &u32| self.look(site, stream.sample_2d(*i)).1;
-        (0..INSIDE_RAYS).filter(met_back).count() >= INSIDE_BACKS
     }
 
     fn direct(&self) -> Direct<'_> {

@@ -26,7 +26,7 @@ const NEAR: f32 = 3.5;
 /// Normals that agree to this cosine (18°) have cells that point the same way.
 const SAME_FACING: f32 = 0.95;
 
-/// Space for the rays of a group.
+/// The hemisphere rays of a group.
 #[derive(Default)]
 pub(crate) struct Gather {
     directions: Vec<Vec3>,
@@ -35,11 +35,6 @@ pub(crate) struct Gather {
 }
 
 impl Gather {
-    /// Starts a group.
-    pub(crate) fn clear(&mut self) {
-        self.directions.clear();
-    }
-
     /// Adds the rays of a site through points of the unit square, in the order of their cells.
     pub(crate) fn add(&mut self, site: &Site, points: &[[f32; 2]]) {
         self.directions.extend(points.iter().map(|&u| hemisphere::direction(site, u)));

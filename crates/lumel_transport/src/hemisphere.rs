@@ -1,6 +1,6 @@
 //! The hemisphere form: light that arrives along rays.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_accel::{Bundle, Hit, Ray};
 use lumel_basis::{Basis, Field, NodeWeights, Site};
 use lumel_sample::cosine_hemisphere;
@@ -57,6 +57,12 @@ pub(crate) fn reflected<B: Basis>(
 ) -> Irradiance {
     let Seen::Surface(at) = *seen else { return Irradiance::ZERO };
     field.at(basis, at, weights).reflected(scene.albedo(at)).cosine_sample()
+}
+
+/// Zero for the back of a surface, else one, in all channels.
+#[inline]
+pub(crate) fn openness(seen: &Seen) -> DVec3 {
+    DVec3::splat(if matches!(seen, Seen::Back) { 0.0 } else { 1.0 })
 }
 
 /// One cosine-distributed sample of the light that sky and emissive surfaces send.
