@@ -1,6 +1,6 @@
 //! From a scene and settings to a solution.
 
-use crate::method::Method;
+use crate::method::{Method, SolverKind};
 use crate::settings::{BasisKind, Settings, Tail};
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
@@ -8,7 +8,7 @@ use lumel_basis::{AreaVertexBasis, Basis, Field, Measure, NodeId, VertexBasis};
 use lumel_export::{Solution, SolutionError, SolutionMeta};
 use lumel_scene::{Scene, luminance};
 use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, final_gather, solve};
-use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Rows, Stored, Transport};
+use lumel_transport::{CachedTransport, Control, CpuTransport, Order, Plan, Rows, Stored, Transport};
 use std::sync::Arc;
 
 /// Why a solution cannot be continued.
@@ -41,6 +41,8 @@ pub struct Baker {
 /// What solves a scene.
 struct Operator {
     basis: Arc<dyn Basis>,
+    /// Of the elements of that basis.
+    order: Order,
     method: Method,
     /// Measures direct light and bounces.
     transport: Box<dyn Transport>,
@@ -60,7 +62,7 @@ impl Baker {
     /// Builds the basis for a scene whose ray tracer there is already.
     pub fn with_tracer(scene: Arc<Scene>, tracer: Arc<dyn RayTracer>, settings: Settings) -> Self {
         let vertex_basis = VertexBasis::new(Arc::clone(&scene));
-        let operator = operator_of((&scene, &tracer), &vertex_basis, &settings, None);
+        let operator = operator_of((&scene, &tracer), &vertex_basis, &settings, Shared::default());
         let energy = Energy::new(&scene, &*operator.basis);
         Self { scene, tracer, settings, vertex_basis, operator, energy }
     }
@@ -74,17 +76,24 @@ impl Baker {
             return Self::with_tracer(scene, Arc::clone(&self.tracer), settings);
         }
         let vertex_basis = self.vertex_basis.clone();
-        let operator =
-            operator_of((&scene, &self.tracer), &vertex_basis, &settings, self.operator.stored.as_ref());
-        // The energy of a basis depends on its albedo too, which relit scenes share.
         let same_basis = settings.basis == self.settings.basis;
-        let energy = if same_basis { self.energy.clone() } else { Energy::new(&scene, &*operator.basis) };
+        let shared = Shared {
+            order: same_basis.then(|| self.operator.order.clone()),
+            stored: self.operator.stored.as_ref(),
+        };
+        let operator = operator_of((&scene, &self.tracer), &vertex_basis, &settings, shared);
+        // The energy of a basis depends on its albedo too.
+        let same_energy = same_basis && scene.has_surfaces_of(&self.scene);
+        let energy = if same_energy { self.energy.clone() } else { Energy::new(&scene, &*operator.basis) };
         Self { scene, tracer: Arc::clone(&self.tracer), settings, vertex_basis, operator, energy }
     }
 
-    /// The operator with other samples.
-    pub(crate) fn transport_with(&self, plan: Plan) -> Box<dyn Transport> {
-        plain_transport(self.settings.basis, (&self.scene, &self.tracer), &self.vertex_basis, plan)
+    /// The operator with so many samples, every job of which traces rays of its own.
+    pub(crate) fn plain_transport(&self, direct_samples: u32, indirect_samples: u32) -> Box<dyn Transport> {
+        let solver = SolverKind::Neumann;
+        let settings = Settings { direct_samples, indirect_samples, solver, ..self.settings.clone() };
+        let shared = Shared { order: Some(self.operator.order.clone()), stored: None };
+        operator_of((&self.scene, &self.tracer), &self.vertex_basis, &settings, shared).transport
     }
 
     /// Whether a solve with these settings, under any lights, needs no new hemisphere ray: all are stored.
@@ -253,43 +262,53 @@ impl Baker {
 
 type World<'a> = (&'a Arc<Scene>, &'a Arc<dyn RayTracer>);
 
+/// What another operator of the same surfaces has already.
+#[derive(Default)]
+struct Shared<'a> {
+    order: Option<Order>,
+    stored: Option<&'a Stored>,
+}
+
 fn operator_of(
     world: World<'_>,
     vertex_basis: &VertexBasis,
     settings: &Settings,
-    stored: Option<&Stored>,
+    shared: Shared<'_>,
 ) -> Operator {
     match settings.basis {
-        BasisKind::Vertex => operator(world, vertex_basis.clone(), settings, stored),
+        BasisKind::Vertex => operator(world, vertex_basis.clone(), settings, shared),
         BasisKind::VertexArea => {
-            operator(world, AreaVertexBasis::new(vertex_basis.clone()), settings, stored)
+            operator(world, AreaVertexBasis::new(vertex_basis.clone()), settings, shared)
         }
     }
 }
 
 fn operator<B: Basis + 'static>(
-    world: World<'_>,
+    (scene, tracer): World<'_>,
     basis: B,
     settings: &Settings,
-    stored: Option<&Stored>,
+    shared: Shared<'_>,
 ) -> Operator {
     let basis = Arc::new(basis);
-    let plan = settings.plan();
-    let method = method(world.0, (basis.element_count(), basis.measure()), settings);
-    let plain = |plan| cpu_transport(world, &basis, plan);
-    let (transport, stored): (Box<dyn Transport>, _) = match method {
-        Method::Neumann => (Box::new(plain(plan)), None),
-        Method::Cached { .. } | Method::FinalGather { .. } => {
-            let rays =
-                if let Method::FinalGather { stored, .. } = method { stored } else { plan.indirect_samples };
-            let cached = CachedTransport::new(plain(Plan { indirect_samples: rays, ..plan }), stored);
-            let stored = cached.stored();
-            (Box::new(cached), Some(stored))
-        }
+    let order = shared.order.unwrap_or_else(|| Order::new(&*basis));
+    let method = method(scene, (basis.element_count(), basis.measure()), settings);
+    let plain = |plan| {
+        let (scene, tracer) = (Arc::clone(scene), Arc::clone(tracer));
+        CpuTransport::in_order(scene, tracer, Arc::clone(&basis), (Arc::clone(&basis), order.clone()), plan)
     };
-    let gathers = matches!(method, Method::FinalGather { .. });
-    let finisher = gathers.then(|| Box::new(plain(plan)) as Box<dyn Transport>);
-    Operator { basis, method, transport, stored, finisher }
+    let cached = |indirect_samples: u32| {
+        let plan = Plan { indirect_samples, ..settings.plan() };
+        let cached = CachedTransport::new(plain(plan), shared.stored);
+        let stored = cached.stored();
+        (Box::new(cached) as Box<dyn Transport>, Some(stored))
+    };
+    let plain = || -> Box<dyn Transport> { Box::new(plain(settings.plan())) };
+    let ((transport, stored), finisher) = match method {
+        Method::Neumann => ((plain(), None), None),
+        Method::Cached { .. } => (cached(settings.indirect_samples), None),
+        Method::FinalGather { stored, .. } => (cached(stored), Some(plain())),
+    };
+    Operator { basis, order, method, transport, stored, finisher }
 }
 
 /// How the settings solve a scene with so many elements.
@@ -300,24 +319,6 @@ fn method(scene: &Scene, (elements, measure): (usize, Measure), settings: &Setti
         Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
     };
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
-}
-
-fn plain_transport(
-    kind: BasisKind,
-    world: World<'_>,
-    vertex_basis: &VertexBasis,
-    plan: Plan,
-) -> Box<dyn Transport> {
-    match kind {
-        BasisKind::Vertex => Box::new(cpu_transport(world, &Arc::new(vertex_basis.clone()), plan)),
-        BasisKind::VertexArea => {
-            Box::new(cpu_transport(world, &Arc::new(AreaVertexBasis::new(vertex_basis.clone())), plan))
-        }
-    }
-}
-
-fn cpu_transport<B: Basis>((scene, tracer): World<'_>, basis: &Arc<B>, plan: Plan) -> CpuTransport<B> {
-    CpuTransport::new(Arc::clone(scene), Arc::clone(tracer), Arc::clone(basis), Arc::clone(basis), plan)
 }
 
 #[cfg(test)]
@@ -353,6 +354,36 @@ mod tests {
             let new = Baker::new(Arc::clone(&relit), settings.clone());
             assert_eq!(solved(&old.relit(Arc::clone(&relit), settings)), solved(&new), "{basis:?}");
         }
+    }
+
+    #[test]
+    fn a_baker_relit_with_other_materials_has_the_bits_of_a_new_one() {
+        let built = |albedo: f32| {
+            let mut opened = crate::open("cornell-box", &OpenOptions::default()).unwrap();
+            for material in &mut opened.builder.materials {
+                material.albedo = Vec3::splat(albedo);
+            }
+            Arc::new(opened.builder.build().unwrap().0)
+        };
+        let settings = Settings {
+            bounces: BounceLimit::Count(2),
+            direct_samples: 4,
+            indirect_samples: 8,
+            ..Settings::default()
+        };
+        let solved = |baker: &Baker| {
+            let mut state = SolveState::new();
+            baker.run(&mut state, &Control::default(), &Silent).unwrap();
+            (baker.energy.reflected(&state.bounces[0]), state)
+        };
+        let old = Baker::new(built(0.3), settings.clone());
+        solved(&old);
+        let paler = built(0.6);
+        let relit = old.relit(Arc::clone(&paler), settings.clone());
+        let ((reflected, state), (reflected_anew, anew)) =
+            (solved(&relit), solved(&Baker::new(paler, settings)));
+        assert_eq!(reflected, reflected_anew);
+        assert!(state == anew, "the bits of bounces differ");
     }
 
     #[test]

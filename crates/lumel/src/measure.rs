@@ -1,6 +1,6 @@
 //! Irradiance at single points.
 
-use crate::Baker;
+use crate::{Baker, Settings};
 use glam::{DVec3, Vec3};
 use lumel_basis::{Field, Measure, PointReceivers, Receivers};
 use lumel_solve::SolveState;
@@ -39,12 +39,13 @@ pub fn measure_points(
     points: &PointReceivers,
     control: &Control,
 ) -> Result<PointMeasurement, Cancelled> {
+    let [direct_samples, indirect_samples] = share_of_samples(baker);
     let transport = CpuTransport::new(
         Arc::clone(baker.scene()),
         Arc::clone(baker.tracer()),
         Arc::new(baker.vertex_basis().clone()),
         Arc::new(points.clone()),
-        share_of_samples(baker),
+        Plan { direct_samples, indirect_samples, ..baker.settings().plan() },
     );
     let n_bounces = state.bounces.len();
     let steps = replicates(&transport, state, None, control)?;
@@ -69,22 +70,18 @@ pub fn measure_points(
 /// # Errors
 /// When it is cancelled.
 pub fn vertex_errors(baker: &Baker, state: &SolveState, control: &Control) -> Result<Vec<Vec3>, Cancelled> {
-    let transport = baker.transport_with(share_of_samples(baker));
+    let [direct_samples, indirect_samples] = share_of_samples(baker);
+    let transport = baker.plain_transport(direct_samples, indirect_samples);
     let n_nodes = transport.shape().nodes;
     let active = (transport.shape().measure == Measure::AtPoint).then_some(state.valid.as_slice());
     let steps = replicates(&*transport, state, active, control)?;
     Ok(baker.at_vertices(&Field::from_values(standard_error(n_nodes, &totals(n_nodes, &steps)))))
 }
 
-/// The settings of one of the replicates.
-fn share_of_samples(baker: &Baker) -> Plan {
-    let settings = baker.settings();
-    let share = |samples: u32| samples.div_ceil(REPLICATES).max(1);
-    Plan {
-        direct_samples: share(settings.direct_samples),
-        indirect_samples: share(settings.indirect_samples),
-        ..settings.plan()
-    }
+/// The direct and the hemisphere samples of one of the replicates.
+fn share_of_samples(baker: &Baker) -> [u32; 2] {
+    let Settings { direct_samples, indirect_samples, .. } = *baker.settings();
+    [direct_samples, indirect_samples].map(|samples| samples.div_ceil(REPLICATES).max(1))
 }
 
 /// Independent measurements of each bounce of a state, and of its tail after those.
@@ -139,7 +136,7 @@ fn standard_error(n_points: usize, replicates: &[Field]) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BounceLimit, OpenOptions, SamplerKind, Settings};
+    use crate::{BounceLimit, OpenOptions, SamplerKind};
     use lumel_scene::Scene;
     use lumel_solve::Silent;
 

@@ -1,5 +1,6 @@
 //! How all bounces are solved, and with how much memory.
 
+use crate::settings::NumberOrText;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -17,7 +18,7 @@ pub enum SolverKind {
 
 /// Bytes that stored rays may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(try_from = "NumberOrText", into = "u64")]
+#[serde(try_from = "NumberOrText<u64>", into = "u64")]
 pub struct Memory(pub u64);
 
 impl Default for Memory {
@@ -66,21 +67,11 @@ impl fmt::Display for Memory {
     }
 }
 
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-enum NumberOrText {
-    Number(u64),
-    Text(String),
-}
-
-impl TryFrom<NumberOrText> for Memory {
+impl TryFrom<NumberOrText<u64>> for Memory {
     type Error = String;
 
-    fn try_from(value: NumberOrText) -> Result<Self, String> {
-        match value {
-            NumberOrText::Number(bytes) => Ok(Self(bytes)),
-            NumberOrText::Text(text) => text.parse(),
-        }
+    fn try_from(value: NumberOrText<u64>) -> Result<Self, String> {
+        value.read(Self)
     }
 }
 

@@ -21,7 +21,7 @@ pub enum BasisKind {
 
 /// How many bounces to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "CountOrWord", into = "CountOrWord")]
+#[serde(try_from = "NumberOrText<u32>", into = "NumberOrText<u32>")]
 pub enum BounceLimit {
     /// This many after the direct light.
     Count(u32),
@@ -233,29 +233,36 @@ patch! {
     seed: u64,
 }
 
+/// A value of a settings file that is written as a number or in words.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
-enum CountOrWord {
-    Count(u32),
-    Word(String),
+pub(crate) enum NumberOrText<N> {
+    Number(N),
+    Text(String),
 }
 
-impl TryFrom<CountOrWord> for BounceLimit {
-    type Error = String;
-
-    fn try_from(value: CountOrWord) -> Result<Self, String> {
-        match value {
-            CountOrWord::Count(n) => Ok(Self::Count(n)),
-            CountOrWord::Word(word) => word.parse(),
+impl<N> NumberOrText<N> {
+    pub(crate) fn read<T: FromStr>(self, of_number: impl FnOnce(N) -> T) -> Result<T, T::Err> {
+        match self {
+            Self::Number(number) => Ok(of_number(number)),
+            Self::Text(text) => text.parse(),
         }
     }
 }
 
-impl From<BounceLimit> for CountOrWord {
+impl TryFrom<NumberOrText<u32>> for BounceLimit {
+    type Error = String;
+
+    fn try_from(value: NumberOrText<u32>) -> Result<Self, String> {
+        value.read(Self::Count)
+    }
+}
+
+impl From<BounceLimit> for NumberOrText<u32> {
     fn from(limit: BounceLimit) -> Self {
         match limit {
-            BounceLimit::Count(n) => Self::Count(n),
-            BounceLimit::All => Self::Word("all".into()),
+            BounceLimit::Count(n) => Self::Number(n),
+            BounceLimit::All => Self::Text("all".into()),
         }
     }
 }

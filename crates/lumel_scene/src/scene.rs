@@ -337,15 +337,18 @@ impl Scene {
 
     /// The albedo of a triangle if it is the same everywhere on it.
     pub fn uniform_albedo(&self, tri: TriId) -> Option<Albedo> {
-        let tints = self.triangle(tri).map(|v| self.unlit.faces.tints[v as usize]);
-        let uniform = self.material(tri).albedo_texture.is_none() && tints.iter().all(|t| *t == tints[0]);
         let anywhere = SurfacePoint { tri, bary: Barycentrics { u: 1.0, v: 0.0 } };
-        uniform.then(|| self.albedo(anywhere))
+        self.is_uniform(tri).then(|| self.albedo(anywhere))
+    }
+
+    fn is_uniform(&self, tri: TriId) -> bool {
+        let tints = self.triangle(tri).map(|v| self.unlit.faces.tints[v as usize]);
+        self.material(tri).albedo_texture.is_none() && tints.iter().all(|t| *t == tints[0])
     }
 
     /// Whether the albedo of any triangle differs from place to place on it.
     pub fn has_varying_albedo(&self) -> bool {
-        (0..self.triangle_count() as u32).any(|tri| self.uniform_albedo(TriId(tri)).is_none())
+        (0..self.triangle_count() as u32).any(|tri| !self.is_uniform(TriId(tri)))
     }
 
     /// Emitted radiance at a surface point, on the front of its triangle.

@@ -6,7 +6,7 @@ use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 use crate::light_points::LightPoints;
 use crate::lights::LightSet;
-use crate::order;
+use crate::order::Order;
 use crate::plan::Plan;
 use crate::rows::End;
 use crate::scatter::scattered;
@@ -41,7 +41,7 @@ pub struct CpuTransport<B, R = B> {
     pub(crate) lights: LightSet,
     pub(crate) plan: Plan,
     /// The elements in the order of chunks.
-    order: Vec<ElementId>,
+    order: Order,
 }
 
 impl<B: Basis, R: Receivers> CpuTransport<B, R> {
@@ -53,15 +53,27 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         receivers: Arc<R>,
         plan: Plan,
     ) -> Self {
+        let order = Order::new(&*receivers);
+        Self::in_order(scene, tracer, source, (receivers, order), plan)
+    }
+
+    /// The operator of a scene, measuring receivers whose order there is already.
+    pub fn in_order(
+        scene: Arc<Scene>,
+        tracer: Arc<dyn RayTracer>,
+        source: Arc<B>,
+        (receivers, order): (Arc<R>, Order),
+        plan: Plan,
+    ) -> Self {
         let lights = LightSet::new(&scene, plan.emitters);
-        let order = order::spatial(&*receivers);
         Self { scene, tracer, source, receivers, lights, plan, order }
     }
 
     /// The elements of a chunk.
     pub(crate) fn elements(&self, chunk: u32) -> &[ElementId] {
         let first = chunk as usize * CHUNK;
-        &self.order[first..self.order.len().min(first + CHUNK)]
+        let order = self.order.elements();
+        &order[first..order.len().min(first + CHUNK)]
     }
 
     pub(crate) fn tracer(&self) -> &dyn RayTracer {

@@ -30,5 +30,6 @@ pub use cached::{CachedTransport, Stored};
 pub use cpu::CpuTransport;
 pub use hemisphere::direction as hemisphere_direction;
 pub use job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
+pub use order::Order;
 pub use plan::{EmitterSampling, LightSampling, Plan};
 pub use rows::Rows;

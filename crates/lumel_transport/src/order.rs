@@ -4,12 +4,28 @@
 
 use glam::Vec3;
 use lumel_basis::{ElementId, NodeWeights, Receivers};
+use std::sync::Arc;
 
 /// Bits of a Morton code per axis.
 const BITS: u32 = 16;
 
-/// All elements: those that face the same way along a space-filling curve, one facing after the other.
-pub(crate) fn spatial<R: Receivers>(receivers: &R) -> Vec<ElementId> {
+/// All elements of some receivers: those that face the same way along a space-filling curve, one facing after the
+/// other. Cheap to copy, for operators of the same receivers.
+#[derive(Clone, Debug)]
+pub struct Order(Arc<[ElementId]>);
+
+impl Order {
+    /// Sorts the elements.
+    pub fn new<R: Receivers>(receivers: &R) -> Self {
+        Self(spatial(receivers).into())
+    }
+
+    pub(crate) fn elements(&self) -> &[ElementId] {
+        &self.0
+    }
+}
+
+fn spatial<R: Receivers>(receivers: &R) -> Vec<ElementId> {
     let mut weights = NodeWeights::default();
     let mut place = |e: u32| {
         weights.clear();

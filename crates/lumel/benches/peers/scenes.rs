@@ -1,9 +1,11 @@
 //! The scenes that renderers are compared in.
 
 use glam::Vec3;
-use lumel::{Light, OpenOptions, RectLight, Scene};
-use lumel_scene::{Radiance, Sides};
-use std::path::Path;
+use lumel::{Light, OpenOptions, Scene};
+use lumel_scene::Sides;
+
+#[path = "../common/sponza.rs"]
+mod sponza;
 
 /// How finely a scene is tessellated.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +20,7 @@ pub(crate) enum Detail {
 ///
 /// Every material has one albedo, the mean of its texture, so that all renderers see the same; and a front only.
 pub(crate) fn open(name: &str, detail: Detail) -> Scene {
-    let sponza =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/sponza-dabrovic/sponza.obj");
+    let sponza = sponza::file();
     let fine = matches!(detail, Detail::Fine);
     let (file, options) = match name {
         "cornell-box" => {
@@ -42,22 +43,10 @@ pub(crate) fn open(name: &str, detail: Detail) -> Scene {
         material.sides = Sides::Front;
     }
     if scene.lights.is_empty() {
-        scene.lights = vec![Light::Rect(sponza_light())];
+        scene.lights = vec![Light::Rect(sponza::light())];
     }
     scene.build().unwrap().0
 }
 
 /// lumel takes no surface to reflect more.
 const MAX_ALBEDO: f32 = 0.98;
-
-/// Above the courtyard, facing down.
-fn sponza_light() -> RectLight {
-    let half_size = 0.682_608_84;
-    RectLight {
-        center: Vec3::new(-5.206_645_5, 6.506_246_6, -0.159_730_85),
-        u: Vec3::new(0.886_577_2, 0.383_867_98, -0.258_120_6) * half_size,
-        v: Vec3::new(0.279_536_46, 0.0, 0.960_135_1) * half_size,
-        radiance: Radiance(Vec3::splat(100.0)),
-        texture: None,
-    }
-}

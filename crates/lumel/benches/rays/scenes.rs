@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 use lumel::{Light, OpenOptions, RectLight, Scene};
-use lumel_scene::Radiance;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+#[path = "../common/sponza.rs"]
+mod sponza;
 
 /// A scene and what is measured in it.
 pub(crate) struct TestScene {
@@ -21,7 +22,7 @@ pub(crate) const NAMES: [&str; 3] = ["cornell-box", "atrium", "sponza"];
 
 /// Opens a scene; says why when there is none.
 pub(crate) fn open(name: &'static str) -> Result<TestScene, String> {
-    let file = sponza_file();
+    let file = sponza::file();
     let (from, max_edge, pitch) = match name {
         // 40,064 triangles. The box is 0.56 m wide: its pitch is to it what 4 cm are to a room of 8 m.
         "cornell-box" => ("cornell-box", Some(0.015), 0.0028),
@@ -35,7 +36,7 @@ pub(crate) fn open(name: &'static str) -> Result<TestScene, String> {
         .lights()
         .iter()
         .find_map(|light| if let Light::Rect(rect) = light { Some(*rect) } else { None });
-    let light = own.unwrap_or_else(sponza_light);
+    let light = own.unwrap_or_else(sponza::light);
     let scene = scene.relit(vec![Light::Rect(light)]).map_err(|e| e.to_string())?;
     let wider = |light: RectLight| RectLight { u: light.u * 4.0, v: light.v * 4.0, ..light };
     let small = light_in_the_middle(&scene);
@@ -48,11 +49,6 @@ pub(crate) fn open(name: &'static str) -> Result<TestScene, String> {
     Ok(TestScene { name, scene: Arc::new(scene), pitch, lights })
 }
 
-/// Where the scene of Marko Dabrovic is looked for.
-fn sponza_file() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/sponza-dabrovic/sponza.obj")
-}
-
 /// A square that faces down, above the middle of a scene, a twenty-fifth as wide as the scene is long.
 fn light_in_the_middle(scene: &Scene) -> RectLight {
     let bounds = scene.bounds();
@@ -62,18 +58,6 @@ fn light_in_the_middle(scene: &Scene) -> RectLight {
         center: bounds.center() + Vec3::Y * (0.3 * extent.y),
         u: Vec3::X * half_size,
         v: Vec3::NEG_Z * half_size,
-        ..sponza_light()
-    }
-}
-
-/// The light of Aalto University's course in its preset of that scene: above the courtyard, facing down.
-fn sponza_light() -> RectLight {
-    let half_size = 0.682_608_84;
-    RectLight {
-        center: Vec3::new(-5.206_645_5, 6.506_246_6, -0.159_730_85),
-        u: Vec3::new(0.886_577_2, 0.383_867_98, -0.258_120_6) * half_size,
-        v: Vec3::new(0.279_536_46, 0.0, 0.960_135_1) * half_size,
-        radiance: Radiance(Vec3::splat(100.0)),
-        texture: None,
+        ..sponza::light()
     }
 }

@@ -188,7 +188,7 @@ impl Session {
         self.run(task, Work::Solve(start), keep, Kind::Solve);
     }
 
-    /// Solves for lights that have changed; hidden vertices stay as they are.
+    /// Solves for lights that have changed.
     pub(super) fn follow(&mut self, settings: Settings) {
         let Some(document) = &self.document else { return };
         let Ok(scene) = document.relit(&self.lights) else { return };
