@@ -1,13 +1,17 @@
 //! From a scene and settings to a solution.
 
-use crate::method::Method;
+use crate::method::{Memory, Method};
 use crate::settings::{BasisKind, Settings, Tail};
+use crate::target::{self, StoredReplicates};
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
 use lumel_basis::{AreaVertexBasis, Basis, Field, Measure, NodeId, VertexBasis};
 use lumel_export::{Solution, SolutionError, SolutionMeta};
 use lumel_scene::{Scene, luminance};
-use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, final_gather, solve};
+use lumel_solve::{
+    Energy, Neighbours, Observer, Problem, REPLICATES, Replicates, SolveError, SolveState, Stop,
+    final_gather, solve, solve_to_error,
+};
 use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Rows, Stored, Transport};
 use std::sync::Arc;
 
@@ -26,6 +30,9 @@ pub enum ResumeError {
         /// Which settings differ, and how.
         differences: String,
     },
+    /// Its rays are not kept.
+    #[error("a solution with a target error cannot be gone on with, as its rays are not kept; bake anew")]
+    TargetError,
 }
 
 /// A scene made ready for baking.
@@ -48,6 +55,8 @@ struct Operator {
     stored: Option<Stored>,
     /// Gathers all light once more, where not all rays are stored.
     finisher: Option<Box<dyn Transport>>,
+    /// Independent samples, where the settings have a target error.
+    replicates: Option<Box<dyn Replicates + Send>>,
 }
 
 impl Baker {
@@ -89,7 +98,7 @@ impl Baker {
 
     /// Whether a solve with these settings, under any lights, needs no new hemisphere ray: all are stored.
     pub fn has_rays_of(&self, settings: &Settings) -> bool {
-        let rays = |s: &Settings| (s.basis, s.solver, s.indirect_samples, s.sampler, s.seed);
+        let rays = |s: &Settings| (s.basis, s.solver, s.target_error, s.indirect_samples, s.sampler, s.seed);
         let stored = matches!(self.operator.method, Method::Cached { .. })
             && self.operator.stored.as_ref().is_some_and(|stored| stored.rows().is_complete());
         stored && rays(settings) == rays(&self.settings)
@@ -146,13 +155,17 @@ impl Baker {
     /// Solves, going on from `state`: [`SolveState::new`] or what [`Self::resume`] returned.
     ///
     /// # Errors
-    /// When it is cancelled; `state` then holds the bounces that were finished.
+    /// When it is cancelled; `state` then holds the bounces that were finished. With a target error it begins anew in any
+    /// case, and `state` holds the last finished round.
     pub fn run(
         &self,
         state: &mut SolveState,
         control: &Control,
         observer: &dyn Observer,
     ) -> Result<(), SolveError> {
+        if let Some(replicates) = &self.operator.replicates {
+            return self.run_to_error(&**replicates, state, control, observer);
+        }
         let stop = self.settings.stop();
         let Operator { basis, transport, finisher, .. } = &self.operator;
         solve(&**transport, &**basis, &self.energy, stop, state, control, observer)?;
@@ -165,6 +178,26 @@ impl Baker {
             final_gather(&**finisher, &**basis, state, control, observer)?;
         }
         Ok(())
+    }
+
+    fn run_to_error(
+        &self,
+        replicates: &dyn Replicates,
+        state: &mut SolveState,
+        control: &Control,
+        observer: &dyn Observer,
+    ) -> Result<(), SolveError> {
+        let Some(target) = target::target(&self.settings) else { return Ok(()) };
+        let Operator { basis, transport, .. } = &self.operator;
+        let problem = Problem {
+            probe: &**transport,
+            basis: &**basis,
+            neighbours: &Neighbours::new(&**basis, self.scene.triangle_count()),
+            energy: &self.energy,
+            stop: self.settings.stop(),
+            tail: self.settings.tail == Tail::Geometric,
+        };
+        solve_to_error(problem, replicates, target, state, control, observer)
     }
 
     /// A field's value at every vertex of the scene, W·m⁻².
@@ -191,7 +224,7 @@ impl Baker {
             bounces: state.bounces.iter().map(at_vertices).collect(),
             tail: state.tail.as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
-            standard_error: None,
+            standard_error: state.errors.as_ref().map(|errors| at_vertices(&errors.standard_error)),
         }
     }
 
@@ -217,13 +250,16 @@ impl Baker {
         if !(found.same_bounces_as(&self.settings) && as_stored) {
             return Err(ResumeError::Settings { differences: self.settings.differences_of_bounces(&found) });
         }
+        if self.operator.replicates.is_some() {
+            return Err(ResumeError::TargetError);
+        }
         let first_vertices = self.first_vertices();
         let at_nodes =
             |values: &Vec<Vec3>| Field::from_values(first_vertices.iter().map(|&v| values[v]).collect());
         let mut bounces: Vec<Field> = solution.bounces.iter().map(at_nodes).collect();
         bounces.truncate(self.bounces_wanted(&bounces));
         let valid = first_vertices.iter().map(|&v| solution.valid[v]).collect();
-        Ok(SolveState { valid, bounces, tail: None, gathered: None })
+        Ok(SolveState { valid, bounces, tail: None, gathered: None, errors: None })
     }
 
     /// How many of these bounces, direct light included, an uninterrupted solve computes.
@@ -278,7 +314,7 @@ fn operator<B: Basis + 'static>(
     let method = method(world.0, (basis.element_count(), basis.measure()), settings);
     let plain = |plan| cpu_transport(world, &basis, plan);
     let (transport, stored): (Box<dyn Transport>, _) = match method {
-        Method::Neumann => (Box::new(plain(plan)), None),
+        Method::Neumann | Method::Replicates { .. } => (Box::new(plain(plan)), None),
         Method::Cached { .. } | Method::FinalGather { .. } => {
             let rays =
                 if let Method::FinalGather { stored, .. } = method { stored } else { plan.indirect_samples };
@@ -289,17 +325,37 @@ fn operator<B: Basis + 'static>(
     };
     let gathers = matches!(method, Method::FinalGather { .. });
     let finisher = gathers.then(|| Box::new(plain(plan)) as Box<dyn Transport>);
-    Operator { basis, method, transport, stored, finisher }
+    let replicates = matches!(method, Method::Replicates { .. }).then(|| {
+        let (elements, measure) = (basis.element_count(), basis.measure());
+        let first = target::first_plan(settings, bytes_of_rays(world.0, (elements, measure), settings));
+        let like = CachedTransport::new(plain(first), None);
+        let textured = world.0.has_varying_albedo();
+        Box::new(StoredReplicates { like, first, textured, measure }) as Box<dyn Replicates + Send>
+    });
+    Operator { basis, method, transport, stored, finisher, replicates }
 }
 
 /// How the settings solve a scene with so many elements.
-fn method(scene: &Scene, (elements, measure): (usize, Measure), settings: &Settings) -> Method {
-    let textured = scene.has_varying_albedo();
-    let bytes = |rays: u32| {
-        let plan = Plan { indirect_samples: rays, ..settings.plan() };
-        Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
-    };
+fn method(scene: &Scene, elements: (usize, Measure), settings: &Settings) -> Method {
+    let bytes = bytes_of_rays(scene, elements, settings);
+    if target::target(settings).is_some() {
+        let rays = target::first_plan(settings, &bytes).indirect_samples;
+        return Method::Replicates { rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
+    }
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
+}
+
+/// The bytes that so many rays per vertex take.
+fn bytes_of_rays(
+    scene: &Scene,
+    (elements, measure): (usize, Measure),
+    settings: &Settings,
+) -> impl Fn(u32) -> u64 {
+    let (textured, plan) = (scene.has_varying_albedo(), settings.plan());
+    move |rays: u32| {
+        let plan = Plan { indirect_samples: rays, ..plan };
+        Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
+    }
 }
 
 fn plain_transport(

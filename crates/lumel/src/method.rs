@@ -1,5 +1,6 @@
 //! How all bounces are solved, and with how much memory.
 
+use lumel_solve::REPLICATES;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -108,6 +109,13 @@ pub enum Method {
     },
     /// Every bounce traces rays of its own.
     Neumann,
+    /// Independent solves on stored rays, with more samples where their spread is too large.
+    Replicates {
+        /// Rays per vertex that each stores at first.
+        rays: u32,
+        /// The memory that those of all take.
+        memory: Memory,
+    },
 }
 
 /// Fewer stored rays than this per element would carry more noise from bounce to bounce than a final gather smooths.
@@ -141,6 +149,12 @@ impl fmt::Display for Method {
                 write!(f, "{stored} rays per vertex stored ({memory}), then a final gather")
             }
             Self::Neumann => f.write_str("rays of its own for every bounce"),
+            Self::Replicates { rays, memory } => {
+                write!(
+                    f,
+                    "{REPLICATES} independent solves, each of {rays} rays per vertex at first ({memory} stored)"
+                )
+            }
         }
     }
 }

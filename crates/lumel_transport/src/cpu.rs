@@ -38,10 +38,12 @@ pub struct CpuTransport<B, R = B> {
     tracer: Arc<dyn RayTracer>,
     pub(crate) source: Arc<B>,
     pub(crate) receivers: Arc<R>,
-    pub(crate) lights: LightSet,
+    pub(crate) lights: Arc<LightSet>,
     pub(crate) plan: Plan,
     /// The elements in the order of chunks.
-    order: Vec<ElementId>,
+    order: Arc<[ElementId]>,
+    /// Whether these are all elements.
+    pub(crate) is_whole: bool,
 }
 
 impl<B: Basis, R: Receivers> CpuTransport<B, R> {
@@ -53,9 +55,36 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         receivers: Arc<R>,
         plan: Plan,
     ) -> Self {
-        let lights = LightSet::new(&scene, plan.emitters);
-        let order = order::spatial(&*receivers);
-        Self { scene, tracer, source, receivers, lights, plan, order }
+        let lights = Arc::new(LightSet::new(&scene, plan.emitters));
+        let order = order::spatial(&*receivers).into();
+        Self { scene, tracer, source, receivers, lights, plan, order, is_whole: true }
+    }
+
+    /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
+    ///
+    /// All else is shared, and so `plan.emitters` has no effect. Nodes beside those asked for may be measured in part.
+    pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
+        let order: Arc<[ElementId]> = self.elements_towards(nodes).collect();
+        Self {
+            scene: Arc::clone(&self.scene),
+            tracer: Arc::clone(&self.tracer),
+            source: Arc::clone(&self.source),
+            receivers: Arc::clone(&self.receivers),
+            lights: Arc::clone(&self.lights),
+            plan,
+            is_whole: self.is_whole && order.len() == self.order.len(),
+            order,
+        }
+    }
+
+    /// The elements that count towards one of certain nodes.
+    pub(crate) fn elements_towards(&self, nodes: &[bool]) -> impl Iterator<Item = ElementId> {
+        let mut towards = NodeWeights::default();
+        self.order.iter().copied().filter(move |&element| {
+            towards.clear();
+            self.receivers.receiver(element, [0.5, 0.5], &mut towards);
+            towards.iter().any(|(node, _)| nodes[node.index()])
+        })
     }
 
     /// The elements of a chunk.
@@ -168,7 +197,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
 
 impl<B: Basis, R: Receivers> Transport for CpuTransport<B, R> {
     fn shape(&self) -> Shape {
-        let elements = self.receivers.element_count();
+        let elements = self.order.len();
         Shape {
             nodes: self.receivers.node_count(),
             elements,
