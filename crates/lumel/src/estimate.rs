@@ -89,6 +89,11 @@ impl Workload {
         (at.elements as f64 / self.elements.max(1) as f64).min(1.0)
     }
 
+    /// [`share`](Self::share), where it can be told: not of a round, whose solves are as many as it takes.
+    pub fn share_known(&self, at: &Position) -> Option<f64> {
+        (!matches!(at.step, Step::Round(_))).then(|| self.share(at))
+    }
+
     /// Seconds until the end of the solve; `None` while nobody can tell, as with rounds until an error is reached.
     ///
     /// Bounces to come are taken to trace rays as fast as the current step.
