@@ -82,7 +82,7 @@ impl Session {
             Err(SolveError::Cancelled(_)) => Ok(None),
             Err(error @ SolveError::Memory { needed, .. }) => {
                 let hint = format!("allow more, with --memory {}MiB", needed.div_ceil(1 << 20));
-                Err(with_hint(error.into(), hint))
+                Err(with_hint(anyhow::Error::new(error), hint))
             }
             Err(error) => Err(error.into()),
         }
