@@ -145,3 +145,70 @@ fn half_width(mean: DVec3, error: DVec3, floor: f64) -> DVec3 {
     };
     DVec3::new(channel(0), channel(1), channel(2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TARGET: Target = Target { error: 0.1, share: 0.95, rounds: 7, memory: 1 << 30 };
+
+    /// Totals of eight replicates whose nodes have mean 1 and this standard error.
+    fn totals(errors: &[f64]) -> Vec<Vec<DVec3>> {
+        // Half are up and half are down by d: the variance of the mean is d² / 7.
+        let sign = |r: usize| if r.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let of = |r: usize| errors.iter().map(|e| DVec3::splat(1.0 + sign(r) * e * 7f64.sqrt())).collect();
+        (0..REPLICATES).map(of).collect()
+    }
+
+    /// A chain of nodes, each beside the next.
+    fn chain(n: u32) -> Neighbours {
+        Neighbours::from_triangles(n as usize, (1..n).map(|i| [i - 1, i, i].map(lumel_basis::NodeId)))
+    }
+
+    fn spread(errors: &[f64], mean_light: f64) -> Spread {
+        let valid = vec![true; errors.len()];
+        Spread::new(&totals(errors), &valid, &chain(errors.len() as u32), |_| mean_light, TARGET)
+    }
+
+    #[test]
+    fn the_standard_error_is_that_of_the_mean_of_all_replicates() {
+        let spread = spread(&[0.01, 0.02], 1.0);
+        for (node, error) in [(0, 0.01), (1, 0.02)] {
+            assert!((spread.standard_error.values()[node] - Vec3::splat(error)).length() < 1e-7);
+            assert_eq!(spread.mean.values()[node], Vec3::ONE);
+        }
+        assert!((spread.accuracy.worst / (0.02 * CONFIDENCE_95) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_node_that_is_good_by_luck_goes_on_with_its_neighbours() {
+        let high = 1.5 * TARGET.error / CONFIDENCE_95;
+        assert_eq!(spread(&[high, 0.0, high], 1.0).above, [true; 3]);
+        let low = 0.9 * TARGET.error / CONFIDENCE_95;
+        assert_eq!(spread(&[low, low, low], 1.0).above, [false; 3]);
+    }
+
+    #[test]
+    fn a_node_much_worse_than_its_neighbours_goes_on_though_their_mean_is_good() {
+        let far = 2.1 * TARGET.error / CONFIDENCE_95;
+        let found = spread(&[0.0, 0.0, far, 0.0, 0.0, 0.0], 1.0).above;
+        assert!(found[2] && !found[0] && !found[4] && !found[5], "{found:?}");
+    }
+
+    #[test]
+    fn dark_values_are_compared_with_a_tenth_of_the_mean_light() {
+        let error = 2.0 * TARGET.error / CONFIDENCE_95;
+        assert_eq!(spread(&[error, error], 1.0).accuracy.share, 0.0);
+        assert_eq!(spread(&[error, error], 21.0).accuracy.share, 1.0);
+    }
+
+    #[test]
+    fn hidden_nodes_and_darkness_count_for_nothing() {
+        let totals = totals(&[1.0, 0.0]);
+        let spread = Spread::new(&totals, &[false, true], &chain(2), |_| 1.0, TARGET);
+        assert_eq!((spread.above, spread.accuracy.share), (vec![false, false], 1.0));
+        let dark = vec![vec![DVec3::ZERO; 2]; REPLICATES];
+        let spread = Spread::new(&dark, &[true; 2], &chain(2), |_| 0.0, TARGET);
+        assert_eq!((spread.accuracy.worst, spread.accuracy.share), (0.0, 1.0));
+    }
+}
