@@ -515,6 +515,7 @@ impl Observer for Watch<'_> {
             Step::Probe => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
             Step::FinalGather => Phase::FinalGather,
+            Step::Round(_) => Phase::Bounce(0),
         });
     }
 
