@@ -9,7 +9,8 @@
 use glam::{DVec3, Vec3};
 use lumel::{
     Baker, BasisKind, BounceLimit, CONFIDENCE_95, Control, EmitterSampling, Ended, Light, Memory, Method,
-    Observer, Scene, SceneBuilder, Settings, Silent, SolveError, SolveState, Step, TargetError,
+    Observer, Scene, SceneBuilder, Settings, Silent, Snapshot, SolveError, SolveState, Step, Tail,
+    TargetError,
 };
 use lumel_basis::{Field, NodeId};
 use lumel_testkit::mesh::{Facing, cuboid, quad};
@@ -235,18 +236,33 @@ fn a_solve_that_is_stopped_keeps_its_last_finished_round() {
     assert!(errors.iter().any(|error| error.y > 0.0));
 }
 
+/// Keeps the last snapshot.
+#[derive(Default)]
+struct Album(std::sync::Mutex<Option<Snapshot>>);
+
+impl Observer for Album {
+    fn wants_snapshot(&self) -> bool {
+        true
+    }
+
+    fn snapshot(&self, snapshot: Snapshot) {
+        *self.0.lock().unwrap() = Some(snapshot);
+    }
+}
+
 #[test]
 fn bounces_add_up_to_the_mean_whose_error_is_told() {
-    let state = solved(&room(), settings("5%", 3));
-    let total = state.total();
-    assert_eq!(state.bounces.len(), 4);
-    let sum = Field::sum(total.len(), &state.bounces);
-    assert_eq!(sum, total);
-    // Every bounce has light of its own.
-    assert!(state.bounces.windows(2).all(|pair| {
-        let brightness = |field: &Field| field.values().iter().map(|v| f64::from(v.y)).sum::<f64>();
-        brightness(&pair[1]) > 0.0 && brightness(&pair[1]) < brightness(&pair[0])
-    }));
+    let (mut state, album) = (SolveState::new(), Album::default());
+    let tail = Tail::Geometric;
+    Baker::new(room(), Settings { tail, ..settings("5%", 3) })
+        .run(&mut state, &Control::default(), &album)
+        .unwrap();
+    assert!(state.bounces.len() == 4 && state.tail.is_some());
+    // The mean of the replicates' totals is that of their bounces and tails, each rounded once.
+    let snapshot = album.0.into_inner().unwrap().unwrap();
+    for (sum, mean) in state.total().values().iter().zip(snapshot.total.values()) {
+        assert!((*sum - *mean).abs().max_element() <= 1e-6 * mean.max_element(), "{sum} is not {mean}");
+    }
 }
 
 #[test]
