@@ -142,6 +142,7 @@ impl Settings {
             seed: self.seed,
             light_sampling: self.light_sampling,
             emitters: self.emitters,
+            second_half: false,
         }
     }
 

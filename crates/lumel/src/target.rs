@@ -2,6 +2,7 @@
 
 use crate::settings::Settings;
 use lumel_basis::{Basis, Measure};
+use lumel_sample::SamplerKind;
 use lumel_solve::{REPLICATES, Replicates, Target};
 use lumel_transport::{CachedTransport, Plan, Rows, Transport};
 use serde::{Deserialize, Serialize};
@@ -176,8 +177,11 @@ impl<B> StoredReplicates<B> {
 
 impl<B: Basis + 'static> Replicates for StoredReplicates<B> {
     fn operator(&self, replicate: u32, round: u32, times: u32, nodes: &[bool]) -> Box<dyn Transport> {
-        let seed = seed_of(self.first.seed, replicate, round);
-        Box::new(self.like.with_samples(Plan { seed, ..self.plan(replicate, times) }, nodes))
+        // As many samples as all before go on where those ended, and are spread evenly with them.
+        let second_half = round > 0 && self.first.sampler != SamplerKind::Stratified;
+        let seed = seed_of(self.first.seed, replicate, if second_half { 0 } else { round });
+        let plan = Plan { seed, second_half, ..self.plan(replicate, times) };
+        Box::new(self.like.with_samples(plan, nodes))
     }
 
     fn bytes(&self, times: u32, nodes: &[bool]) -> u64 {

@@ -168,6 +168,7 @@ fn origin<B: Basis>(inner: &CpuTransport<B>) -> Origin {
         per_element: plan.rays_per_element(measure),
         sampler: plan.sampler,
         seed: plan.seed,
+        second_half: plan.second_half,
         over_area: measure == Measure::OverArea,
     }
 }

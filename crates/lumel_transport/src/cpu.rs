@@ -99,7 +99,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
 
     /// Origins and directions of so many of an area's hemisphere rays.
     pub(crate) fn area_stream(&self, samples: u32, key: StreamKey) -> Stream {
-        self.plan.sampler.for_count(samples).stream(key, Dim::Area)
+        self.plan.stream(samples, key, Dim::Area)
     }
 
     /// Traces the hemisphere rays of an area.
@@ -164,11 +164,10 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         control: &Control,
     ) -> Result<(), Cancelled> {
         gather.clear();
-        let sampler = self.plan.sampler.for_count(samples);
         let mut cells = CellOrder::default();
         for (&element, site) in group.elements.iter().zip(&group.sites) {
             control.check()?;
-            let points = cells.points(&sampler.stream(key(element), dim), samples);
+            let points = cells.points(&self.plan.stream(samples, key(element), dim), samples);
             gather.add(site, points);
         }
         Ok(())

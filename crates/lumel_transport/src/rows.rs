@@ -81,6 +81,7 @@ pub(crate) struct Origin {
     pub(crate) per_element: u32,
     pub(crate) sampler: lumel_sample::SamplerKind,
     pub(crate) seed: u64,
+    pub(crate) second_half: bool,
     pub(crate) over_area: bool,
 }
 
