@@ -214,6 +214,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_stream_without_its_first_points_goes_on_where_they_end() {
+        for sampler in [Sampler::Random, Sampler::Halton, Sampler::Sobol] {
+            let stream = sampler.stream(StreamKey::new(1), Dim::Hemisphere);
+            let rest = stream.without_first(5).without_first(3);
+            for i in 0..20 {
+                assert_eq!(rest.sample_2d(i), stream.sample_2d(i + 8));
+                assert_eq!(rest.sample_4d(i), stream.sample_4d(i + 8));
+            }
+        }
+    }
+
+    #[test]
     fn stratified_counts_round_up_to_squares() {
         let counts = [(0, 1), (1, 1), (2, 4), (4, 4), (5, 9), (64, 64), (65, 81), (u32::MAX, 65535 * 65535)];
         for (requested, taken) in counts {
