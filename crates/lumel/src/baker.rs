@@ -1,13 +1,17 @@
 //! From a scene and settings to a solution.
 
-use crate::method::{Method, SolverKind};
+use crate::method::{Memory, Method, SolverKind};
 use crate::settings::{BasisKind, Settings, Tail};
+use crate::target::{self, StoredReplicates};
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
 use lumel_basis::{AreaVertexBasis, Basis, Field, Measure, NodeId, VertexBasis};
 use lumel_export::{Solution, SolutionError, SolutionMeta};
 use lumel_scene::{Scene, luminance};
-use lumel_solve::{Energy, Observer, SolveError, SolveState, Stop, final_gather, solve};
+use lumel_solve::{
+    Energy, Neighbours, Observer, Problem, REPLICATES, Replicates, SolveError, SolveState, Stop, Target,
+    final_gather, solve, solve_to_error,
+};
 use lumel_transport::{CachedTransport, Control, CpuTransport, Order, Plan, Rows, Stored, Transport};
 use std::sync::Arc;
 
@@ -26,6 +30,9 @@ pub enum ResumeError {
         /// Which settings differ, and how.
         differences: String,
     },
+    /// Its rays are not kept.
+    #[error("a solution with a target error cannot be gone on with, as its rays are not kept; bake anew")]
+    TargetError,
 }
 
 /// A scene made ready for baking.
@@ -48,8 +55,16 @@ struct Operator {
     transport: Box<dyn Transport>,
     /// The rays that it stores.
     stored: Option<Stored>,
+    rest: Rest,
+}
+
+/// What an operator's transport alone does not do.
+enum Rest {
+    Nothing,
     /// Gathers all light once more, where not all rays are stored.
-    finisher: Option<Box<dyn Transport>>,
+    Gather(Box<dyn Transport>),
+    /// Solves with independent samples instead, where the settings have a target error.
+    Replicates(Target, Box<dyn Replicates + Send>),
 }
 
 impl Baker {
@@ -98,7 +113,7 @@ impl Baker {
 
     /// Whether a solve with these settings, under any lights, needs no new hemisphere ray: all are stored.
     pub fn has_rays_of(&self, settings: &Settings) -> bool {
-        let rays = |s: &Settings| (s.basis, s.solver, s.indirect_samples, s.sampler, s.seed);
+        let rays = |s: &Settings| (s.basis, s.solver, s.target_error, s.indirect_samples, s.sampler, s.seed);
         let stored = matches!(self.operator.method, Method::Cached { .. })
             && self.operator.stored.as_ref().is_some_and(|stored| stored.rows().is_complete());
         stored && rays(settings) == rays(&self.settings)
@@ -155,25 +170,48 @@ impl Baker {
     /// Solves, going on from `state`: [`SolveState::new`] or what [`Self::resume`] returned.
     ///
     /// # Errors
-    /// When it is cancelled; `state` then holds the bounces that were finished.
+    /// When it is cancelled; `state` then holds the bounces that were finished. With a target error it begins anew in any
+    /// case, and `state` holds the last finished round.
     pub fn run(
         &self,
         state: &mut SolveState,
         control: &Control,
         observer: &dyn Observer,
     ) -> Result<(), SolveError> {
+        if let Rest::Replicates(target, replicates) = &self.operator.rest {
+            return self.run_to_error((*target, &**replicates), state, control, observer);
+        }
         let stop = self.settings.stop();
-        let Operator { basis, transport, finisher, .. } = &self.operator;
+        let Operator { basis, transport, rest, .. } = &self.operator;
         solve(&**transport, &**basis, &self.energy, stop, state, control, observer)?;
         if self.settings.tail == Tail::Geometric {
             state.tail = self.energy.tail(&state.bounces);
         }
-        if let Some(finisher) = finisher
+        if let Rest::Gather(finisher) = rest
             && state.bounces.len() > 1
         {
             final_gather(&**finisher, &**basis, state, control, observer)?;
         }
         Ok(())
+    }
+
+    fn run_to_error(
+        &self,
+        (target, replicates): (Target, &dyn Replicates),
+        state: &mut SolveState,
+        control: &Control,
+        observer: &dyn Observer,
+    ) -> Result<(), SolveError> {
+        let Operator { basis, transport, .. } = &self.operator;
+        let problem = Problem {
+            probe: &**transport,
+            basis: &**basis,
+            neighbours: &Neighbours::new(&**basis, self.scene.triangle_count()),
+            energy: &self.energy,
+            stop: self.settings.stop(),
+            tail: self.settings.tail == Tail::Geometric,
+        };
+        solve_to_error(problem, replicates, target, state, control, observer)
     }
 
     /// A field's value at every vertex of the scene, W·m⁻².
@@ -200,7 +238,7 @@ impl Baker {
             bounces: state.bounces.iter().map(at_vertices).collect(),
             tail: state.tail.as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
-            standard_error: None,
+            standard_error: state.errors.as_ref().map(|errors| at_vertices(&errors.standard_error)),
         }
     }
 
@@ -226,13 +264,16 @@ impl Baker {
         if !(found.same_bounces_as(&self.settings) && as_stored) {
             return Err(ResumeError::Settings { differences: self.settings.differences_of_bounces(&found) });
         }
+        if matches!(self.operator.rest, Rest::Replicates(..)) {
+            return Err(ResumeError::TargetError);
+        }
         let first_vertices = self.first_vertices();
         let at_nodes =
             |values: &Vec<Vec3>| Field::from_values(first_vertices.iter().map(|&v| values[v]).collect());
         let mut bounces: Vec<Field> = solution.bounces.iter().map(at_nodes).collect();
         bounces.truncate(self.bounces_wanted(&bounces));
         let valid = first_vertices.iter().map(|&v| solution.valid[v]).collect();
-        Ok(SolveState { valid, bounces, tail: None, gathered: None })
+        Ok(SolveState { valid, bounces, tail: None, gathered: None, errors: None })
     }
 
     /// How many of these bounces, direct light included, an uninterrupted solve computes.
@@ -302,23 +343,43 @@ fn operator<B: Basis + 'static>(
         let stored = cached.stored();
         (Box::new(cached) as Box<dyn Transport>, Some(stored))
     };
-    let plain = || -> Box<dyn Transport> { Box::new(plain(settings.plan())) };
-    let ((transport, stored), finisher) = match method {
-        Method::Neumann => ((plain(), None), None),
-        Method::Cached { .. } => (cached(settings.indirect_samples), None),
-        Method::FinalGather { stored, .. } => (cached(stored), Some(plain())),
+    let replicates = || -> Box<dyn Replicates + Send> {
+        let (elements, measure) = (basis.element_count(), basis.measure());
+        let first = target::first_plan(settings, bytes_of_rays(scene, (elements, measure), settings));
+        let like = CachedTransport::new(plain(first), None);
+        Box::new(StoredReplicates { like, first, textured: scene.has_varying_albedo(), measure })
     };
-    Operator { basis, order, method, transport, stored, finisher }
+    let plain = || -> Box<dyn Transport> { Box::new(plain(settings.plan())) };
+    let ((transport, stored), rest) = match method {
+        Method::Neumann => ((plain(), None), Rest::Nothing),
+        Method::Cached { .. } => (cached(settings.indirect_samples), Rest::Nothing),
+        Method::FinalGather { stored, .. } => (cached(stored), Rest::Gather(plain())),
+        Method::Replicates { target, .. } => ((plain(), None), Rest::Replicates(target, replicates())),
+    };
+    Operator { basis, order, method, transport, stored, rest }
 }
 
 /// How the settings solve a scene with so many elements.
-fn method(scene: &Scene, (elements, measure): (usize, Measure), settings: &Settings) -> Method {
-    let textured = scene.has_varying_albedo();
-    let bytes = |rays: u32| {
-        let plan = Plan { indirect_samples: rays, ..settings.plan() };
-        Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
-    };
+fn method(scene: &Scene, elements: (usize, Measure), settings: &Settings) -> Method {
+    let bytes = bytes_of_rays(scene, elements, settings);
+    if let Some(target) = target::target(settings) {
+        let rays = target::first_plan(settings, &bytes).indirect_samples;
+        return Method::Replicates { target, rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
+    }
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
+}
+
+/// The bytes that so many rays per vertex take.
+fn bytes_of_rays(
+    scene: &Scene,
+    (elements, measure): (usize, Measure),
+    settings: &Settings,
+) -> impl Fn(u32) -> u64 {
+    let (textured, plan) = (scene.has_varying_albedo(), settings.plan());
+    move |rays: u32| {
+        let plan = Plan { indirect_samples: rays, ..plan };
+        Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
+    }
 }
 
 #[cfg(test)]

@@ -59,7 +59,9 @@ impl Workload {
         let share = if settings.basis == BasisKind::Vertex { 1.0 } else { 0.5 };
         let all = share * f64::from(settings.indirect_samples);
         let rays = match method {
-            Method::Neumann => RaysPerElement { first: all, later: all, gathered: 0.0 },
+            Method::Neumann | Method::Replicates { .. } => {
+                RaysPerElement { first: all, later: all, gathered: 0.0 }
+            }
             Method::Cached { .. } => RaysPerElement { first: all, later: 0.0, gathered: 0.0 },
             Method::FinalGather { stored, .. } => {
                 RaysPerElement { first: share * f64::from(stored), later: 0.0, gathered: all }
@@ -87,12 +89,17 @@ impl Workload {
         (at.elements as f64 / self.elements.max(1) as f64).min(1.0)
     }
 
-    /// Seconds until the end of the solve; `None` while nobody can tell.
+    /// [`share`](Self::share), where it can be told: not of a round, whose solves are as many as it takes.
+    pub fn share_known(&self, at: &Position) -> Option<f64> {
+        (!matches!(at.step, Step::Round(_))).then(|| self.share(at))
+    }
+
+    /// Seconds until the end of the solve; `None` while nobody can tell, as with rounds until an error is reached.
     ///
     /// Bounces to come are taken to trace rays as fast as the current step.
     pub fn seconds_left(&self, at: &Position, remainders: &[Remainder]) -> Option<f64> {
         let share = self.share(at);
-        if share < 0.02 || at.rays == 0 {
+        if share < 0.02 || at.rays == 0 || matches!(at.step, Step::Round(_)) {
             return None;
         }
         let last = self.last_bounce(remainders)?;
@@ -105,7 +112,7 @@ impl Workload {
         let to_come = match at.step {
             Step::Probe => first + bounces_after(0) + gathered,
             Step::Bounce(bounce) => bounces_after(bounce) + gathered,
-            Step::FinalGather => 0.0,
+            Step::FinalGather | Step::Round(_) => 0.0,
         };
         let this_step = at.seconds * (1.0 - share) / share;
         Some(this_step + self.elements as f64 * to_come * at.seconds / at.rays as f64)

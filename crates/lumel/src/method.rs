@@ -1,6 +1,7 @@
 //! How all bounces are solved, and with how much memory.
 
 use crate::settings::NumberOrText;
+use lumel_solve::{REPLICATES, Target};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -82,7 +83,7 @@ impl From<Memory> for u64 {
 }
 
 /// How a certain scene is solved with certain settings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// All rays are stored.
     Cached {
@@ -99,6 +100,15 @@ pub enum Method {
     },
     /// Every bounce traces rays of its own.
     Neumann,
+    /// Independent solves on stored rays, with more samples where their spread is too large.
+    Replicates {
+        /// Where they end.
+        target: Target,
+        /// Rays per vertex that each stores at first.
+        rays: u32,
+        /// The memory that those of all take.
+        memory: Memory,
+    },
 }
 
 /// Fewer stored rays than this per element would carry more noise from bounce to bounce than a final gather smooths.
@@ -132,6 +142,12 @@ impl fmt::Display for Method {
                 write!(f, "{stored} rays per vertex stored ({memory}), then a final gather")
             }
             Self::Neumann => f.write_str("rays of its own for every bounce"),
+            Self::Replicates { rays, memory, .. } => {
+                write!(
+                    f,
+                    "{REPLICATES} independent solves, each of {rays} rays per vertex at first ({memory} stored)"
+                )
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What users choose.
 
 use crate::method::{Memory, SolverKind};
+use crate::target::{Share, TargetError};
 use lumel_sample::SamplerKind;
 use lumel_solve::Stop;
 use lumel_transport::{EmitterSampling, LightSampling, Plan};
@@ -81,6 +82,12 @@ pub struct Settings {
     /// Memory for stored rays; it decides on how many are stored.
     #[serde(default)]
     pub memory: Memory,
+    /// The error to stop at. Samples are then those to begin with, and `solver` has no effect: rays are stored.
+    #[serde(default)]
+    pub target_error: TargetError,
+    /// With a target error: the share of values that must be below.
+    #[serde(default)]
+    pub target_share: Share,
     /// Changes all random choices.
     pub seed: u64,
 }
@@ -112,6 +119,8 @@ impl Preset {
             emitters: EmitterSampling::default(),
             solver: SolverKind::default(),
             memory: Memory::default(),
+            target_error: TargetError::default(),
+            target_share: Share::default(),
             seed: 0,
         }
     }
@@ -133,6 +142,7 @@ impl Settings {
             seed: self.seed,
             light_sampling: self.light_sampling,
             emitters: self.emitters,
+            second_half: false,
         }
     }
 
@@ -229,6 +239,10 @@ patch! {
     solver: SolverKind,
     /// Memory for stored rays.
     memory: Memory,
+    /// The error to stop at.
+    target_error: TargetError,
+    /// The share of values that must be below.
+    target_share: Share,
     /// Changes all random choices.
     seed: u64,
 }

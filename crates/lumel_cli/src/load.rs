@@ -6,7 +6,7 @@ use crate::failure::{hinted, with_hint};
 use glam::Vec3;
 use lumel::{
     EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings, SettingsPatch,
-    Warnings,
+    SolverKind, TargetError, Warnings,
 };
 use lumel_scene::{Radiance, TriId};
 use std::path::{Path, PathBuf};
@@ -92,6 +92,12 @@ pub(crate) fn settings(
     if settings.direct_samples == 0 || settings.indirect_samples == 0 {
         let problem = "there must be at least one direct and one indirect sample";
         return Err(in_scene(anyhow::Error::msg(problem), scene));
+    }
+    if settings.target_error != TargetError::Off && settings.solver == SolverKind::Neumann {
+        return Err(hinted(
+            "a target error needs stored rays, which the solver \"neumann\" does not have".to_owned(),
+            "leave out --target-error, or take --solver cached".to_owned(),
+        ));
     }
     Ok(settings)
 }

@@ -5,7 +5,7 @@ use crate::console::Console;
 use crate::interrupt::Interrupt;
 use crate::report;
 use indicatif::{ProgressBar, ProgressStyle};
-use lumel::{Position, Remainder, Step, Workload};
+use lumel::{Accuracy, Position, Remainder, Step, Workload};
 use serde_json::{Value, json};
 use std::io::{self, IsTerminal};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -47,6 +47,8 @@ struct State {
     rays_before: u64,
     workload: Option<Workload>,
     remainders: Vec<Remainder>,
+    /// What the last round of samples has reached.
+    accuracy: Option<Accuracy>,
     /// The last phase that was told of by its name alone.
     told: Option<String>,
 }
@@ -75,6 +77,7 @@ impl Progress {
             rays_before: 0,
             workload: None,
             remainders: Vec::new(),
+            accuracy: None,
             told: None,
         };
         let shared = Arc::new(Shared {
@@ -115,14 +118,24 @@ impl Progress {
     }
 
     /// A step is done; `remainder` is the share of all light that is still missing.
-    pub(crate) fn step_done(&self, step: Step, seconds: f64, remainder: Option<f64>) {
+    pub(crate) fn step_done(
+        &self,
+        step: Step,
+        seconds: f64,
+        remainder: Option<f64>,
+        accuracy: Option<Accuracy>,
+    ) {
         let Some(shared) = &self.shared else { return };
         if let (Step::Bounce(after), Some(share)) = (step, remainder) {
             shared.lock().remainders.push(Remainder { after, share });
         }
+        shared.lock().accuracy = accuracy;
         if matches!(shared.display, Display::Json) {
             let mut event = json!({ "event": "step_done", "seconds": seconds, "remainder": remainder });
             add_step(&mut event, step);
+            if let Some(accuracy) = accuracy {
+                event["share_below_target"] = accuracy.share.into();
+            }
             shared.console.event(&event);
         }
     }
@@ -165,6 +178,10 @@ fn add_step(event: &mut Value, step: Step) {
             event["bounce"] = bounce.into();
         }
         Step::FinalGather => event["step"] = "final gather".into(),
+        Step::Round(round) => {
+            event["step"] = "round".into();
+            event["round"] = (round + 1).into();
+        }
     }
 }
 
@@ -181,6 +198,13 @@ impl State {
                 }
             }
             Step::FinalGather => "final gather".to_owned(),
+            Step::Round(round) => match &self.accuracy {
+                Some(Accuracy { share, target, .. }) => {
+                    let (share, target) = (report::percent(*share), report::percent(target.error));
+                    format!("round {}, {share} of values within {target} so far", round + 1)
+                }
+                None => format!("round {}", round + 1),
+            },
         }
     }
 }
@@ -239,7 +263,7 @@ impl Shared {
         Moment {
             phase: state.phase.clone(),
             step: state.step,
-            share: work.as_ref().map(|(work, at)| work.share(at)),
+            share: work.as_ref().and_then(|(work, at)| work.share_known(at)),
             mrays_per_second: state.step.map(|_| 1e-6 * rays as f64 / seconds.max(1e-6)),
             seconds_left: work.as_ref().and_then(|(work, at)| work.seconds_left(at, &state.remainders)),
         }

@@ -3,6 +3,7 @@
 use crate::args::{ProgressMode, ThreadArgs};
 use crate::checkpoint::Checkpoint;
 use crate::console::Console;
+use crate::failure::with_hint;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use anyhow::Context;
@@ -79,6 +80,10 @@ impl Session {
                 checkpoint_seconds: notes.checkpoint_seconds,
             })),
             Err(SolveError::Cancelled(_)) => Ok(None),
+            Err(error @ SolveError::Memory { needed, .. }) => {
+                let hint = format!("allow more, with --memory {}MiB", needed.div_ceil(1 << 20));
+                Err(with_hint(anyhow::Error::new(error), hint))
+            }
             Err(error) => Err(error.into()),
         }
     }
@@ -112,8 +117,9 @@ impl Observer for Watch<'_> {
             notes.steps.push((step, seconds));
             seconds
         };
-        self.progress.step_done(step, seconds, self.baker.remainder(state));
-        if let (Some(checkpoint), Step::Bounce(_)) = (self.checkpoint, step) {
+        let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
+        self.progress.step_done(step, seconds, self.baker.remainder(state), accuracy);
+        if let (Some(checkpoint), Step::Bounce(_) | Step::Round(_)) = (self.checkpoint, step) {
             let begun = Instant::now();
             checkpoint.save(self.baker, state);
             self.lock().checkpoint_seconds += begun.elapsed().as_secs_f64();

@@ -40,12 +40,13 @@ impl Sampler {
     #[must_use]
     pub fn stream(self, key: StreamKey, dim: Dim) -> Stream {
         let key = key.purpose(dim);
-        Stream(match self {
+        let points = match self {
             Self::Random => Points::Random(key.bits()),
             Self::Stratified { side } => Points::Stratified(JitteredGrid::new(key.bits(), side)),
             Self::Halton => Points::Halton(ShiftedHalton::new(key.bits())),
             Self::Sobol => Points::Sobol(ScrambledSobol::new(key.bits())),
-        })
+        };
+        Stream { points, first: 0 }
     }
 
     /// Point number `index` of the unit square.
@@ -65,7 +66,11 @@ impl Sampler {
 
 /// The points of one [`Sampler`] for one key and purpose. Use either the 2-D or the 4-D points, not both.
 #[derive(Clone, Copy, Debug)]
-pub struct Stream(Points);
+pub struct Stream {
+    points: Points,
+    /// The number of the point that is called 0.
+    first: u32,
+}
 
 #[derive(Clone, Copy, Debug)]
 enum Points {
@@ -76,11 +81,21 @@ enum Points {
 }
 
 impl Stream {
+    /// The stream without its first `n` points, which go together with them: of a power of two of Sobol points, twice as
+    /// many are spread as evenly.
+    ///
+    /// A stratified stream ends with its count, and so is to be replaced by one of another key.
+    #[must_use]
+    pub fn without_first(self, n: u32) -> Self {
+        Self { first: self.first.wrapping_add(n), ..self }
+    }
+
     /// Point number `index` of the unit square.
     #[inline]
     #[must_use]
     pub fn sample_2d(&self, index: u32) -> [f32; 2] {
-        match &self.0 {
+        let index = self.first.wrapping_add(index);
+        match &self.points {
             &Points::Random(key) => random_pair(key, u64::from(index)).map(unit_from_bits),
             Points::Stratified(grid) => grid.point_2d(index),
             Points::Halton(halton) => halton.point_2d(index),
@@ -92,7 +107,8 @@ impl Stream {
     #[inline]
     #[must_use]
     pub fn sample_4d(&self, index: u32) -> [f32; 4] {
-        match &self.0 {
+        let index = self.first.wrapping_add(index);
+        match &self.points {
             &Points::Random(key) => {
                 let [a, b] = random_pair(key, 2 * u64::from(index));
                 let [c, d] = random_pair(key, 2 * u64::from(index) + 1);
@@ -196,6 +212,18 @@ impl Error for UnknownSampler {}
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stream_without_its_first_points_goes_on_where_they_end() {
+        for sampler in [Sampler::Random, Sampler::Halton, Sampler::Sobol] {
+            let stream = sampler.stream(StreamKey::new(1), Dim::Hemisphere);
+            let rest = stream.without_first(5).without_first(3);
+            for i in 0..20 {
+                assert_eq!(rest.sample_2d(i), stream.sample_2d(i + 8));
+                assert_eq!(rest.sample_4d(i), stream.sample_4d(i + 8));
+            }
+        }
+    }
 
     #[test]
     fn stratified_counts_round_up_to_squares() {

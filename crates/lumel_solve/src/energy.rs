@@ -44,6 +44,12 @@ impl Energy {
         field.weighted_sum(self.areas.iter().map(|&area| Vec3::splat(area)))
     }
 
+    /// The mean irradiance over all surfaces, by luminance, W·m⁻².
+    pub fn mean(&self, field: &Field) -> f64 {
+        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        if area > 0.0 { f64::from(luminance(self.incident(field).as_vec3())) / area } else { 0.0 }
+    }
+
     /// Power that is reflected and so arrives again, W per channel.
     pub fn reflected(&self, field: &Field) -> DVec3 {
         field.weighted_sum(self.reflecting.iter().copied())

@@ -13,6 +13,8 @@ pub enum Step {
     Bounce(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// Adding samples where the error is above a target, and solving all replicates with them.
+    Round(u32),
 }
 
 /// All light found so far, at some moment of a solve.

@@ -40,6 +40,14 @@ pub enum SolveError {
         /// Nodes of the operator.
         expected: usize,
     },
+    /// The stored rays of all replicates do not fit.
+    #[error("replicates need {needed} bytes for stored rays, {allowed} are allowed")]
+    Memory {
+        /// The bytes they need at least.
+        needed: u64,
+        /// The limit.
+        allowed: u64,
+    },
 }
 
 /// Goes on from `state` until `stop` is reached.
@@ -64,7 +72,7 @@ pub fn solve(
     if let Some(found) = sizes.into_iter().find(|&n| n != expected) {
         return Err(SolveError::WrongState { found, expected });
     }
-    (state.tail, state.gathered) = (None, None);
+    (state.tail, state.gathered, state.errors) = (None, None, None);
     if state.valid.is_empty() {
         state.valid = probe(transport, control, observer, state)?;
     }
@@ -119,7 +127,7 @@ pub fn final_gather(
 }
 
 impl Stop {
-    fn reached(self, energy: &Energy, bounces: &[Field]) -> bool {
+    pub(crate) fn reached(self, energy: &Energy, bounces: &[Field]) -> bool {
         match self {
             Self::Bounces(n) => bounces.len() > n as usize,
             Self::Remainder { fraction, at_most } => {
@@ -131,7 +139,7 @@ impl Stop {
 }
 
 /// Finds the nodes that lie inside geometry.
-fn probe(
+pub(crate) fn probe(
     transport: &dyn Transport,
     control: &Control,
     observer: &dyn Observer,

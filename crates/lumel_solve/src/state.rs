@@ -1,5 +1,6 @@
 //! What a solve has found so far.
 
+use crate::Errors;
 use lumel_basis::Field;
 
 /// The bounces that have been computed; all that is needed to go on.
@@ -16,12 +17,14 @@ pub struct SolveState {
     pub tail: Option<Field>,
     /// All light but the direct, measured once more with many rays of their own: a final gather.
     pub gathered: Option<Field>,
+    /// How far the sum may be off, where replicates tell.
+    pub errors: Option<Errors>,
 }
 
 impl SolveState {
     /// The state before the first step.
     pub fn new() -> Self {
-        Self { valid: Vec::new(), bounces: Vec::new(), tail: None, gathered: None }
+        Self { valid: Vec::new(), bounces: Vec::new(), tail: None, gathered: None, errors: None }
     }
 
     /// The sum of all bounces and the tail, rounded once; after a final gather, of direct light and what it gathered.

@@ -4,6 +4,7 @@ use crate::cpu::{CHUNK, CpuTransport, Group, OPENNESS_RAYS};
 use crate::hemisphere::{self, Seen};
 use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
 use crate::paint::{Paint, Painted, unpacked};
+use crate::plan::Plan;
 use crate::rows::{End, Origin, Rows};
 use crate::scatter::scattered;
 use glam::{DVec3, Vec4};
@@ -52,13 +53,28 @@ impl<B: Basis> CachedTransport<B> {
     /// Stores the rays of an operator, or takes those of another one where they are the same.
     pub fn new(inner: CpuTransport<B>, shared: Option<&Stored>) -> Self {
         let origin = origin(&inner);
-        let shared = shared.filter(|stored| stored.rows.origin == origin);
+        let shared = shared.filter(|stored| stored.rows.origin == origin && origin.is_whole);
         let rows = shared.map_or_else(|| Arc::new(Rows::new(origin)), |stored| Arc::clone(&stored.rows));
         // Other materials need other albedos at the ends of the same rays.
         let painted = shared.filter(|stored| stored.scene.has_surfaces_of(&inner.scene));
         let new_paint = || Arc::new(Paint::new(&inner.scene, &*inner.source, rows.chunks.len()));
         let paint = painted.map_or_else(new_paint, |stored| Arc::clone(&stored.paint));
         Self { inner, rows, paint }
+    }
+
+    /// An operator with other samples, for the elements alone that count towards one of certain nodes.
+    ///
+    /// It traces rays of its own; what surfaces reflect is shared.
+    pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
+        let inner = self.inner.with_samples(plan, nodes);
+        let rows = Arc::new(Rows::new(origin(&inner)));
+        let paint = Arc::new(self.paint.for_chunks(rows.chunks.len()));
+        Self { inner, rows, paint }
+    }
+
+    /// How many elements count towards one of certain nodes.
+    pub fn elements_towards(&self, nodes: &[bool]) -> usize {
+        self.inner.elements_towards(nodes).count()
     }
 
     /// What it stores, to be shared.
@@ -143,10 +159,12 @@ fn origin<B: Basis>(inner: &CpuTransport<B>) -> Origin {
     let measure = inner.receivers.measure();
     Origin {
         geometry: *inner.scene.hash().geometry.as_bytes(),
-        elements: inner.receivers.element_count(),
+        elements: inner.shape().elements,
+        is_whole: inner.is_whole,
         per_element: plan.rays_per_element(measure),
         sampler: plan.sampler,
         seed: plan.seed,
+        second_half: plan.second_half,
         over_area: measure == Measure::OverArea,
     }
 }

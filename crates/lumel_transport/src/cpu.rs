@@ -38,10 +38,12 @@ pub struct CpuTransport<B, R = B> {
     tracer: Arc<dyn RayTracer>,
     pub(crate) source: Arc<B>,
     pub(crate) receivers: Arc<R>,
-    pub(crate) lights: LightSet,
+    pub(crate) lights: Arc<LightSet>,
     pub(crate) plan: Plan,
     /// The elements in the order of chunks.
     order: Order,
+    /// Whether these are all elements.
+    pub(crate) is_whole: bool,
 }
 
 impl<B: Basis, R: Receivers> CpuTransport<B, R> {
@@ -65,8 +67,35 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         (receivers, order): (Arc<R>, Order),
         plan: Plan,
     ) -> Self {
-        let lights = LightSet::new(&scene, plan.emitters);
-        Self { scene, tracer, source, receivers, lights, plan, order }
+        let lights = Arc::new(LightSet::new(&scene, plan.emitters));
+        Self { scene, tracer, source, receivers, lights, plan, order, is_whole: true }
+    }
+
+    /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
+    ///
+    /// All else is shared, and so `plan.emitters` has no effect. Nodes beside those asked for may be measured in part.
+    pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
+        let order: Order = self.elements_towards(nodes).collect();
+        Self {
+            scene: Arc::clone(&self.scene),
+            tracer: Arc::clone(&self.tracer),
+            source: Arc::clone(&self.source),
+            receivers: Arc::clone(&self.receivers),
+            lights: Arc::clone(&self.lights),
+            plan,
+            is_whole: self.is_whole && order.elements().len() == self.order.elements().len(),
+            order,
+        }
+    }
+
+    /// The elements that count towards one of certain nodes.
+    pub(crate) fn elements_towards(&self, nodes: &[bool]) -> impl Iterator<Item = ElementId> {
+        let mut towards = NodeWeights::default();
+        self.order.elements().iter().copied().filter(move |&element| {
+            towards.clear();
+            self.receivers.receiver(element, [0.5, 0.5], &mut towards);
+            towards.iter().any(|(node, _)| nodes[node.index()])
+        })
     }
 
     /// The elements of a chunk.
@@ -82,7 +111,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
 
     /// Origins and directions of so many of an area's hemisphere rays.
     pub(crate) fn area_stream(&self, samples: u32, key: StreamKey) -> Stream {
-        self.plan.sampler.for_count(samples).stream(key, Dim::Area)
+        self.plan.stream(samples, key, Dim::Area)
     }
 
     /// What a site sees in one direction.
@@ -165,11 +194,10 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         key: impl Fn(ElementId) -> StreamKey,
         control: &Control,
     ) -> Result<Gather, Cancelled> {
-        let sampler = self.plan.sampler.for_count(samples);
         let (mut gather, mut cells) = (Gather::default(), CellOrder::default());
         for (&element, site) in group.elements.iter().zip(&group.sites) {
             control.check()?;
-            let points = cells.points(&sampler.stream(key(element), dim), samples);
+            let points = cells.points(&self.plan.stream(samples, key(element), dim), samples);
             gather.add(site, points);
         }
         Ok(gather)
@@ -198,7 +226,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
 
 impl<B: Basis, R: Receivers> Transport for CpuTransport<B, R> {
     fn shape(&self) -> Shape {
-        let elements = self.receivers.element_count();
+        let elements = self.order.elements().len();
         Shape {
             nodes: self.receivers.node_count(),
             elements,

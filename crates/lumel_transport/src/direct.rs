@@ -46,9 +46,8 @@ impl Direct<'_> {
     ) -> Result<(), Cancelled> {
         self.pointlike(site, tally);
         let samples = self.plan.sampler.sample_count(self.plan.direct_samples);
-        let sampler = self.plan.sampler.for_count(samples);
         if let Some(tree) = &self.lights.tree {
-            let points = points.fill_by_choice(&sampler.stream(key, Dim::LightSelect), samples);
+            let points = points.fill_by_choice(&self.plan.stream(samples, key, Dim::LightSelect), samples);
             let sum = self.chosen(tree, site, points, tally)?;
             tally.sum += sum / f64::from(samples);
             return Ok(());
@@ -57,7 +56,7 @@ impl Direct<'_> {
             let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
                 continue;
             };
-            let stream = sampler.stream(key, Dim::Light(l as u32));
+            let stream = self.plan.stream(samples, key, Dim::Light(l as u32));
             match (self.plan.light_sampling, view.unblocked) {
                 (LightSampling::Analytic, Some(unblocked)) => {
                     let pilot = (key, Dim::LightPilot(l as u32));

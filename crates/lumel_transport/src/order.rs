@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// Bits of a Morton code per axis.
 const BITS: u32 = 16;
 
-/// All elements of some receivers: those that face the same way along a space-filling curve, one facing after the
+/// Elements of some receivers: those that face the same way along a space-filling curve, one facing after the
 /// other. Cheap to copy, for operators of the same receivers.
 #[derive(Clone, Debug)]
 pub struct Order(Arc<[ElementId]>);
@@ -22,6 +22,12 @@ impl Order {
 
     pub(crate) fn elements(&self) -> &[ElementId] {
         &self.0
+    }
+}
+
+impl FromIterator<ElementId> for Order {
+    fn from_iter<I: IntoIterator<Item = ElementId>>(elements: I) -> Self {
+        Self(elements.into_iter().collect())
     }
 }
 

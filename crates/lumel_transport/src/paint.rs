@@ -6,7 +6,7 @@ use glam::Vec4;
 use lumel_basis::{Basis, Field, NodeId, NodeWeights};
 use lumel_scene::{Albedo, Scene, TriId};
 use rayon::prelude::*;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Albedos that are stored per ray come in steps of this.
 const STEP: f32 = 1.0 / u16::MAX as f32;
@@ -17,7 +17,7 @@ const _: () = assert!(u16::MAX as f32 * STEP == 1.0);
 /// Where each triangle's light is read, and what it reflects of it.
 pub(crate) struct Paint {
     /// Empty if the basis is not linear over triangles.
-    triangles: Vec<Triangle>,
+    triangles: Arc<[Triangle]>,
     /// Per chunk, the albedos at the ends of its rays; only where there are any that vary within a triangle.
     at_ends: Option<Vec<OnceLock<AlbedosAtEnds>>>,
 }
@@ -39,10 +39,16 @@ impl Paint {
         };
         let triangles: Option<Vec<Triangle>> =
             (0..scene.triangle_count() as u32).into_par_iter().map(triangle).collect();
-        let triangles = triangles.unwrap_or_default();
+        let triangles: Arc<[Triangle]> = triangles.unwrap_or_default().into();
         let varies = triangles.iter().any(|t| t.albedo.is_none());
         let at_ends = varies.then(|| (0..n_chunks).map(|_| OnceLock::new()).collect());
         Self { triangles, at_ends }
+    }
+
+    /// The same for rays in other chunks.
+    pub(crate) fn for_chunks(&self, n_chunks: usize) -> Self {
+        let at_ends = self.varies().then(|| (0..n_chunks).map(|_| OnceLock::new()).collect());
+        Self { triangles: Arc::clone(&self.triangles), at_ends }
     }
 
     /// Whether albedos have to be kept per ray.

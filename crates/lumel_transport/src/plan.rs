@@ -1,7 +1,7 @@
 //! How densely and by which estimators light is measured.
 
 use lumel_basis::Measure;
-use lumel_sample::SamplerKind;
+use lumel_sample::{Dim, SamplerKind, Stream, StreamKey};
 use serde::{Deserialize, Serialize};
 
 /// How the light of a rectangle or an emissive triangle is estimated.
@@ -46,6 +46,10 @@ pub struct Plan {
     pub light_sampling: LightSampling,
     /// What to do with emissive surfaces.
     pub emitters: EmitterSampling,
+    /// Whether these samples are the second half of twice as many: those with the same seed are the first half.
+    ///
+    /// Not for stratified samples, whose number is that of their cells.
+    pub second_half: bool,
 }
 
 /// Origins per triangle for each ray that a vertex would get: as there are about twice as many triangles as
@@ -59,6 +63,12 @@ impl Plan {
     /// Hemisphere rays of an element, per application of the operator.
     pub fn rays_per_element(&self, measure: Measure) -> u32 {
         self.samples(self.indirect_samples, measure)
+    }
+
+    /// So many points of a stream that are to be sampled.
+    pub(crate) fn stream(&self, samples: u32, key: StreamKey, dim: Dim) -> Stream {
+        let stream = self.sampler.for_count(samples).stream(key, dim);
+        if self.second_half { stream.without_first(samples) } else { stream }
     }
 
     /// The samples really taken when so many are asked for.
@@ -79,6 +89,7 @@ impl Default for Plan {
             seed: 0,
             light_sampling: LightSampling::default(),
             emitters: EmitterSampling::default(),
+            second_half: false,
         }
     }
 }

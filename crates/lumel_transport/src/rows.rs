@@ -76,9 +76,12 @@ pub struct Rows {
 pub(crate) struct Origin {
     pub(crate) geometry: [u8; 32],
     pub(crate) elements: usize,
+    /// Whether these are all elements of the surfaces; some of them are not told from as many others.
+    pub(crate) is_whole: bool,
     pub(crate) per_element: u32,
     pub(crate) sampler: lumel_sample::SamplerKind,
     pub(crate) seed: u64,
+    pub(crate) second_half: bool,
     pub(crate) over_area: bool,
 }
 

@@ -7,7 +7,8 @@ use crate::selection::{Light, VertexValues};
 use crate::spread::Neighbours;
 use glam::Vec3;
 use lumel::{
-    Baker, Control, Observer, Position, Remainder, Scene, Settings, Snapshot, SolveState, Step, Workload,
+    Accuracy, Baker, Control, Observer, Position, Remainder, Scene, Settings, Snapshot, SolveState, Step,
+    Workload,
 };
 use lumel_basis::Field;
 use lumel_scene::luminance;
@@ -89,6 +90,8 @@ pub enum Phase {
     Bounce(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// Adding samples where the error is above the target; 0 is the first round.
+    Round(u32),
     /// Measuring the standard error.
     StandardError,
     /// It is over.
@@ -128,6 +131,8 @@ pub struct Published {
     pub light: Light,
     /// One for each finished bounce.
     pub stats: Vec<BounceStats>,
+    /// What the last round has reached, where there is a target error.
+    pub accuracy: Option<Accuracy>,
     /// Changes with the light.
     pub generation: u64,
     /// Why the last checkpoint could not be written, if it could not.
@@ -146,8 +151,8 @@ pub struct Job {
 /// How far a job is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Share of the current step that is done.
-    pub share: f32,
+    /// Share of the current step that is done, as far as it can be told.
+    pub share: Option<f32>,
     /// Rays per second of the current step.
     pub rays_per_second: f64,
     /// Seconds until all is done, as far as it can be told.
@@ -184,6 +189,7 @@ impl Job {
             phase: Phase::Preparing,
             light: Light::new(),
             stats: Vec::new(),
+            accuracy: None,
             generation: 0,
             checkpoint_problem: None,
         };
@@ -240,6 +246,11 @@ impl Job {
         (published.generation, published.phase.clone())
     }
 
+    /// What the last round has reached, where there is a target error.
+    pub fn accuracy(&self) -> Option<Accuracy> {
+        lock(&self.shared.published).accuracy
+    }
+
     /// How it ended; `None` while it runs.
     pub fn ending(&self) -> Option<Ending> {
         match &lock(&self.shared.published).phase {
@@ -257,7 +268,7 @@ impl Job {
     pub fn progress(&self) -> Progress {
         let pace = lock(&self.shared.pace);
         let seconds = self.begun.elapsed().as_secs_f64();
-        let mut progress = Progress { share: 0.0, rays_per_second: 0.0, seconds_left: None, seconds };
+        let mut progress = Progress { share: Some(0.0), rays_per_second: 0.0, seconds_left: None, seconds };
         if let (Some(workload), Some((step, since))) = (&pace.workload, pace.step) {
             let at = Position {
                 step,
@@ -265,7 +276,7 @@ impl Job {
                 elements: self.control.elements() - pace.elements,
                 rays: self.control.rays() - pace.rays,
             };
-            progress.share = workload.share(&at) as f32;
+            progress.share = workload.share_known(&at).map(|share| share as f32);
             progress.rays_per_second = at.rays as f64 / at.seconds.max(1e-3);
             progress.seconds_left = workload.seconds_left(&at, &pace.remainders);
         }
@@ -423,17 +434,9 @@ impl<'a> Watch<'a> {
     }
 
     fn publish_bounce(&self, state: &SolveState, seconds: f64) {
-        let Some(last) = state.bounces.last() else { return };
-        let values: VertexValues = Arc::new(self.baker.at_vertices(last));
+        let Some((values, stats)) = self.last_bounce(state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
-        let unfinished = self.baker.remainder(state);
-        let areas = &self.task.areas;
-        let power = areas.iter().zip(values.iter()).map(|(a, e)| f64::from(a * luminance(*e))).sum();
-        let total = self.baker.at_vertices(&state.total());
-        let change = mean_square(areas, &values).sqrt() / mean_square(areas, &total).sqrt();
-        let change = if change.is_finite() { change } else { 0.0 };
-        let stats = BounceStats { power, change, unfinished, seconds };
-        if let Some(share) = unfinished {
+        if let Some(share) = stats.unfinished {
             let after = state.bounces.len() as u32 - 1;
             lock(&self.shared.pace).remainders.push(Remainder { after, share });
         }
@@ -442,6 +445,33 @@ impl<'a> Watch<'a> {
             p.light.current = None;
             p.light.valid = valid;
             p.stats.push(stats);
+        });
+    }
+
+    /// The light of the last bounce of a state, and what it brought.
+    fn last_bounce(&self, state: &SolveState, seconds: f64) -> Option<(VertexValues, BounceStats)> {
+        let values: VertexValues = Arc::new(self.baker.at_vertices(state.bounces.last()?));
+        let areas = &self.task.areas;
+        let power = areas.iter().zip(values.iter()).map(|(a, e)| f64::from(a * luminance(*e))).sum();
+        let total = self.baker.at_vertices(&state.total());
+        let change = mean_square(areas, &values).sqrt() / mean_square(areas, &total).sqrt();
+        let change = if change.is_finite() { change } else { 0.0 };
+        Some((values, BounceStats { power, change, unfinished: self.baker.remainder(state), seconds }))
+    }
+
+    /// Publishes all bounces anew: a round changes every one of them.
+    fn publish_round(&self, state: &SolveState) {
+        let up_to = |k: usize| SolveState { bounces: state.bounces[..=k].to_vec(), ..SolveState::new() };
+        let (bounces, stats) =
+            (0..state.bounces.len()).filter_map(|k| self.last_bounce(&up_to(k), 0.0)).unzip();
+        let tail = state.tail.as_ref().map(|tail| Arc::new(self.baker.at_vertices(tail)));
+        let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
+        let errors = state.errors.as_ref();
+        let standard_error = errors.map(|e| Arc::new(self.baker.at_vertices(&e.standard_error)));
+        let accuracy = errors.map(|errors| errors.accuracy);
+        self.shared.publish_light(|p| {
+            p.light = Light { bounces, tail, valid, standard_error, ..Light::new() };
+            (p.stats, p.accuracy) = (stats, accuracy);
         });
     }
 
@@ -468,7 +498,12 @@ impl<'a> Watch<'a> {
     }
 
     fn publish_snapshot(&self, snapshot: &Snapshot) {
-        let Step::Bounce(bounce) = snapshot.step else { return };
+        let bounce = match snapshot.step {
+            Step::Bounce(bounce) => bounce,
+            // Direct light of the first replicates, before there is any other.
+            Step::Round(0) => 0,
+            Step::Round(_) | Step::Probe | Step::FinalGather => return,
+        };
         let mut values = self.baker.at_vertices(&snapshot.current);
         let measured = self.baker.flags_at_vertices(&snapshot.measured);
         self.task.neighbours.spread(&mut values, &measured);
@@ -509,21 +544,26 @@ impl Observer for Watch<'_> {
             (pace.elements, pace.rays) = (self.control.elements(), self.control.rays());
         }
         // Before there is any light one waits for it; later the light so far stays in sight.
-        let first = if step == Step::Bounce(0) { FIRST_SNAPSHOT } else { SNAPSHOT_PERIOD };
+        let first =
+            if matches!(step, Step::Bounce(0) | Step::Round(0)) { FIRST_SNAPSHOT } else { SNAPSHOT_PERIOD };
         self.next_due(first);
         self.shared.publish_phase(match step {
             Step::Probe => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
             Step::FinalGather => Phase::FinalGather,
+            Step::Round(round) => Phase::Round(round),
         });
     }
 
     fn step_done(&self, step: Step, state: &SolveState) {
-        if !matches!(step, Step::Bounce(_)) {
-            return;
+        let since = lock(&self.shared.pace).step;
+        match step {
+            Step::Bounce(_) => {
+                self.publish_bounce(state, since.map_or(0.0, |(_, since)| since.elapsed().as_secs_f64()));
+            }
+            Step::Round(_) => self.publish_round(state),
+            Step::Probe | Step::FinalGather => return,
         }
-        let seconds = lock(&self.shared.pace).step.map_or(0.0, |(_, since)| since.elapsed().as_secs_f64());
-        self.publish_bounce(state, seconds);
         self.hand_over(|mail| mail.state = Some(state.clone()));
     }
 

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lumel::{
     BasisKind, BounceLimit, EmitterSampling, LightSampling, Memory, OpenOptions, PathPolicy, Preset,
-    RectLight, SamplerKind, SettingsPatch, SolverKind, Tail,
+    RectLight, SamplerKind, SettingsPatch, Share, SolverKind, Tail, TargetError,
 };
 
 /// The largest number of samples per receiver.
@@ -142,6 +142,18 @@ pub(crate) struct SettingsArgs {
     #[arg(long, value_name = "SIZE")]
     pub(crate) memory: Option<Memory>,
 
+    /// Add samples until values are known to this, such as 1% or 0.01: half their 95 % interval, relative. [default: off]
+    ///
+    /// Eight independent solves share the samples; their spread gives the standard error of every value, which is kept
+    /// in the solution. Vertices where it is too large get more samples, up to 64 times as many as at first and as
+    /// many rays as --memory allows. Values darker than a tenth of the mean are compared with that.
+    #[arg(long, value_name = "SHARE|off")]
+    pub(crate) target_error: Option<TargetError>,
+
+    /// With --target-error: the share of values that must be known so well. [default: 95%]
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) target_share: Option<Share>,
+
     /// Changes all random choices. [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
@@ -163,6 +175,8 @@ impl SettingsArgs {
             emitters: self.no_emissive.then_some(EmitterSampling::Off),
             solver: self.solver,
             memory: self.memory,
+            target_error: self.target_error,
+            target_share: self.target_share,
             seed: self.seed,
         }
     }

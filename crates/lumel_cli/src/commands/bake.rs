@@ -115,6 +115,7 @@ fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
     baker.resume(&solution).map_err(|error| {
         let hint = match error {
             ResumeError::Settings { .. } => "only --bounces, --remainder and --tail may differ",
+            ResumeError::TargetError => "leave out --resume",
             ResumeError::Scene(_) | ResumeError::Lighting => "give the scene and lights it was baked with",
         };
         with_hint(anyhow::Error::new(error).context(format!("cannot go on from {}", file.display())), hint)
@@ -143,6 +144,16 @@ fn tell_of_old_checkpoint(path: &Path, session: &Session) {
 /// What a user who stopped a bake wants to know.
 fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, first_bounce: usize) -> String {
     let n = state.bounces.len();
+    if let Some(errors) = &state.errors
+        && checkpoint.is_current()
+    {
+        let rounds = crate::report::counted(errors.accuracy.rounds as usize, "round", "rounds");
+        let file = checkpoint.path().display();
+        return format!(
+            "stopped; the light after {rounds} of samples is in {file}, but its rays are not: a bake with \
+             --target-error begins anew"
+        );
+    }
     if let Some(file) = args.resume.as_ref().filter(|_| n == first_bounce) {
         return format!(
             "stopped; no bounce was finished, go on as before with the same command and --resume {}",

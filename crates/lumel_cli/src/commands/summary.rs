@@ -2,7 +2,7 @@
 
 use crate::report::{self, counted};
 use crate::session::SolveLog;
-use lumel::{Baker, Solution, SolveState};
+use lumel::{Accuracy, Baker, Ended, Solution, SolveState};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -14,9 +14,9 @@ pub(crate) struct Summary {
     triangles: usize,
     /// Vertices that could not be measured.
     invalid_vertices: usize,
-    /// Direct light and all bounces.
     /// How the bounces were solved.
     method: String,
+    /// Direct light and all bounces.
     steps: Vec<StepReport>,
     /// Bounces that were there before, direct light included.
     pub(crate) resumed_bounces: usize,
@@ -24,6 +24,8 @@ pub(crate) struct Summary {
     remainder: Option<f64>,
     /// Whether an estimate of the remainder was added.
     tail: bool,
+    /// What a bake with a target error has reached.
+    error: Option<ErrorReport>,
     rays: u64,
     mrays_per_second: f64,
     threads: usize,
@@ -59,6 +61,8 @@ pub(crate) enum Step {
     Bounce(usize),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// More samples for what is above the target error.
+    Round(u32),
 }
 
 #[derive(Debug, Serialize)]
@@ -68,6 +72,68 @@ struct StepReport {
     seconds: Option<f64>,
     /// Share of the light of all bounces.
     share: Option<f64>,
+    /// Whether this was done several times, in rounds, which have the seconds.
+    #[serde(skip)]
+    in_rounds: bool,
+}
+
+/// How good a bake with a target error is. Errors are half the widths of 95 % intervals, relative.
+#[derive(Debug, Serialize)]
+struct ErrorReport {
+    target: f64,
+    target_share: f64,
+    /// Whether enough values are below the target.
+    reached: bool,
+    /// Why there were no more samples: "reached", "samples" or "memory".
+    ended: &'static str,
+    rounds: u32,
+    /// Share of values below the target, by the spread of each and its neighbours.
+    share: f64,
+    /// The same by its own spread alone.
+    own_share: f64,
+    median: f64,
+    worst: f64,
+}
+
+impl ErrorReport {
+    fn new(accuracy: &Accuracy) -> Self {
+        let Accuracy { target, share, own_share, median, worst, rounds, ended } = *accuracy;
+        let ended = match ended {
+            Some(Ended::Reached) => "reached",
+            Some(Ended::Memory) => "memory",
+            Some(Ended::Samples) | None => "samples",
+        };
+        Self {
+            target: target.error,
+            target_share: target.share,
+            reached: ended == "reached",
+            ended,
+            rounds,
+            share,
+            own_share,
+            median,
+            worst,
+        }
+    }
+
+    fn text(&self) -> [String; 2] {
+        let [share, target, wanted] = [self.share, self.target, self.target_share].map(report::percent);
+        let [median, worst] = [self.median, self.worst].map(report::percent);
+        let outcome = match self.ended {
+            "reached" => format!("error: {share} of values are within {target}, as wanted"),
+            "memory" => {
+                format!(
+                    "error: TARGET NOT REACHED, memory is full: {share} of values are within {target}, not {wanted}"
+                )
+            }
+            _ => {
+                format!(
+                    "error: TARGET NOT REACHED with 64 times the samples: {share} of values are within {target}, not {wanted}"
+                )
+            }
+        };
+        [outcome, format!("error of a value, 95 % interval: half are below {median}, the worst is {worst}")]
+    }
 }
 
 impl From<lumel::Step> for Step {
@@ -76,6 +142,7 @@ impl From<lumel::Step> for Step {
             lumel::Step::Probe => Self::Probe,
             lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
             lumel::Step::FinalGather => Self::FinalGather,
+            lumel::Step::Round(round) => Self::Round(round),
         }
     }
 }
@@ -88,6 +155,7 @@ impl Step {
             Self::Bounce(0) => "direct".to_owned(),
             Self::Bounce(k) => format!("bounce {k}"),
             Self::FinalGather => "final gather".to_owned(),
+            Self::Round(round) => format!("round {}", round + 1),
         }
     }
 }
@@ -105,10 +173,14 @@ impl Summary {
         let seconds_of = |wanted: Step| {
             log.steps.iter().find(|(step, _)| Step::from(*step) == wanted).map(|(_, seconds)| *seconds)
         };
-        let report = |step: Step, share| StepReport { step: step.key(), seconds: seconds_of(step), share };
+        let in_rounds = state.errors.is_some();
+        let report =
+            |step: Step, share| StepReport { step: step.key(), seconds: seconds_of(step), share, in_rounds };
         let probe = seconds_of(Step::Probe).map(|_| report(Step::Probe, None));
         let shares = baker.shares(state).into_iter().enumerate();
         let bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
+        let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
+        let rounds = (0..rounds).map(|round| report(Step::Round(round), None));
         let gather = seconds_of(Step::FinalGather).map(|_| report(Step::FinalGather, None));
         Self {
             scene: scene.name().to_owned(),
@@ -116,10 +188,11 @@ impl Summary {
             triangles: scene.triangle_count(),
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
             method: baker.method().to_string(),
-            steps: probe.into_iter().chain(bounces).chain(gather).collect(),
+            steps: probe.into_iter().chain(bounces).chain(gather).chain(rounds).collect(),
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),
+            error: state.errors.as_ref().map(|errors| ErrorReport::new(&errors.accuracy)),
             rays,
             mrays_per_second: 1e-6 * rays as f64 / log.seconds.max(1e-9),
             threads: rayon::current_num_threads(),
@@ -164,6 +237,7 @@ impl Summary {
             lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
         }
         lines.push(self.remainder_text());
+        lines.extend(self.error.iter().flat_map(ErrorReport::text));
         for Written { path, bytes } in &self.files {
             lines.push(format!("wrote {}, {}", path.display(), report::bytes(*bytes)));
         }
@@ -179,10 +253,15 @@ impl Summary {
 
 impl StepReport {
     fn text(&self) -> String {
-        let time = self.seconds.map_or_else(|| "done before".to_owned(), |seconds| format!("{seconds:.2} s"));
-        match self.share {
-            Some(share) => format!("{} {time}, {} of the light", self.step, report::percent(share)),
-            None => format!("{} {time}", self.step),
+        let of_light = self.share.map(|share| format!("{} of the light", report::percent(share)));
+        let time = self.seconds.map(|seconds| format!("{seconds:.2} s"));
+        match (self.in_rounds, time, of_light) {
+            (true, _, Some(light)) => format!("{} {light}", self.step),
+            (_, time, light) => {
+                let time = time.unwrap_or_else(|| "done before".to_owned());
+                let light = light.map(|light| format!(", {light}")).unwrap_or_default();
+                format!("{} {time}{light}", self.step)
+            }
         }
     }
 }

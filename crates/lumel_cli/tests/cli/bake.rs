@@ -148,3 +148,50 @@ fn strict_turns_warnings_into_exit_code_1() {
     assert_eq!(strict.code, 1);
     assert!(place.path("a.npz").exists());
 }
+
+#[test]
+fn a_target_error_is_reached_and_told_and_every_value_has_its_standard_error() {
+    let place = Place::new();
+    let line = "bake sphere --bounces 2 --target-error 5% --target-share 0.9 -o a.npz";
+    let run = crate::common::run(&mut place.lumel(line)).done();
+    assert_eq!(place.files(), ["a.npz"], "no checkpoint is left");
+    for part in ["8 independent solves", "round 1 ", "direct ", "within 5.0 %, as wanted", "95 % interval"] {
+        assert!(run.stdout.contains(part), "no {part} in {}", run.stdout);
+    }
+    let solution = place.solution("a.npz");
+    let errors = solution.standard_error.unwrap();
+    assert_eq!(errors.len(), solution.irradiance.len());
+    assert!(errors.iter().any(|error| error.y > 0.0));
+    assert_eq!(solution.meta.settings["target_share"].as_f64().unwrap() as f32, 0.9);
+    let json = crate::common::run(&mut place.lumel(&format!("{line} --json"))).done();
+    let error = serde_json::from_str::<Value>(&json.stdout).unwrap()["error"].clone();
+    assert_eq!((error["reached"].as_bool(), error["ended"].as_str()), (Some(true), Some("reached")));
+    assert!(error["share"].as_f64().unwrap() >= 0.9 && error["worst"].as_f64() >= error["median"].as_f64());
+    let resumed = crate::common::run(&mut place.lumel(&format!("{line} --resume a.npz")));
+    resumed.failed("target error");
+}
+
+#[test]
+fn a_target_error_that_is_not_reached_is_said_plainly() {
+    let place = Place::new();
+    let line = "bake sphere --bounces 1 --target-error 0.01% --memory 12MiB -o a.npz";
+    let run = crate::common::run(&mut place.lumel(line)).done();
+    assert!(run.stdout.contains("TARGET NOT REACHED, memory is full"), "{}", run.stdout);
+    let line = "--target-error 1% --memory 1KiB -o b.npz";
+    assert!(place.bake_furnace(line).failed("stored rays").stderr.contains("--memory"));
+    place.bake_furnace("--target-error 1% --solver neumann -o b.npz").failed("neumann");
+    assert_eq!(place.files(), ["a.npz"]);
+}
+
+#[test]
+fn progress_tells_rounds_and_what_they_reached() {
+    let place = Place::new();
+    let line = "bake sphere --bounces 1 --target-error 3% --progress json -o a.npz";
+    let run = crate::common::run(&mut place.lumel(line)).done();
+    let events = run.stderr.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let rounds: Vec<Value> = events.filter(|e| e["event"] == "step_done" && e["step"] == "round").collect();
+    assert!(!rounds.is_empty(), "{}", run.stderr);
+    assert!(
+        rounds.iter().enumerate().all(|(k, e)| e["round"] == k + 1 && e["share_below_target"].is_number())
+    );
+}

@@ -21,6 +21,8 @@ const FLAGS: [(&str, &[&str]); 5] = [
             "--progress",
             "--tail",
             "--remainder",
+            "--target-error",
+            "--target-share",
             "--light-sampling",
             "--sky",
             "--subdivide",

@@ -140,6 +140,7 @@ fn sampling_the_glow_as_lights_gives_the_same_mean() {
                         light_sampling: LightSampling::Analytic,
                         direct_samples: 128,
                         indirect_samples: 32,
+                        second_half: false,
                     };
                     let operator = stage.operator(storage, plan);
                     let state = solved_by(&operator, &stage, Stop::Bounces(2));

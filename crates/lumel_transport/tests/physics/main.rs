@@ -6,4 +6,5 @@ mod elements;
 mod gather;
 mod lamps;
 mod patches;
+mod portions;
 mod shadows;

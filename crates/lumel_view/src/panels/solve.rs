@@ -4,13 +4,21 @@ use crate::app::App;
 use crate::dialogs::Dialog;
 use crate::input::Command;
 use crate::prefs::{MAX_BOUNCES, MAX_DIRECT, MAX_INDIRECT};
+use crate::session::Computed;
 use crate::theme;
 use crate::widgets::{check, choice, heading, number, primary_button, row, slider};
 use eframe::egui::{Button, DragValue, RichText, Slider, Ui};
-use lumel::{BasisKind, BounceLimit, EmitterSampling, LightSampling, Preset, SamplerKind, Settings, Tail};
+use lumel::{
+    BasisKind, BounceLimit, EmitterSampling, LightSampling, Preset, SamplerKind, Settings, Share, Tail,
+    TargetError,
+};
+use std::ops::RangeInclusive;
 
 /// What the bounces slider offers when it is switched back from "until converged".
 const DEFAULT_BOUNCES: u32 = 4;
+
+/// The error that a solve stops at, when it is switched on.
+const DEFAULT_ERROR: f32 = 0.02;
 
 /// Least width of the row with the presets.
 const PRESETS_WIDTH: f32 = 240.0;
@@ -21,6 +29,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     presets(ui, settings);
     samples(ui, settings);
     bounces(ui, settings);
+    target(ui, settings);
     ui.collapsing("More", |ui| more(ui, settings));
     live(app, ui);
     ui.add_space(4.0);
@@ -31,7 +40,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         if ui.button("Load solution...").clicked() {
             app.dialogs.open(Dialog::load_solution(&app.session));
         }
-        let ready = app.session.computed().is_some_and(|c| c.complete && c.solved.is_some());
+        let unknown = |c: &Computed| c.complete && c.solved.is_some() && c.accuracy().is_none();
+        let ready = app.session.computed().is_some_and(unknown);
         let button = ui.add_enabled(ready && !app.session.is_solving(), Button::new("Measure standard error"));
         let hint = "Measures the light at every vertex again with eight independent sets of samples; takes about as \
                     long as the solve. It is the error of sampling there, not of the light that is gathered.";
@@ -64,10 +74,7 @@ fn buttons(app: &mut App, ui: &mut Ui) {
             }
             return;
         }
-        let half_done = !app.session.light.is_empty()
-            && !app.session.is_stale()
-            && app.session.computed().is_some_and(|c| !c.complete);
-        let text = if half_done { "Go on" } else { "Solve" };
+        let text = if app.session.can_go_on() { "Go on" } else { "Solve" };
         if primary_button(ui, text, width).on_hover_text("Enter").clicked() {
             app.run(Command::Solve, &ctx);
         }
@@ -147,6 +154,33 @@ fn bounces(ui: &mut Ui, settings: &mut Settings) {
     let hint = "Adds the bounces that are not computed, as a geometric series of the last";
     if check(ui, "Estimate the rest", hint, &mut tail).changed() {
         settings.tail = if tail { Tail::Geometric } else { Tail::Off };
+    }
+}
+
+/// The error to stop at.
+fn target(ui: &mut Ui, settings: &mut Settings) {
+    let mut stops = settings.target_error != TargetError::Off;
+    let hint = "Solves eight times with independent samples, and adds samples where the spread is above a target. The \
+                numbers of samples above are those to begin with.";
+    if check(ui, "Stop at an error", hint, &mut stops).changed() {
+        let start = Share::new(DEFAULT_ERROR).map_or(TargetError::Off, TargetError::At);
+        settings.target_error = if stops { start } else { TargetError::Off };
+    }
+    let TargetError::At(error) = &mut settings.target_error else { return };
+    percent(ui, "Error", "Half the width of a value's 95 % interval, relative to it", error, 0.1..=50.0);
+    let hint = "How many of all values must be as good as that";
+    percent(ui, "Share of values", hint, &mut settings.target_share, 50.0..=99.9);
+}
+
+/// A share that is edited in percent.
+fn percent(ui: &mut Ui, name: &str, hint: &str, share: &mut Share, range: RangeInclusive<f32>) {
+    // Four digits, without those of binary fractions.
+    let before = (1e6 * share.get()).round() / 1e4;
+    let mut shown = before;
+    let drag = DragValue::new(&mut shown).range(range).speed(0.1).suffix(" %").max_decimals(2);
+    row(ui, name, hint, |ui| ui.add(drag));
+    if let Some(new) = Share::new(shown / 100.0).filter(|_| shown != before) {
+        *share = new;
     }
 }
 

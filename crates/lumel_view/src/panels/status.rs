@@ -4,7 +4,7 @@ use crate::app::App;
 use crate::solver::Phase;
 use crate::theme;
 use eframe::egui::{self, ProgressBar, RichText, Ui};
-use lumel::BounceLimit;
+use lumel::{Accuracy, BounceLimit};
 
 pub(crate) fn status(app: &mut App, ui: &mut Ui) {
     ui.horizontal(|ui| {
@@ -38,10 +38,17 @@ fn state(app: &App) -> (String, egui::Color32) {
         return ("Lights or settings have changed: Enter solves anew".to_owned(), theme::WARNING);
     }
     match session.computed() {
-        Some(computed) if !computed.complete => ("Stopped: Enter goes on".to_owned(), theme::WARNING),
+        Some(computed) if !computed.complete => {
+            let goes_on = if session.can_go_on() { "goes on" } else { "begins anew" };
+            (format!("Stopped: Enter {goes_on}"), theme::WARNING)
+        }
         Some(computed) => {
             let time = computed.seconds.map_or_else(String::new, |s| format!(" in {s:.1} s"));
-            (format!("Solved: {}{time}", computed.label(&session.light)), theme::GOOD)
+            let accuracy = computed.accuracy();
+            let missed = accuracy.is_some_and(|a| a.ended != Some(lumel::Ended::Reached));
+            let within = accuracy.map_or_else(String::new, |a| format!(", {}", within(&a)));
+            let text = format!("Solved: {}{time}{within}", computed.label(&session.light));
+            (text, if missed { theme::WARNING } else { theme::GOOD })
         }
         None => (String::new(), theme::WEAK),
     }
@@ -50,7 +57,12 @@ fn state(app: &App) -> (String, egui::Color32) {
 fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
     let Some(job) = app.session.job() else { return };
     let progress = job.progress();
-    ui.add(ProgressBar::new(progress.share).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT));
+    match progress.share {
+        Some(share) => {
+            ui.add(ProgressBar::new(share).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT));
+        }
+        None => drop(ui.spinner()),
+    }
     let of = match app.session.settings.bounces {
         BounceLimit::Count(n) => format!(" of {n}"),
         BounceLimit::All => String::new(),
@@ -61,9 +73,13 @@ fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
         Phase::Bounce(0) => "Direct light".to_owned(),
         Phase::Bounce(k) => format!("Bounce {k}{of}"),
         Phase::FinalGather => "Final gather".to_owned(),
+        Phase::Round(round) => format!("Round {}", round + 1),
         Phase::StandardError => "Measuring the standard error".to_owned(),
         Phase::Ended(_) => String::new(),
     };
+    if let Some(accuracy) = job.accuracy() {
+        text += &format!("  |  {}", within(&accuracy));
+    }
     if progress.rays_per_second > 0.0 {
         text += &format!("  |  {:.2} Mrays/s", progress.rays_per_second / 1e6);
     }
@@ -71,6 +87,17 @@ fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
         text += &format!("  |  {} left", duration(seconds));
     }
     ui.label(RichText::new(text).color(theme::TEXT));
+}
+
+/// What a solve with a target error has reached.
+fn within(accuracy: &Accuracy) -> String {
+    let Accuracy { share, target, .. } = accuracy;
+    format!("{:.1} % of values within {}", 100.0 * share, percent(target.error))
+}
+
+/// A share in percent, in as many digits as it was asked for.
+fn percent(share: f64) -> String {
+    format!("{} %", (1e6 * share).round() / 1e4)
 }
 
 /// A time in words: "12 s", "3 min 20 s", "2 h 5 min".

@@ -219,15 +219,22 @@ impl Session {
     fn take_in(&mut self, loaded: LoadedLight) {
         let LoadedLight { path, file, purpose } = loaded;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let light = light_from(&file);
         if purpose == Purpose::Compare {
+            let light = light_from(&file);
             self.notices.push(Level::Info, format!("Kept for comparison: {name}"));
             self.kept.push(Kept { name, light, id: self.next_kept });
             self.next_kept += 1;
             return;
         }
+        self.show_light(file, name.clone(), true);
+        self.notices.push(Level::Info, format!("Loaded {name}"));
+    }
+
+    /// Shows light of a file in place of what there is; a running solve stops.
+    pub(super) fn show_light(&mut self, file: LightFile, name: String, saved: bool) {
         self.end_solve();
         let Some(document) = &self.document else { return };
+        let light = light_from(&file);
         let solution = match file {
             LightFile::Solution(solution) => Some(Arc::new(*solution)),
             LightFile::Rad(_) => None,
@@ -246,10 +253,10 @@ impl Session {
             lights: same_lights.then(|| shining(&self.lights)),
             settings: solution.as_ref().and_then(|s| serde_json::from_value(s.meta.settings.clone()).ok()),
             complete: solution.as_ref().is_none_or(|s| s.meta.complete),
-            saved: true,
+            saved,
             solved: None,
             file: solution,
-            origin: Some(name.clone()),
+            origin: Some(name),
             seconds: None,
         });
         // Solving goes on where the file ends, so its settings are those one sees.
@@ -260,7 +267,6 @@ impl Session {
         self.stats.clear();
         self.light = light;
         self.light_generation += 1;
-        self.notices.push(Level::Info, format!("Loaded {name}"));
     }
 }
 

@@ -23,6 +23,9 @@ impl Session {
         if self.settings.solver == lumel::SolverKind::Neumann {
             return Some("rays are not stored");
         }
+        if self.settings.target_error != lumel::TargetError::Off {
+            return Some("an error to stop at needs new rays");
+        }
         (!document.baker.has_rays_of(&self.settings)).then_some("solve once, then all rays are stored")
     }
 

@@ -7,7 +7,7 @@ use crate::notice::Level;
 use crate::recovery::{Note, Recovery};
 use crate::selection::Light;
 use crate::solver::{Ending, Job, Keep, Phase, Solved, Start, Task, Work};
-use lumel::{LightEntry, RectLight, Scene, Settings, Solution, SolveState};
+use lumel::{Accuracy, LightEntry, LightFile, RectLight, Scene, Settings, Solution, SolveState, TargetError};
 use std::sync::Arc;
 
 /// What the light on the surfaces was computed from.
@@ -34,11 +34,19 @@ pub struct Computed {
 }
 
 impl Computed {
+    /// What a solve with a target error has reached.
+    pub fn accuracy(&self) -> Option<Accuracy> {
+        Some(self.solved.as_ref()?.state.errors.as_ref()?.accuracy)
+    }
+
     /// What it is, in a few words.
     pub fn label(&self, light: &Light) -> String {
         let bounces = light.bounce_count().saturating_sub(1);
         match (&self.settings, &self.origin) {
             (_, Some(origin)) => origin.clone(),
+            (Some(s), None) if s.target_error != TargetError::Off => {
+                format!("{} rays as far as needed, {bounces} bounces", s.sampler)
+            }
             (Some(s), None) => {
                 format!("{} {}+{} rays, {bounces} bounces", s.sampler, s.direct_samples, s.indirect_samples)
             }
@@ -138,6 +146,14 @@ impl Session {
         self.start_solve(Start::Anew);
     }
 
+    /// Whether the next solve goes on where one was stopped; one with a target error does not keep its rays.
+    pub fn can_go_on(&self) -> bool {
+        self.settings.target_error == TargetError::Off
+            && !self.light.is_empty()
+            && !self.is_stale()
+            && self.computed.as_ref().is_some_and(|computed| !computed.complete)
+    }
+
     /// Where the next solve begins; `None` when there is nothing left to do.
     fn start_point(&self) -> Option<Start> {
         let Some(computed) = &self.computed else { return Some(Start::Anew) };
@@ -148,6 +164,9 @@ impl Session {
         }
         if computed.complete && computed.settings.as_ref() == Some(&self.settings) {
             return None;
+        }
+        if self.settings.target_error != TargetError::Off {
+            return Some(Start::Anew);
         }
         match (&computed.solved, &computed.file) {
             (Some(solved), _) => Some(Start::From(self.wanted(&solved.state))),
@@ -278,10 +297,10 @@ impl Session {
             return;
         };
         let before = running.job.settings();
-        let same_bounces = before.same_bounces_as(&self.settings);
+        let same_bounces = before.same_bounces_as(&self.settings) && before.target_error == TargetError::Off;
         let (then, text) = if running.lights != shining(&self.lights) {
             (Then::Restart, "The lights have changed: solving anew")
-        } else if !same_bounces {
+        } else if *before != self.settings && !same_bounces {
             (Then::Restart, "The settings have changed: solving anew")
         } else if *before != self.settings {
             (Then::GoOn, "Going on with another number of bounces")
@@ -343,7 +362,8 @@ impl Session {
             }
             (Ending::Stopped, Then::Rest) => {
                 let text = match self.light.bounces.len() {
-                    0 => "Stopped before direct light was done",
+                    0 => "Stopped before there was any light",
+                    _ if !self.can_go_on() => "Stopped; the light is that of the last finished round",
                     _ => "Stopped; Enter goes on after the last finished bounce",
                 };
                 self.notices.push(Level::Info, text);
@@ -452,6 +472,16 @@ impl Session {
         }
         if left.bounces > 0 {
             match Solution::load(&recovery.checkpoint()) {
+                Ok(solution) if left.settings.target_error != TargetError::Off => {
+                    // Its rays are not kept, so it cannot be gone on with.
+                    let text = format!("Restored {}; Enter begins anew", left.summary());
+                    self.notices.push(Level::Info, text);
+                    self.show_light(
+                        LightFile::Solution(Box::new(solution)),
+                        "unsaved solution".into(),
+                        false,
+                    );
+                }
                 Ok(solution) => {
                     self.notices.push(Level::Info, format!("Restored {}", left.summary()));
                     self.start_solve(Start::FromFile(Box::new(solution)));

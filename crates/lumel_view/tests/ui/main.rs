@@ -21,5 +21,6 @@ mod settings;
 mod snapshots;
 mod solutions;
 mod solve;
+mod target;
 mod view;
 mod window;

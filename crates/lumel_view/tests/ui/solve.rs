@@ -44,7 +44,7 @@ fn enter_starts_and_escape_stops_at_once() {
 #[test]
 fn the_stop_button_stops_at_once() {
     stops_in_time(|window| {
-        window.wait_until("the progress", |app| app.session.job().unwrap().progress().share > 0.0);
+        window.wait_until("the progress", |app| app.session.job().unwrap().progress().share > Some(0.0));
         assert!(window.reads("Bounce 1 of 2"));
         let at = window.find(Role::Button, "Stop").rect().center();
         window.drag_at(at);

@@ -1,0 +1,244 @@
+//! Stopping at an error: settings, and the operators of replicates.
+
+use crate::settings::{NumberOrText, Settings};
+use lumel_basis::{Basis, Measure};
+use lumel_sample::SamplerKind;
+use lumel_solve::{REPLICATES, Replicates, Target};
+use lumel_transport::{CachedTransport, Plan, Rows, Transport};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// Fewer samples than this say little about what a replicate sees, and the bias of stored rays is 1.5 % over their number.
+const MIN_SAMPLES: u32 = 16;
+
+/// A node gets this many doublings of its first samples at most: 64 times as many.
+const DOUBLINGS: u32 = 6;
+
+/// What the shadow rays of each replicate are more or less than the mean.
+///
+/// An edge parallel to a light's cuts off `s N` of `N` evenly spread points, rounded up or down. Eight replicates of the
+/// same `N` would often all round to the same side, agree, and be wrong by far more than their spread; with as many
+/// different `N` they do not.
+const OFFSETS: [i32; REPLICATES] = [-4, -3, -2, -1, 1, 2, 3, 4];
+
+/// A share, as `0.01` or `1%`: above 0, below 1.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[serde(try_from = "NumberOrText<f32>", into = "f32")]
+pub struct Share(f32);
+
+impl Share {
+    /// 95 %.
+    pub const MOST: Self = Self(0.95);
+
+    /// The share, if it lies between 0 and 1.
+    pub fn new(share: f32) -> Option<Self> {
+        (share > 0.0 && share < 1.0).then_some(Self(share))
+    }
+
+    /// As a number.
+    pub fn get(self) -> f32 {
+        self.0
+    }
+}
+
+impl Default for Share {
+    fn default() -> Self {
+        Self::MOST
+    }
+}
+
+impl FromStr for Share {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        let share = text.strip_suffix('%').map_or_else(|| number(text), |text| Some(number(text)? / 100.0));
+        let share = share.and_then(|share| Self::new(share as f32));
+        share.ok_or_else(|| format!("\"{text}\" is no share between 0 and 1; write for example 0.01 or 1%"))
+    }
+}
+
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Four digits, without those of binary fractions.
+        write!(f, "{} %", (1e6 * f64::from(self.0)).round() / 1e4)
+    }
+}
+
+/// The error at which a bake stops.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "NumberOrText<f32>", into = "NumberOrText<f32>")]
+pub enum TargetError {
+    /// None: the samples of the settings decide.
+    #[default]
+    Off,
+    /// Half the width of a value's 95 % interval, relative to it.
+    At(Share),
+}
+
+impl fmt::Display for TargetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Off => f.write_str("off"),
+            Self::At(error) => error.fmt(f),
+        }
+    }
+}
+
+impl FromStr for TargetError {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "off" { Ok(Self::Off) } else { text.parse().map(Self::At) }
+    }
+}
+
+impl TryFrom<NumberOrText<f32>> for Share {
+    type Error = String;
+
+    fn try_from(value: NumberOrText<f32>) -> Result<Self, String> {
+        match value {
+            NumberOrText::Number(share) => {
+                Self::new(share).ok_or_else(|| format!("{share} does not lie between 0 and 1"))
+            }
+            NumberOrText::Text(text) => text.parse(),
+        }
+    }
+}
+
+impl From<Share> for f32 {
+    fn from(share: Share) -> Self {
+        share.0
+    }
+}
+
+impl TryFrom<NumberOrText<f32>> for TargetError {
+    type Error = String;
+
+    fn try_from(value: NumberOrText<f32>) -> Result<Self, String> {
+        match value {
+            NumberOrText::Text(text) => text.parse(),
+            number @ NumberOrText::Number(_) => number.try_into().map(Self::At),
+        }
+    }
+}
+
+impl From<TargetError> for NumberOrText<f32> {
+    fn from(error: TargetError) -> Self {
+        match error {
+            TargetError::Off => Self::Text("off".to_owned()),
+            TargetError::At(share) => Self::Number(share.0),
+        }
+    }
+}
+
+/// The target of the settings.
+pub(crate) fn target(settings: &Settings) -> Option<Target> {
+    let TargetError::At(error) = settings.target_error else { return None };
+    Some(Target {
+        error: error.0.into(),
+        share: settings.target_share.0.into(),
+        rounds: DOUBLINGS + 1,
+        memory: settings.memory.0,
+    })
+}
+
+/// The samples of each replicate in the first round: an eighth of those of the settings, or less where the rays that
+/// this stores, `bytes(rays)` of a replicate, do not fit.
+pub(crate) fn first_plan(settings: &Settings, bytes: impl Fn(u32) -> u64) -> Plan {
+    let share = |samples: u32| samples.div_ceil(REPLICATES as u32).max(MIN_SAMPLES);
+    let mut rays = share(settings.indirect_samples);
+    while rays > MIN_SAMPLES && REPLICATES as u64 * bytes(rays) > settings.memory.0 {
+        rays = (rays / 2).max(MIN_SAMPLES);
+    }
+    Plan { direct_samples: share(settings.direct_samples), indirect_samples: rays, ..settings.plan() }
+}
+
+/// Operators of replicates on stored rays.
+pub(crate) struct StoredReplicates<B> {
+    /// Traces nothing itself.
+    pub(crate) like: CachedTransport<B>,
+    pub(crate) first: Plan,
+    pub(crate) textured: bool,
+    pub(crate) measure: Measure,
+}
+
+impl<B> StoredReplicates<B> {
+    fn plan(&self, replicate: u32, times: u32) -> Plan {
+        let direct =
+            self.first.direct_samples.saturating_add_signed(OFFSETS[replicate as usize % REPLICATES]);
+        Plan {
+            direct_samples: direct.saturating_mul(times),
+            indirect_samples: self.first.indirect_samples.saturating_mul(times),
+            ..self.first
+        }
+    }
+}
+
+impl<B: Basis + 'static> Replicates for StoredReplicates<B> {
+    fn operator(&self, replicate: u32, round: u32, times: u32, nodes: &[bool]) -> Box<dyn Transport> {
+        // As many samples as all before go on where those ended, and are spread evenly with them.
+        let second_half = round > 0 && self.first.sampler != SamplerKind::Stratified;
+        let seed = seed_of(self.first.seed, replicate, if second_half { 0 } else { round });
+        let plan = Plan { seed, second_half, ..self.plan(replicate, times) };
+        Box::new(self.like.with_samples(plan, nodes))
+    }
+
+    fn bytes(&self, times: u32, nodes: &[bool]) -> u64 {
+        let per_element = self.plan(0, times).rays_per_element(self.measure);
+        Rows::bytes_for(self.like.elements_towards(nodes), per_element, self.textured)
+    }
+}
+
+/// Seeds that differ in all bits for neighbouring numbers: the finalizer of SplitMix64 (Steele, Lea, Flood 2014).
+fn seed_of(seed: u64, replicate: u32, round: u32) -> u64 {
+    let number = u64::from(round) << 32 | u64::from(replicate + 1);
+    let mut x = seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_read_as_people_write_them() {
+        for (text, share) in [("1%", 0.01), ("0.01", 0.01), (" 2.5 % ", 0.025), ("95%", 0.95)] {
+            assert_eq!(text.parse(), Ok(Share(share)), "{text}");
+        }
+        for text in ["", "0", "1", "100%", "-1%", "NaN", "one"] {
+            assert!(text.parse::<Share>().unwrap_err().contains("1%"), "{text}");
+        }
+        assert_eq!(Share(0.01).to_string(), "1 %");
+        assert_eq!(Share(0.025).to_string(), "2.5 %");
+        let read = |text| serde_json::from_str::<TargetError>(text).unwrap();
+        assert_eq!([read("\"2%\""), read("0.02")], [TargetError::At(Share(0.02)); 2]);
+        assert_eq!(read("\"off\""), TargetError::Off);
+        let written = serde_json::to_string(&[TargetError::Off, TargetError::At(Share(0.5))]).unwrap();
+        assert_eq!(written, r#"["off",0.5]"#);
+    }
+
+    #[test]
+    fn replicates_share_the_samples_of_the_settings_and_get_fewer_rays_where_memory_is_short() {
+        let settings = Settings { direct_samples: 64, indirect_samples: 1024, ..Settings::default() };
+        let plan = |bytes: u64| first_plan(&settings, |rays| u64::from(rays) * bytes);
+        assert_eq!((plan(1).direct_samples, plan(1).indirect_samples), (MIN_SAMPLES, 128));
+        let limit = settings.memory.0;
+        assert_eq!(plan(limit / (8 * 64)).indirect_samples, 64);
+        assert_eq!(plan(limit).indirect_samples, MIN_SAMPLES);
+    }
+
+    #[test]
+    fn every_replicate_and_round_has_a_seed_of_its_own() {
+        let mut seeds: Vec<u64> = (0..2)
+            .flat_map(|seed| (0..8).flat_map(move |r| (0..7).map(move |k| seed_of(seed, r, k))))
+            .collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), 2 * 8 * 7);
+    }
+}

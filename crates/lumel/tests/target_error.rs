@@ -1,0 +1,305 @@
+//! Stopping at an error: what the stated intervals are worth, on scenes whose light is known.
+//!
+//! An interval of 95 % that holds the truth 93 to 97 % of the time is what was promised. Values of one solve are
+//! correlated, those of different seeds are not: the share of each seed is one observation, and the spread of these shares
+//! tells how well their mean is known.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
+
+use glam::{DVec3, Vec3};
+use lumel::{
+    Baker, BasisKind, BounceLimit, CONFIDENCE_95, Control, EmitterSampling, Ended, Light, Memory, Method,
+    Observer, Scene, SceneBuilder, Settings, Silent, Snapshot, SolveError, SolveState, Step, Tail,
+    TargetError,
+};
+use lumel_basis::{Field, NodeId};
+use lumel_testkit::mesh::{Facing, cuboid, quad};
+use lumel_testkit::scene::{ceiling_light, grey, scene, two_sided, varying_sphere};
+use lumel_testkit::{Estimate, form_factor, rms};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// What has no noise may be off by this, relative: origins of rays lie a little above their surface.
+const ROUNDING: f64 = 5e-5;
+
+fn built(builder: SceneBuilder) -> Arc<Scene> {
+    Arc::new(builder.build().unwrap().0)
+}
+
+fn settings(target: &str, bounces: u32) -> Settings {
+    Settings {
+        bounces: BounceLimit::Count(bounces),
+        target_error: target.parse().unwrap(),
+        direct_samples: 64,
+        indirect_samples: 256,
+        ..Settings::default()
+    }
+}
+
+fn solved(scene: &Arc<Scene>, settings: Settings) -> SolveState {
+    let mut state = SolveState::new();
+    Baker::new(Arc::clone(scene), settings).run(&mut state, &Control::default(), &Silent).unwrap();
+    state
+}
+
+/// What many solves say about their own errors.
+struct Honesty {
+    /// Per seed, the share of values whose interval holds the truth.
+    covered: Estimate,
+    /// Root mean square of the relative errors.
+    rms: f64,
+    /// Share of values that are within the target.
+    within: f64,
+}
+
+impl Honesty {
+    /// Solves with each of `seeds`. Values that have no noise, and rightly so, do not count.
+    fn of(scene: &Arc<Scene>, truth: &Field, settings: &Settings, seeds: std::ops::Range<u64>) -> Self {
+        let TargetError::At(target) = settings.target_error else { panic!("there is no target") };
+        let known = || truth.values().iter().map(|v| f64::from(v.y)).filter(|v| !v.is_nan());
+        let floor = 0.1 * known().sum::<f64>() / known().count() as f64;
+        let (mut shares, mut errors) = (Vec::new(), Vec::new());
+        for seed in seeds {
+            let state = solved(scene, Settings { seed, ..settings.clone() });
+            let (total, spread) = (state.total(), &state.errors.as_ref().unwrap().standard_error);
+            assert_eq!(state.errors.as_ref().unwrap().accuracy.ended, Some(Ended::Reached));
+            let (mut inside, mut all) = (0.0, 0.0);
+            for node in (0..total.len()).filter(|&node| state.valid[node]) {
+                let of = |field: &Field| f64::from(field.values()[node].y);
+                let (off, truth, half) = (of(&total) - of(truth), of(truth), CONFIDENCE_95 * of(spread));
+                let rounding = ROUNDING * truth.max(floor);
+                if truth.is_nan() || half < rounding && off.abs() <= rounding {
+                    continue;
+                }
+                all += 1.0;
+                inside += f64::from(u8::from(off.abs() <= half + rounding));
+                errors.push(off / truth.max(floor));
+            }
+            shares.push(inside / all);
+        }
+        let limit = f64::from(target.get());
+        let within = errors.iter().filter(|error| error.abs() <= limit).count() as f64 / errors.len() as f64;
+        Self { covered: Estimate::new(shares), rms: rms(errors), within }
+    }
+
+    /// Fails unless intervals hold the truth 93 to 97 % of the time and the target is met.
+    #[track_caller]
+    fn assert_kept(&self, target: f64, what: &str) {
+        let Self { covered, rms, within } = self;
+        println!(
+            "{what}: covered {:.4} ± {:.4}, rms {rms:.5}, within {within:.4}",
+            covered.mean, covered.error
+        );
+        assert!(covered.error < 0.005, "{what}: more seeds are needed, {covered:?}");
+        assert!((0.93..=0.97).contains(&covered.mean), "{what}: {covered:?}");
+        // Half an interval is 2.36 standard errors of the mean.
+        assert!(*rms < target / 2.0, "{what}: a root mean square of {rms}");
+        assert!(*within > 0.95, "{what}: {within} of values");
+    }
+}
+
+const LIGHT: [[f64; 2]; 2] = [[-0.5, 0.5]; 2];
+const SCREEN: [[f64; 2]; 2] = [[0.0, 1.0], [-1.0, 1.0]];
+
+/// A floor under a square light and a screen that hides half of it.
+fn shadowed_floor() -> Arc<Scene> {
+    let corners = |x: [f32; 2], y: [f32; 2], z: f32| {
+        [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x, y, z))
+    };
+    let floor = quad(corners([-1.0, 3.0], [-2.0, 2.0], 0.0), [40, 40], 0);
+    let screen = quad(corners([0.0, 1.0], [-1.0, 1.0], 1.0), [1, 1], 1);
+    let light = Light::Rect(ceiling_light(Vec3::new(0.0, 0.0, 2.0), 1.0, 1.0, 1.0));
+    built(scene(vec![floor, screen], vec![grey(0.0, 0.0), two_sided(grey(0.0, 0.0))], vec![light]))
+}
+
+/// Irradiance on the floor in closed form.
+fn on_the_floor(point: DVec3) -> f64 {
+    let factor = |polygon: &[DVec3]| form_factor::polygon(polygon, point, DVec3::Z);
+    let light = form_factor::facing_down(LIGHT[0], LIGHT[1], 2.0);
+    let hidden = form_factor::hidden_part(LIGHT, 2.0, SCREEN, 1.0, point);
+    PI * (factor(&light) - hidden.map_or(0.0, |hidden| factor(&hidden)))
+}
+
+fn field_of(scene: &Arc<Scene>, value: impl Fn(Vec3) -> f64) -> Field {
+    let basis = lumel_basis::VertexBasis::new(Arc::clone(scene));
+    let mut values = vec![Vec3::ZERO; lumel_basis::Receivers::node_count(&basis)];
+    for (vertex, &NodeId(node)) in lumel_basis::Basis::node_of_vertex(&basis).iter().enumerate() {
+        values[node as usize] = Vec3::splat(value(scene.positions()[vertex]) as f32);
+    }
+    Field::from_values(values)
+}
+
+#[test]
+fn in_a_penumbra_the_truth_lies_within_95_of_100_intervals() {
+    let scene = shadowed_floor();
+    // The screen itself does not count.
+    let truth = field_of(&scene, |p| if p.z > 0.5 { f64::NAN } else { on_the_floor(p.as_dvec3()) });
+    for (target, text) in [(0.05, "5%"), (0.02, "2%"), (0.01, "1%")] {
+        let honesty = Honesty::of(&scene, &truth, &settings(text, 0), 0..24);
+        honesty.assert_kept(target, &format!("penumbra at {text}"));
+    }
+}
+
+/// A room of walls of different greys with a lamp and a board in it.
+fn room() -> Arc<Scene> {
+    let greys = [0.2, 0.7, 0.5, 0.6, 0.4, 0.8, 0.5].map(|albedo| grey(albedo, 0.0));
+    let mut meshes = cuboid(Vec3::ZERO, Vec3::ONE, 9, Facing::Inward, [0, 1, 2, 3, 4, 5]);
+    let board = [[0.3, 0.3], [0.7, 0.3], [0.7, 0.8], [0.3, 0.8]].map(|[x, y]| Vec3::new(x, y, 0.53));
+    meshes.push(quad(board, [4, 4], 6));
+    let mut materials = greys.to_vec();
+    materials[6] = two_sided(materials[6].clone());
+    let light = Light::Rect(ceiling_light(Vec3::new(0.5, 0.5, 0.95), 0.3, 0.3, 10.0));
+    built(scene(meshes, materials, vec![light]))
+}
+
+/// A solve of the same discrete operator whose errors are a tenth of those that are looked for.
+fn reference(scene: &Arc<Scene>, settings: &Settings, samples: u32) -> SolveState {
+    let (target_error, memory) = (TargetError::Off, Memory(2 << 30));
+    let samples = Settings { direct_samples: samples, indirect_samples: samples, ..settings.clone() };
+    solved(scene, Settings { target_error, memory, seed: 1 << 40, ..samples })
+}
+
+#[test]
+fn with_all_that_bounces_carry_the_truth_lies_within_95_of_100_intervals() {
+    let scene = room();
+    for (basis, target, text) in [
+        (BasisKind::Vertex, 0.05, "5%"),
+        (BasisKind::Vertex, 0.02, "2%"),
+        (BasisKind::VertexArea, 0.05, "5%"),
+    ] {
+        let settings = Settings { basis, ..settings(text, 4) };
+        let truth = reference(&scene, &settings, 1 << 16);
+        let honesty = Honesty::of(&scene, &truth.total(), &settings, 0..16);
+        honesty.assert_kept(target, &format!("room at {text}, {basis:?}"));
+    }
+}
+
+#[test]
+fn on_the_varying_sphere_the_known_irradiance_lies_within_95_of_100_intervals() {
+    let scene = built(varying_sphere(4));
+    let truth = field_of(&scene, |_| 2.0);
+    let settings = Settings {
+        bounces: BounceLimit::All,
+        remainder: 1e-4,
+        emitters: EmitterSampling::Rays,
+        ..settings("4%", 0)
+    };
+    Honesty::of(&scene, &truth, &settings, 0..12).assert_kept(0.04, "varying sphere");
+}
+
+#[test]
+fn a_solve_to_an_error_has_the_same_bits_on_any_number_of_threads() {
+    let scene = room();
+    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+        let states = [1, 3].map(|n| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+            pool.install(|| solved(&scene, Settings { basis, ..settings("5%", 2) }))
+        });
+        assert!(states[0] == states[1], "{basis:?}");
+        assert!(states[0].errors.as_ref().unwrap().accuracy.rounds > 1, "nothing was added");
+    }
+}
+
+/// Stops at the start of a round and remembers how the one before it ended.
+struct Stopper<'a> {
+    at: Step,
+    control: &'a Control,
+    last: std::sync::Mutex<Option<SolveState>>,
+}
+
+impl Observer for Stopper<'_> {
+    fn step_started(&self, step: Step) {
+        if step == self.at {
+            self.control.cancel();
+        }
+    }
+
+    fn step_done(&self, _: Step, state: &SolveState) {
+        *self.last.lock().unwrap() = Some(state.clone());
+    }
+}
+
+#[test]
+fn a_solve_that_is_stopped_keeps_its_last_finished_round() {
+    let (scene, control) = (room(), Control::default());
+    let stopper = Stopper { at: Step::Round(2), control: &control, last: Default::default() };
+    let baker = Baker::new(scene, settings("2%", 2));
+    let mut state = SolveState::new();
+    let result = baker.run(&mut state, &control, &stopper);
+    assert!(matches!(result, Err(SolveError::Cancelled(_))));
+    let accuracy = state.errors.as_ref().unwrap().accuracy;
+    assert_eq!((accuracy.rounds, accuracy.ended, state.bounces.len()), (2, None, 3));
+    assert_eq!(Some(&state), stopper.last.into_inner().unwrap().as_ref());
+    let solution = baker.solution(&state);
+    let errors = solution.standard_error.unwrap();
+    assert_eq!(errors.len(), solution.irradiance.len());
+    assert!(errors.iter().any(|error| error.y > 0.0));
+}
+
+/// Keeps the last snapshot.
+#[derive(Default)]
+struct Album(std::sync::Mutex<Option<Snapshot>>);
+
+impl Observer for Album {
+    fn wants_snapshot(&self) -> bool {
+        true
+    }
+
+    fn snapshot(&self, snapshot: Snapshot) {
+        *self.0.lock().unwrap() = Some(snapshot);
+    }
+}
+
+#[test]
+fn bounces_add_up_to_the_mean_whose_error_is_told() {
+    let (mut state, album) = (SolveState::new(), Album::default());
+    let tail = Tail::Geometric;
+    Baker::new(room(), Settings { tail, ..settings("5%", 3) })
+        .run(&mut state, &Control::default(), &album)
+        .unwrap();
+    assert!(state.bounces.len() == 4 && state.tail.is_some());
+    // The mean of the replicates' totals is that of their bounces and tails, each rounded once.
+    let snapshot = album.0.into_inner().unwrap().unwrap();
+    for (sum, mean) in state.total().values().iter().zip(snapshot.total.values()) {
+        assert!((*sum - *mean).abs().max_element() <= 1e-6 * mean.max_element(), "{sum} is not {mean}");
+    }
+}
+
+#[test]
+fn memory_ends_a_solve_before_its_target_and_too_little_of_it_refuses_one() {
+    let scene = room();
+    let with = |memory: u64| Settings { memory: Memory(memory), ..settings("0.1%", 1) };
+    let Method::Replicates { rays, memory: Memory(first), .. } =
+        Baker::new(Arc::clone(&scene), with(1 << 30)).method()
+    else {
+        panic!("no replicates")
+    };
+    assert_eq!(rays, 256 / 8);
+    let state = solved(&scene, with(2 * first));
+    let accuracy = state.errors.unwrap().accuracy;
+    assert_eq!((accuracy.ended, accuracy.rounds), (Some(Ended::Memory), 2));
+    assert!(accuracy.share < 0.95 && accuracy.worst > 0.001);
+    // Half of the rays need half of the memory; with less than 16 there is no start.
+    let baker = Baker::new(Arc::clone(&scene), with(first / 2));
+    let half = Memory(first / 2);
+    assert!(matches!(baker.method(), Method::Replicates { rays: 16, memory, .. } if memory == half));
+    let baker = Baker::new(scene, with(first / 2 - 1));
+    let result = baker.run(&mut SolveState::new(), &Control::default(), &Silent);
+    assert_eq!(result, Err(SolveError::Memory { needed: first / 2, allowed: first / 2 - 1 }));
+}
+
+#[test]
+fn only_what_is_above_the_target_gets_more_samples() {
+    let rays = |target: &str| {
+        let (mut state, control) = (SolveState::new(), Control::default());
+        Baker::new(shadowed_floor(), settings(target, 0)).run(&mut state, &control, &Silent).unwrap();
+        (state.errors.unwrap().accuracy, control.rays())
+    };
+    let (first, rays_at_first) = rays("90%");
+    let (last, rays_at_last) = rays("2%");
+    assert_eq!(first.rounds, 1);
+    assert!(last.rounds >= 4, "{last:?}");
+    // All nodes would have 8 times as many samples after four rounds; the penumbra is a fifth of the floor.
+    let ratio = rays_at_last as f64 / rays_at_first as f64 / f64::from(1 << (last.rounds - 1));
+    assert!(ratio < 0.5, "{ratio} of what doubling all would take");
+}
