@@ -87,7 +87,7 @@ impl Baker {
     ///
     /// `scene` must be a [relit](Scene::relit) one of this baker's; of another one, all is made anew but the tracer.
     pub fn relit(&self, scene: Arc<Scene>, settings: Settings) -> Self {
-        if scene.hash().geometry != self.scene.hash().geometry {
+        if scene.geometry_hash() != self.scene.geometry_hash() {
             return Self::with_tracer(scene, Arc::clone(&self.tracer), settings);
         }
         let vertex_basis = self.vertex_basis.clone();
@@ -419,13 +419,10 @@ mod tests {
 
     #[test]
     fn a_baker_relit_with_other_materials_has_the_bits_of_a_new_one() {
-        let built = |albedo: f32| {
-            let mut opened = crate::open("cornell-box", &OpenOptions::default()).unwrap();
-            for material in &mut opened.builder.materials {
-                material.albedo = Vec3::splat(albedo);
-            }
-            Arc::new(opened.builder.build().unwrap().0)
-        };
+        let opened = crate::open("cornell-box", &OpenOptions::default()).unwrap();
+        let scene = opened.builder.build().unwrap().0;
+        let painted =
+            |albedo: f32| Arc::new(scene.repainted(&vec![Vec3::splat(albedo); scene.materials().len()]));
         let settings = Settings {
             bounces: BounceLimit::Count(2),
             direct_samples: 4,
@@ -433,17 +430,18 @@ mod tests {
             ..Settings::default()
         };
         let solved = |baker: &Baker| {
-            let mut state = SolveState::new();
-            baker.run(&mut state, &Control::default(), &Silent).unwrap();
-            (baker.energy.reflected(&state.bounces[0]), state)
+            let (mut state, control) = (SolveState::new(), Control::default());
+            baker.run(&mut state, &control, &Silent).unwrap();
+            (baker.energy.reflected(&state.bounces[0]), state, control.rays())
         };
-        let old = Baker::new(built(0.3), settings.clone());
+        let old = Baker::new(painted(0.3), settings.clone());
         solved(&old);
-        let paler = built(0.6);
+        let paler = painted(0.6);
         let relit = old.relit(Arc::clone(&paler), settings.clone());
-        let ((reflected, state), (reflected_anew, anew)) =
-            (solved(&relit), solved(&Baker::new(paler, settings)));
+        let (reflected, state, rays) = solved(&relit);
+        let (reflected_anew, anew, rays_anew) = solved(&Baker::new(paler, settings));
         assert_eq!(reflected, reflected_anew);
+        assert_eq!(rays_anew - rays, 8 * relit.elements_per_step(), "no hemisphere ray is traced again");
         assert!(state == anew, "the bits of bounces differ");
     }
 

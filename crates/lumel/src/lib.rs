@@ -43,6 +43,6 @@ pub use lumel_transport::{Control, EmitterSampling, LightSampling};
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::{Memory, Method, SolverKind};
 pub use open::{OpenError, OpenOptions, Opened, open};
-pub use project::{CameraEntry, LightEntry, Project, ProjectError, SlotEntry};
+pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError, SlotEntry};
 pub use settings::{BasisKind, BounceLimit, Preset, Settings, SettingsPatch, Tail};
 pub use target::{Share, TargetError};

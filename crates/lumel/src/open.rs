@@ -158,6 +158,17 @@ fn apply(
     if let Some(sky) = project.sky {
         builder.sky = Radiance(sky);
     }
+    for entry in &project.materials {
+        let mut found = false;
+        for material in builder.materials.iter_mut().filter(|m| m.name == entry.name) {
+            material.albedo = entry.albedo;
+            found = true;
+        }
+        if !found {
+            let text = format!("there is no material \"{}\" to give an albedo to", entry.name);
+            warnings.push(path.display().to_string(), text);
+        }
+    }
     for name in &project.two_sided {
         let mut found = false;
         for material in builder.materials.iter_mut().filter(|m| name == "*" || m.name == *name) {
@@ -177,7 +188,7 @@ fn apply(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::LightEntry;
+    use crate::{LightEntry, MaterialEntry};
     use glam::Vec3;
 
     fn open_with(lights: Vec<LightEntry>) -> Opened {
@@ -188,6 +199,21 @@ mod tests {
         let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
         assert_eq!(opened.project, Some(project));
         opened
+    }
+
+    #[test]
+    fn materials_of_a_project_replace_the_albedos_of_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lumel.toml");
+        let entry = |name: &str| MaterialEntry { name: name.into(), albedo: Vec3::new(0.1, 0.2, 0.3) };
+        let materials = vec![entry("white"), entry("gold")];
+        let project = Project { builtin: Some("cornell-box".into()), materials, ..Project::default() };
+        project.write(&path).unwrap();
+        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        let white = opened.builder.materials.iter().find(|material| material.name == "white").unwrap();
+        assert_eq!(white.albedo, Vec3::new(0.1, 0.2, 0.3));
+        let warnings: Vec<String> = opened.warnings.iter().map(ToString::to_string).collect();
+        assert!(warnings.iter().any(|w| w.contains("there is no material \"gold\"")), "{warnings:?}");
     }
 
     #[test]

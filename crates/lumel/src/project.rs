@@ -58,6 +58,9 @@ pub struct Project {
     /// Radiance from outside the scene, W·m⁻²·sr⁻¹.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sky: Option<Vec3>,
+    /// Materials that are other than in the mesh file.
+    #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<MaterialEntry>,
     /// Lights; when there are any they replace those of the mesh file.
     #[serde(default, rename = "light", skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<LightEntry>,
@@ -96,6 +99,16 @@ pub struct LightEntry {
     /// Whether editors keep its power, not its radiance, when they change its size.
     #[serde(default, skip_serializing_if = "is_default")]
     pub constant_power: bool,
+}
+
+/// The albedo of a material in a project file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialEntry {
+    /// The name of the material; all of that name are meant.
+    pub name: String,
+    /// Linear, 0 to 1; multiplies the texture where there is one.
+    pub albedo: Vec3,
 }
 
 /// A numbered view in a project file.
@@ -214,6 +227,10 @@ impl Project {
         if self.cameras.iter().any(|camera| camera.name.is_empty()) {
             return Some("every `[[camera]]` needs a `name`".into());
         }
+        let possible = |albedo: Vec3| albedo.is_finite() && albedo.clamp(Vec3::ZERO, Vec3::ONE) == albedo;
+        if let Some(entry) = self.materials.iter().find(|entry| !possible(entry.albedo)) {
+            return Some(format!("the albedo of material \"{}\" must lie between 0 and 1", entry.name));
+        }
         let numbers: Vec<u8> = self.slots.iter().map(|slot| slot.number).collect();
         if let Some(number) = numbers.iter().find(|&&number| number > MAX_SLOT) {
             return Some(format!("there is no slot {number}: slots have numbers from 0 to {MAX_SLOT}"));
@@ -306,6 +323,7 @@ mod tests {
             max_edge: Some(0.1),
             two_sided: vec!["*".into()],
             sky: Some(Vec3::splat(0.3)),
+            materials: vec![MaterialEntry { name: "wall".into(), albedo: Vec3::new(0.7, 0.2, 1.0) }],
             lights: vec![light],
             cameras: vec![camera],
             bake: SettingsPatch::complete(&Settings { seed: u64::MAX, ..Preset::Production.settings() }),
@@ -378,6 +396,15 @@ mod tests {
         }
         let error = full().write(&folder.path().join("missing/a.toml")).unwrap_err().to_string();
         assert!(error.contains("missing"), "{error}");
+    }
+
+    #[test]
+    fn albedos_outside_0_to_1_are_refused_with_the_name_of_the_material() {
+        for albedo in ["[0.1, 1.2, 0.3]", "[-0.1, 0.2, 0.3]", "[nan, 0.2, 0.3]"] {
+            let text = format!("builtin = \"furnace\"\n[[material]]\nname = \"wall\"\nalbedo = {albedo}\n");
+            let error = read_text(&text).unwrap_err();
+            assert_eq!(error, "FILE: the albedo of material \"wall\" must lie between 0 and 1");
+        }
     }
 
     #[test]

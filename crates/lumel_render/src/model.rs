@@ -27,6 +27,8 @@ pub struct Model {
     pub(crate) indices: wgpu::Buffer,
     /// All materials; batches say where theirs is.
     pub(crate) materials: wgpu::BindGroup,
+    material_values: wgpu::Buffer,
+    groups: Vec<Group>,
     pub(crate) batches: Vec<Batch>,
     /// For lamps without texture.
     pub(crate) plain_lamp: wgpu::BindGroup,
@@ -67,6 +69,11 @@ impl Model {
         0..3 * self.triangles as u32
     }
 
+    /// Takes over the materials of a scene that differs in their albedos alone.
+    pub(crate) fn repaint(&self, gpu: &Gpu, scene: &Scene) {
+        gpu.queue().write_buffer(&self.material_values, 0, &values_of(scene, &self.groups));
+    }
+
     pub(crate) fn new(
         gpu: &Gpu,
         layouts: &Layouts,
@@ -99,6 +106,9 @@ impl Model {
         let vertices = |label, bytes: &[u8]| buffer(gpu, label, wgpu::BufferUsages::VERTEX, bytes);
         let numbers = |label, values: &[Vec3]| vertices(label, bytemuck::cast_slice(&finite(values)));
         let lamp = |image| blank.lamp(gpu, layouts, image);
+        let values = values_of(scene, &groups);
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let material_values = buffer(gpu, "materials", usage, &values);
         Self {
             vertices: scene.vertex_count(),
             triangles: scene.triangle_count(),
@@ -110,8 +120,10 @@ impl Model {
             tints: numbers("tints", tints),
             no_tint: numbers("no tint", &[Vec3::ONE]),
             indices: buffer(gpu, "indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices)),
-            materials: materials(gpu, layouts, scene, &groups),
+            materials: materials(gpu, layouts, &material_values),
+            material_values,
             batches: groups.iter().enumerate().map(batch).collect(),
+            groups,
             plain_lamp: lamp(None),
             textured_lamps: images.iter().map(|image| lamp(Some(image))).collect(),
         }
@@ -119,15 +131,18 @@ impl Model {
 }
 
 /// One material per group, side included.
-fn materials(gpu: &Gpu, layouts: &Layouts, scene: &Scene, groups: &[Group]) -> wgpu::BindGroup {
+fn values_of(scene: &Scene, groups: &[Group]) -> Vec<u8> {
     let mut bytes = vec![0; groups.len() * MATERIAL_STRIDE];
     for (slot, group) in bytes.chunks_exact_mut(MATERIAL_STRIDE).zip(groups) {
         let values = MaterialValues::new(&scene.materials()[group.material], group.side);
         slot[..size_of::<MaterialValues>()].copy_from_slice(bytemuck::bytes_of(&values));
     }
-    let buffer = buffer(gpu, "materials", wgpu::BufferUsages::UNIFORM, &bytes);
+    bytes
+}
+
+fn materials(gpu: &Gpu, layouts: &Layouts, values: &wgpu::Buffer) -> wgpu::BindGroup {
     let one = wgpu::BufferBinding {
-        buffer: &buffer,
+        buffer: values,
         offset: 0,
         size: wgpu::BufferSize::new(size_of::<MaterialValues>() as u64),
     };

@@ -42,6 +42,11 @@ impl Renderer {
         Model::new(&self.gpu, &self.pipelines.layouts, &self.blank, scene)
     }
 
+    /// Gives a model the materials of a scene that was [repainted](Scene::repainted); all else must be the same.
+    pub fn repaint(&self, model: &Model, scene: &Scene) {
+        model.repaint(&self.gpu, scene);
+    }
+
     /// Light for a model: dark.
     pub fn light(&self, model: &Model) -> LightBuffer {
         LightBuffer::new(self.gpu.device(), model.vertex_count())

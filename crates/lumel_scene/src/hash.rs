@@ -12,25 +12,22 @@ pub struct SceneHash {
     pub lighting: blake3::Hash,
 }
 
-/// What the hashes of all scenes with the same surfaces have in common, which is nearly all the work.
-#[derive(Debug)]
-pub(crate) struct UnlitHash {
-    geometry: blake3::Hash,
-    /// Where hashing the lighting has got to before lights and sky.
-    surfaces: Bytes,
-}
+/// Where hashing the lighting has got to before lights and sky, which is nearly all the work: what all scenes with the
+/// same surfaces have in common.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfacesHash(Bytes);
 
-impl UnlitHash {
+impl SurfacesHash {
     /// That of a scene, whatever its lights.
     pub(crate) fn of(scene: &Scene) -> Self {
-        Self { geometry: geometry(scene), surfaces: surfaces(scene) }
+        Self(surfaces(scene))
     }
 
-    /// The hashes under these lights.
-    pub(crate) fn lit_by(&self, lights: &[Light], sky: Radiance) -> SceneHash {
-        let mut lighting = self.surfaces.clone();
+    /// The hash of the lighting under these lights.
+    pub(crate) fn lit_by(&self, lights: &[Light], sky: Radiance) -> blake3::Hash {
+        let mut lighting = self.0.clone();
         lighting.push(format!("{lights:?} {sky:?}").as_bytes());
-        SceneHash { geometry: self.geometry, lighting: lighting.finish() }
+        lighting.finish()
     }
 }
 
@@ -40,7 +37,7 @@ impl fmt::Display for SceneHash {
     }
 }
 
-fn geometry(scene: &Scene) -> blake3::Hash {
+pub(crate) fn geometry(scene: &Scene) -> blake3::Hash {
     let mut bytes = Bytes::default();
     for v in scene.positions().iter().chain(scene.normals()) {
         bytes.floats(v.to_array());
@@ -144,6 +141,19 @@ mod tests {
         assert_eq!(relit.hash().geometry, scene.hash().geometry);
         assert_ne!(relit.hash().lighting, scene.hash().lighting);
         assert_eq!(relit.relit(scene.lights().to_vec()).unwrap().hash(), scene.hash());
+    }
+
+    #[test]
+    fn a_repainted_scene_has_the_hash_of_one_built_with_its_albedos() {
+        let mut builder = builtin::scene("cornell-box", 0).unwrap();
+        let scene = builder.clone().build().unwrap().0;
+        let albedos: Vec<Vec3> = (0..builder.materials.len()).map(|i| Vec3::splat(0.1 * i as f32)).collect();
+        builder.materials.iter_mut().zip(&albedos).for_each(|(material, albedo)| material.albedo = *albedo);
+        let repainted = scene.repainted(&albedos);
+        assert_eq!(repainted.hash(), builder.build().unwrap().0.hash());
+        assert_eq!(repainted.hash().geometry, scene.hash().geometry);
+        assert_ne!(repainted.hash().lighting, scene.hash().lighting);
+        assert!(!repainted.has_surfaces_of(&scene));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The immutable scene that everything else reads.
 
 use crate::builder::{ObjectMesh, SceneBuilder, check_lights};
-use crate::hash::UnlitHash;
+use crate::hash::{self, SurfacesHash};
 use crate::{
     Albedo, Barycentrics, Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, SceneError,
     SceneHash, SurfacePoint, Texture, TextureRef, TriId,
@@ -60,17 +60,19 @@ pub struct Scene {
 }
 
 /// All of a scene but its lights.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Unlit {
     name: String,
-    faces: FaceList,
+    /// Shared, as are the textures, by scenes that differ in the albedos of their materials.
+    faces: Arc<FaceList>,
     object_names: Vec<String>,
     materials: Vec<Material>,
-    textures: Vec<Texture>,
+    textures: Arc<[Texture]>,
     cameras: Vec<Camera>,
     sky: Radiance,
     bounds: Bounds,
-    hash: OnceLock<UnlitHash>,
+    geometry_hash: OnceLock<blake3::Hash>,
+    surfaces_hash: OnceLock<SurfacesHash>,
 }
 
 /// Triangles and vertices of all objects in one list.
@@ -151,12 +153,13 @@ impl Scene {
             name: builder.name,
             bounds: Bounds::around(faces.positions.iter().copied()),
             object_names: std::mem::take(&mut faces.object_names),
-            faces,
+            faces: Arc::new(faces),
             materials: builder.materials,
-            textures: builder.textures,
+            textures: builder.textures.into(),
             cameras: builder.cameras,
             sky: builder.sky,
-            hash: OnceLock::new(),
+            geometry_hash: OnceLock::new(),
+            surfaces_hash: OnceLock::new(),
         };
         Self { unlit: Arc::new(unlit), lights: builder.lights, hash: OnceLock::new() }
     }
@@ -171,6 +174,22 @@ impl Scene {
     pub fn relit(&self, lights: Vec<Light>) -> Result<Self, SceneError> {
         check_lights(&lights, self.unlit.textures.len())?;
         Ok(Self { unlit: Arc::clone(&self.unlit), lights, hash: OnceLock::new() })
+    }
+
+    /// The same scene whose materials have other albedos, one for each; those that textures multiply, too.
+    ///
+    /// Geometry and textures are shared, not copied, and vertices and triangles keep their indices. What is no number
+    /// is black, as in [`SceneBuilder::build`].
+    ///
+    /// # Panics
+    /// If there are not as many albedos as materials.
+    pub fn repainted(&self, albedos: &[Vec3]) -> Self {
+        assert_eq!(albedos.len(), self.materials().len(), "one albedo per material");
+        let mut unlit = Unlit { surfaces_hash: OnceLock::new(), ..(*self.unlit).clone() };
+        for (material, &albedo) in unlit.materials.iter_mut().zip(albedos) {
+            material.albedo = if albedo.is_finite() { albedo.max(Vec3::ZERO) } else { Vec3::ZERO };
+        }
+        Self { unlit: Arc::new(unlit), lights: self.lights.clone(), hash: OnceLock::new() }
     }
 
     /// Whether the two are one scene, [relit](Self::relit) or not: the same surfaces and materials.
@@ -260,8 +279,14 @@ impl Scene {
 
     /// Hashes that tell this scene from others.
     pub fn hash(&self) -> SceneHash {
-        let unlit = || self.unlit.hash.get_or_init(|| UnlitHash::of(self));
-        *self.hash.get_or_init(|| unlit().lit_by(&self.lights, self.sky()))
+        let surfaces = || self.unlit.surfaces_hash.get_or_init(|| SurfacesHash::of(self));
+        let lighting = || surfaces().lit_by(&self.lights, self.sky());
+        *self.hash.get_or_init(|| SceneHash { geometry: self.geometry_hash(), lighting: lighting() })
+    }
+
+    /// [`SceneHash::geometry`] alone: textures are not looked at.
+    pub fn geometry_hash(&self) -> blake3::Hash {
+        *self.unlit.geometry_hash.get_or_init(|| hash::geometry(self))
     }
 
     /// Vertex indices of a triangle.

@@ -158,7 +158,7 @@ fn origin<B: Basis>(inner: &CpuTransport<B>) -> Origin {
     let plan = &inner.plan;
     let measure = inner.receivers.measure();
     Origin {
-        geometry: *inner.scene.hash().geometry.as_bytes(),
+        geometry: *inner.scene.geometry_hash().as_bytes(),
         elements: inner.shape().elements,
         is_whole: inner.is_whole,
         per_element: plan.rays_per_element(measure),

@@ -1,4 +1,5 @@
-//! What the window costs: processor time per frame, and how much an open, idle window slows a solve.
+//! What the window costs: processor time per frame, frames per second while a light changes that all bounces follow, and
+//! how much an open, idle window slows a solve.
 //!
 //! `cargo x bench --window`; needs Xvfb and xdotool. Solves with and without the window alternate, so that other work
 //! on the machine falls on both.
@@ -62,6 +63,18 @@ impl Window {
             }
             std::thread::sleep(Duration::from_secs(2));
         }
+    }
+
+    /// What the status bar says.
+    fn look(&mut self) -> String {
+        let is_status = |text: &str| ["Live:", "Solved:", "Lights or"].iter().any(|s| text.starts_with(s));
+        self.peer.nodes().into_iter().map(|node| node.text).find(|text| is_status(text)).unwrap_or_default()
+    }
+
+    /// Where something is that has a number and this text.
+    fn center(&mut self, text: &str) -> [f64; 2] {
+        let nodes = self.peer.nodes();
+        nodes.into_iter().find(|node| node.text == text && node.number.is_some()).unwrap().center
     }
 
     /// Processor time of the program so far, in ticks of a hundredth of a second.
@@ -129,6 +142,40 @@ fn frames(screen: &Screen) {
     println!("an idle window: {} ms of processor time in 5 s", 10 * (window.ticks() - before));
 }
 
+/// Frames per second while the size of the light is dragged and its light follows.
+///
+/// Each question for what is on the screen is answered by a frame, and building that answer takes time too: without
+/// being asked, the window draws at least as often.
+fn following(screen: &Screen) {
+    const PERIOD: Duration = Duration::from_secs(10);
+    let home = tempfile::tempdir().unwrap();
+    let mut window = Window::open(screen, home.path());
+    screen.xdotool(&["key", "Return"]);
+    window.wait_for("Solved:");
+    let [x, y] = window.center("Size u");
+    let at = |x: f64| format!("{x:.0}");
+    screen.xdotool(&["mousemove", &at(x), &at(y), "mousedown", "1"]);
+    let (lights, mut frames) = (window.look(), 0);
+    let begun = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while begun.elapsed() < PERIOD {
+                let sway = 40.0 * (3.0 * begun.elapsed().as_secs_f64()).sin();
+                screen.xdotool(&["mousemove", &at(x + sway), &at(y)]);
+            }
+        });
+        while begun.elapsed() < PERIOD {
+            frames += 1;
+            window.peer.nodes();
+        }
+    });
+    let per_second = f64::from(frames) / begun.elapsed().as_secs_f64();
+    let status = window.look();
+    screen.xdotool(&["mouseup", "1"]);
+    assert!(status.starts_with("Live:") && lights.starts_with("Solved:"), "{lights} | {status}");
+    println!("while a light is dragged: at least {per_second:.1} frames per second; {status}");
+}
+
 fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
@@ -141,6 +188,7 @@ fn main() {
     }
     let Some(screen) = tools_or_skip() else { return };
     frames(&screen);
+    following(&screen);
     let (mut without, mut with, mut ratios, mut drawn) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for round in 0..ROUNDS {
         let a = without_window();

@@ -4,7 +4,8 @@ use crate::camera::FlyCamera;
 use crate::lights::{EditLight, default_name, shining};
 use crate::slots::Slots;
 use crate::spread::Neighbours;
-use lumel::{Baker, Bvh, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
+use glam::Vec3;
+use lumel::{Baker, Bvh, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
 use lumel_picture::camera_for;
 use lumel_scene::{Light, TriId};
 use std::path::{Path, PathBuf};
@@ -38,8 +39,10 @@ pub struct Document {
     pub request: OpenRequest,
     /// The project file that it comes from.
     pub project: Option<(PathBuf, Project)>,
-    /// Its surfaces, with the lights that it came with.
+    /// Its surfaces, with the lights that it came with and the albedos that they have now.
     pub scene: Arc<Scene>,
+    /// The albedo that each material came with.
+    pub albedos: Vec<Vec3>,
     /// Its ray tracer.
     pub tracer: Arc<dyn RayTracer>,
     /// What solves are made from: all that the surfaces decide is in it already.
@@ -102,6 +105,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         project: project.map(|project| (PathBuf::from(&request.name), project)),
         request: request.clone(),
         baker: Arc::new(baker),
+        albedos: albedos_of(&scene),
         scene,
         tracer,
     };
@@ -123,6 +127,11 @@ fn editable_lights(scene: &Scene, project: Option<&Project>) -> Vec<EditLight> {
         EditLight::from_entry(i, entry, texture)
     };
     entries.iter().enumerate().map(light).collect()
+}
+
+/// The albedo of each material of a scene.
+pub fn albedos_of(scene: &Scene) -> Vec<Vec3> {
+    scene.materials().iter().map(|material| material.albedo).collect()
 }
 
 /// A third of the triangles around each vertex, m².
@@ -150,6 +159,18 @@ pub fn error_text(error: &dyn std::error::Error) -> String {
 }
 
 impl Document {
+    /// Whether a scene has the materials that this one has now.
+    pub fn has_materials_of(&self, scene: &Scene) -> bool {
+        self.scene.has_surfaces_of(scene) || self.scene.materials() == scene.materials()
+    }
+
+    /// The albedos that differ from those that the scene came with, as entries of a project.
+    pub fn repainted_materials(&self) -> Vec<MaterialEntry> {
+        let materials = self.scene.materials().iter().zip(&self.albedos);
+        let changed = materials.filter(|(material, albedo)| material.albedo != **albedo);
+        changed.map(|(m, _)| MaterialEntry { name: m.name.clone(), albedo: m.albedo }).collect()
+    }
+
     /// The scene under these lights.
     ///
     /// # Errors

@@ -6,6 +6,7 @@
 
 use crate::camera::FlyCamera;
 use crate::document::{OpenRequest, error_text};
+use glam::Vec3;
 use lumel::{LightEntry, OpenOptions, PathPolicy, Settings, SlotEntry, Solution};
 use lumel_export::write_atomically;
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,9 @@ pub struct Note {
     pub paths_anywhere: bool,
     /// All lights.
     pub lights: Vec<LightEntry>,
+    /// The albedo of each material.
+    #[serde(default)]
+    pub albedos: Vec<Vec3>,
     /// Numbered states.
     pub slots: Vec<SlotEntry>,
     /// Settings of the solve.
@@ -165,6 +169,7 @@ mod tests {
             subdivide: None,
             paths_anywhere: false,
             lights: Vec::new(),
+            albedos: Vec::new(),
             slots: Vec::new(),
             settings: Settings::default(),
             camera: FlyCamera::default(),

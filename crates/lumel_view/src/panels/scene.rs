@@ -3,9 +3,9 @@
 use crate::app::App;
 use crate::theme;
 use crate::values::significant;
-use crate::widgets::{heading, value};
-use eframe::egui::{self, Color32, RichText, Sense, Ui, vec2};
-use lumel_picture::srgb_byte;
+use crate::widgets::{albedo_button, heading, value};
+use eframe::egui::{self, RichText, Ui};
+use glam::Vec3;
 
 /// More materials than this are only counted.
 const MAX_MATERIALS: usize = 200;
@@ -41,11 +41,15 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     }
     value(ui, "Warnings", format!("{} (see the log)", document.warnings.len()));
     heading(ui, "Materials");
+    let mut repainted = None;
     for material in scene.materials().iter().take(MAX_MATERIALS) {
         ui.horizontal(|ui| {
-            let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
-            let [r, g, b] = material.albedo.to_array().map(srgb_byte);
-            ui.painter().rect_filled(rect, 3.0, Color32::from_rgb(r, g, b));
+            let mut rgb = material.albedo.to_array();
+            let label = format!("Albedo of {}", material.name);
+            let well = albedo_button(ui, &label, &mut rgb);
+            if well.on_hover_text("Albedo, linear: the share of light it reflects").changed() {
+                repainted = Some((material.name.clone(), Vec3::from_array(rgb)));
+            }
             let mut text = material.name.clone();
             if material.albedo_texture.is_some() {
                 text += "  (textured)";
@@ -58,6 +62,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     }
     if scene.materials().len() > MAX_MATERIALS {
         super::hint(ui, &format!("and {} more", scene.materials().len() - MAX_MATERIALS));
+    }
+    if let Some((material, albedo)) = repainted {
+        app.session.repaint(&material, albedo);
     }
 }
 

@@ -38,6 +38,10 @@ fn state(app: &App) -> (String, egui::Color32) {
         return ("Lights or settings have changed: Enter solves anew".to_owned(), theme::WARNING);
     }
     match session.computed() {
+        Some(computed) if session.is_light_in_motion() => {
+            let time = computed.seconds.map_or_else(String::new, |s| format!(" in {s:.2} s"));
+            (format!("Live: {}{time}", computed.label(&session.light)), theme::GOOD)
+        }
         Some(computed) if !computed.complete => {
             let goes_on = if session.can_go_on() { "goes on" } else { "begins anew" };
             (format!("Stopped: Enter {goes_on}"), theme::WARNING)

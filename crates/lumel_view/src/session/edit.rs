@@ -1,4 +1,4 @@
-//! Lights, views and slots: what can be undone.
+//! Lights, albedos, views and slots: what can be undone.
 
 use super::Session;
 use crate::lights::{EditLight, default_name};
@@ -18,23 +18,30 @@ const NEW_POWER: f32 = 0.15;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Edit {
     lights: Vec<EditLight>,
+    albedos: Vec<Vec3>,
     active: usize,
     slots: Slots,
 }
 
 impl Edit {
     pub(super) fn of(session: &Session) -> Self {
-        Self { lights: session.lights.clone(), active: session.active, slots: session.slots.clone() }
+        Self {
+            lights: session.lights.clone(),
+            albedos: session.albedos.clone(),
+            active: session.active,
+            slots: session.slots.clone(),
+        }
     }
 
     fn put_into(self, session: &mut Session) {
         (session.lights, session.active, session.slots) = (self.lights, self.active, self.slots);
+        session.albedos = self.albedos;
     }
 }
 
 impl PartialEq for Edit {
     fn eq(&self, other: &Self) -> bool {
-        self.lights == other.lights && self.slots == other.slots
+        self.lights == other.lights && self.albedos == other.albedos && self.slots == other.slots
     }
 }
 
@@ -42,6 +49,16 @@ impl Session {
     /// The active light.
     pub fn active_light(&mut self) -> Option<&mut EditLight> {
         self.lights.get_mut(self.active)
+    }
+
+    /// Gives all materials of a name another albedo.
+    pub fn repaint(&mut self, material: &str, albedo: Vec3) {
+        let Some(document) = &self.document else { return };
+        for (old, _) in
+            self.albedos.iter_mut().zip(document.scene.materials()).filter(|(_, m)| m.name == material)
+        {
+            *old = albedo;
+        }
     }
 
     /// Puts the active light where the camera is, facing where it looks; makes one if there is none.

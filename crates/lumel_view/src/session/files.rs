@@ -169,6 +169,10 @@ impl Session {
         project.max_edge = options.max_edge.or(project.max_edge);
         project.subdivide = options.subdivide.or(project.subdivide);
         project.lights = self.lights.iter().map(crate::lights::EditLight::entry).collect();
+        for entry in document.repainted_materials() {
+            project.materials.retain(|old| old.name != entry.name);
+            project.materials.push(entry);
+        }
         project.slots = self.slots.entries();
         project.bake = SettingsPatch::complete(&self.settings);
         let view = CameraEntry::from(&self.camera.camera());

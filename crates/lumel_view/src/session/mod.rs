@@ -22,6 +22,7 @@ use crate::slots::Slots;
 use crate::solver::{BounceStats, Job, Wakes};
 use crate::task::Background;
 use edit::Edit;
+use glam::Vec3;
 use lumel::Settings;
 use rayon::ThreadPool;
 use solve::Running;
@@ -56,6 +57,10 @@ pub struct Session {
     pub document_generation: u64,
     /// Rectangle lights.
     pub lights: Vec<EditLight>,
+    /// The albedo of each material.
+    pub albedos: Vec<Vec3>,
+    /// Changes with the albedos that are shown.
+    pub paint_generation: u64,
     /// The active light, an index into `lights`.
     pub active: usize,
     /// Settings of the next solve.
@@ -118,6 +123,8 @@ impl Session {
             document: None,
             document_generation: 0,
             lights: Vec::new(),
+            albedos: Vec::new(),
+            paint_generation: 0,
             active: 0,
             settings: Settings::default(),
             live: true,
@@ -176,8 +183,9 @@ impl Session {
     pub fn poll(&mut self, hand: Hand) {
         self.poll_opening();
         self.poll_files();
+        self.paint();
         self.poll_solve(hand);
-        self.follow_lights(hand);
+        self.follow_changes(hand);
         if hand == Hand::Free {
             self.history.commit(&Edit::of(self));
         }
@@ -212,6 +220,7 @@ impl Session {
             self.settings = settings;
         }
         (self.lights, self.slots, self.active) = (contents.lights, contents.slots, 0);
+        self.albedos.clone_from(&document.albedos);
         self.document = Some(document);
         self.document_generation += 1;
         self.forget_light();
@@ -223,6 +232,15 @@ impl Session {
         self.history = History::new(self.saved_edit.clone());
         if let Some((recovery, note)) = self.restoring.take() {
             self.restore_into_document(recovery, note);
+        }
+    }
+
+    /// Gives the materials of the scene the albedos that they are to have.
+    pub(super) fn paint(&mut self) {
+        let Some(document) = &mut self.document else { return };
+        if document::albedos_of(&document.scene) != self.albedos {
+            document.scene = Arc::new(document.scene.repainted(&self.albedos));
+            self.paint_generation += 1;
         }
     }
 

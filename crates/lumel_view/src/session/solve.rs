@@ -7,7 +7,10 @@ use crate::notice::Level;
 use crate::recovery::{Note, Recovery};
 use crate::selection::Light;
 use crate::solver::{Ending, Job, Keep, Phase, Solved, Start, Task, Work};
-use lumel::{Accuracy, LightEntry, LightFile, RectLight, Scene, Settings, Solution, SolveState, TargetError};
+use lumel::{
+    Accuracy, Baker, BasisKind, LightEntry, LightFile, RectLight, Scene, Settings, Solution, SolveState,
+    TargetError,
+};
 use std::sync::Arc;
 
 /// What the light on the surfaces was computed from.
@@ -79,6 +82,14 @@ impl Running {
         self.kind
     }
 
+    pub(super) fn settings(&self) -> &Settings {
+        self.job.settings()
+    }
+
+    pub(super) fn stop(&self) {
+        self.job.stop();
+    }
+
     pub(super) fn is_under_way(&self) -> bool {
         self.job.ending().is_none()
     }
@@ -112,8 +123,26 @@ impl Session {
     /// Whether lights or settings have changed since the light was computed.
     pub fn is_stale(&self) -> bool {
         let Some(computed) = self.computed.as_ref().filter(|_| !self.is_solving()) else { return false };
-        let other_lights = computed.lights.as_ref().is_none_or(|lights| *lights != shining(&self.lights));
-        other_lights || computed.settings.as_ref().is_some_and(|s| !s.same_bounces_as(&self.settings))
+        if self.follows(computed) {
+            return false;
+        }
+        !self.is_lit_as(computed)
+            || computed.settings.as_ref().is_some_and(|s| !s.same_bounces_as(&self.settings))
+    }
+
+    /// Whether lights and materials are those that light was computed for.
+    pub(super) fn is_lit_as(&self, computed: &Computed) -> bool {
+        computed.lights.as_ref().is_some_and(|lights| self.is_lit_by(&computed.scene, lights))
+    }
+
+    /// Whether what runs solves for the lights and materials that there are now.
+    pub(super) fn is_running_for_now(&self) -> bool {
+        self.running.as_ref().is_some_and(|running| self.is_lit_by(&running.scene, &running.lights))
+    }
+
+    fn is_lit_by(&self, scene: &Scene, lights: &[RectLight]) -> bool {
+        *lights == shining(&self.lights)
+            && self.document.as_ref().is_some_and(|document| document.has_materials_of(scene))
     }
 
     /// Solves for the light: goes on where a solve was stopped, or begins anew when lights or settings have changed.
@@ -157,9 +186,8 @@ impl Session {
     /// Where the next solve begins; `None` when there is nothing left to do.
     fn start_point(&self) -> Option<Start> {
         let Some(computed) = &self.computed else { return Some(Start::Anew) };
-        let same_lights = computed.lights.as_ref().is_some_and(|lights| *lights == shining(&self.lights));
         let same_bounces = computed.settings.as_ref().is_some_and(|s| s.same_bounces_as(&self.settings));
-        if !(same_lights && same_bounces) {
+        if !(self.is_lit_as(computed) && same_bounces) {
             return Some(Start::Anew);
         }
         if computed.complete && computed.settings.as_ref() == Some(&self.settings) {
@@ -207,13 +235,22 @@ impl Session {
         self.run(task, Work::Solve(start), keep, Kind::Solve);
     }
 
-    /// Solves for lights that have changed.
+    /// Solves for lights or materials that have changed.
     pub(super) fn follow(&mut self, settings: Settings) {
         let Some(document) = &self.document else { return };
         let Ok(scene) = document.relit(&self.lights) else { return };
         let task = task(document, &scene, &settings);
+        // What lies inside geometry is known already, where points are measured.
+        let solved = self.computed.as_ref().and_then(|computed| computed.solved.as_ref());
+        let valid = match solved {
+            Some(solved) if settings.basis == BasisKind::Vertex => solved.state.valid.clone(),
+            _ => Vec::new(),
+        };
+        let start = Start::From(SolveState { valid, ..SolveState::new() });
         // Checkpoints of what takes a moment are not worth a file for each step of a hand.
-        self.run(task, Work::Solve(Start::Anew), Box::new(|_, _| Ok(())), Kind::Follow);
+        let at_rest = settings == self.settings;
+        let keep = if at_rest { self.keeper() } else { Box::new(|_: &Baker, _: &SolveState| Ok(())) };
+        self.run(task, Work::Solve(start), keep, Kind::Follow);
     }
 
     fn run(&mut self, task: Task, work: Work, keep: Keep, kind: Kind) {
@@ -292,14 +329,14 @@ impl Session {
     /// What a change of lights or settings in mid-solve does: other lights or samples begin anew, another number of
     /// bounces goes on.
     fn heed_changes(&mut self) {
-        let Some(running) = self.running.as_mut().filter(|r| r.kind == Kind::Solve && !r.job.is_stopping())
+        let Some(running) = self.running.as_ref().filter(|r| r.kind == Kind::Solve && !r.job.is_stopping())
         else {
             return;
         };
         let before = running.job.settings();
         let same_bounces = before.same_bounces_as(&self.settings) && before.target_error == TargetError::Off;
-        let (then, text) = if running.lights != shining(&self.lights) {
-            (Then::Restart, "The lights have changed: solving anew")
+        let (then, text) = if !self.is_lit_by(&running.scene, &running.lights) {
+            (Then::Restart, "Lights or materials have changed: solving anew")
         } else if *before != self.settings && !same_bounces {
             (Then::Restart, "The settings have changed: solving anew")
         } else if *before != self.settings {
@@ -307,6 +344,7 @@ impl Session {
         } else {
             return;
         };
+        let Some(running) = &mut self.running else { return };
         running.then = then;
         running.job.stop();
         self.notices.push(Level::Info, text);
@@ -341,7 +379,7 @@ impl Session {
             computed.solved = Some(solved);
         }
         if running.kind == Kind::Follow {
-            return;
+            return self.note_completion();
         }
         match (ending, running.then) {
             (Ending::Failed(problem), _) => {
@@ -441,6 +479,7 @@ impl Session {
             subdivide: request.options.subdivide,
             paths_anywhere: request.options.paths == lumel::PathPolicy::Anywhere,
             lights: self.lights.iter().map(EditLight::entry).collect(),
+            albedos: self.albedos.clone(),
             slots: self.slots.entries(),
             settings: self.settings.clone(),
             camera: self.camera,
@@ -461,6 +500,10 @@ impl Session {
             )
         };
         self.lights = left.lights.iter().enumerate().map(entry).collect();
+        if left.albedos.len() == self.albedos.len() {
+            self.albedos.clone_from(&left.albedos);
+            self.paint();
+        }
         self.slots = crate::slots::Slots::from_entries(&left.slots);
         self.settings = left.settings.clone();
         self.camera = left.camera;

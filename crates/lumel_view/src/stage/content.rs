@@ -19,6 +19,7 @@ pub enum Side {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Content {
     document: u64,
+    paint: u64,
     light: Version,
     side: Side,
     values: Values,
@@ -61,7 +62,8 @@ impl Content {
             }
             (Side::Current, _) => Version::Generation(session.light_generation),
         };
-        Self { document: session.document_generation, light: version, side, values, selection }
+        let (document, paint) = (session.document_generation, session.paint_generation);
+        Self { document, paint, light: version, side, values, selection }
     }
 
     /// Whether it is light, of which there can be two side by side.
@@ -74,9 +76,9 @@ impl Content {
         self.values == Values::Preview
     }
 
-    /// Whether both are the same part of a light, which may have grown meanwhile.
+    /// Whether both are the same part of a light, which may have grown or changed with the materials meanwhile.
     pub(super) fn shows_the_same_as(&self, other: &Self) -> bool {
-        *self == Self { light: self.light, ..*other }
+        *self == Self { light: self.light, paint: self.paint, ..*other }
     }
 
     /// Whether it can no longer change.

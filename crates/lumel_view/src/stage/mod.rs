@@ -87,6 +87,8 @@ pub struct Stage {
     state: RenderState,
     renderer: Renderer,
     model: Option<(u64, Arc<Model>)>,
+    /// The paint that its materials have.
+    paint: u64,
     buffers: Vec<LightBuffer>,
     contents: [Option<Content>; 2],
     target: Option<(Target, Shown)>,
@@ -130,6 +132,7 @@ impl Stage {
             renderer: Renderer::new(Arc::new(gpu)),
             state,
             model: None,
+            paint: 0,
             buffers: Vec::new(),
             contents: [None; 2],
             target: None,
@@ -173,7 +176,7 @@ impl Stage {
     /// A scene or a size that the device cannot hold.
     pub fn show(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Option<Shown>, RenderError> {
         let Some(document) = &showing.session.document else { return Ok(None) };
-        self.load(showing.session.document_generation, &document.scene)?;
+        self.load(showing.session, &document.scene)?;
         let drawn = self.wanted(showing, size)?;
         if self.drawn.as_ref() == Some(&drawn) {
             return Ok(self.target.as_ref().map(|(_, shown)| shown.clone()));
@@ -212,10 +215,16 @@ impl Stage {
         self.renderer.read(target).map_err(|e| crate::document::error_text(&e))
     }
 
-    fn load(&mut self, generation: u64, scene: &Scene) -> Result<(), RenderError> {
-        if self.model.as_ref().is_some_and(|(loaded, _)| *loaded == generation) {
+    fn load(&mut self, session: &Session, scene: &Scene) -> Result<(), RenderError> {
+        let (generation, paint) = (session.document_generation, session.paint_generation);
+        if let Some((_, model)) = self.model.as_ref().filter(|(loaded, _)| *loaded == generation) {
+            if self.paint != paint {
+                self.renderer.repaint(model, scene);
+                self.paint = paint;
+            }
             return Ok(());
         }
+        self.paint = paint;
         self.model = None;
         self.strip = Strip::default();
         let model = self.renderer.upload(scene)?;

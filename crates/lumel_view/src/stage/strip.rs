@@ -64,7 +64,7 @@ impl Stage {
     ) -> Result<Option<(TextureId, f32)>, RenderError> {
         let session = showing.session;
         let Some(document) = &session.document else { return Ok(None) };
-        self.load(session.document_generation, &document.scene)?;
+        self.load(session, &document.scene)?;
         let Some((_, model)) = self.model.clone() else { return Ok(None) };
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);

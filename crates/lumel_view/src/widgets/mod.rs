@@ -4,6 +4,6 @@ mod color;
 mod rows;
 mod toast;
 
-pub use color::color_button;
+pub use color::{albedo_button, color_button};
 pub use rows::{check, choice, heading, number, primary_button, row, slider, value, vector};
 pub use toast::Toasts;

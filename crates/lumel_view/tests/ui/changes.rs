@@ -17,7 +17,7 @@ fn moving_a_light_in_mid_solve_solves_anew() {
     let Some(mut window) = Window::room() else { return };
     window.solve_bounces(2);
     window.press(Key::Space);
-    assert!(window.told("The lights have changed: solving anew"));
+    assert!(window.told("Lights or materials have changed: solving anew"));
     wait_for_solve(&mut window);
     assert_eq!(window.session().light.bounces.len(), 9);
     assert!(bits(window.state()) == reference(window.state()));
@@ -72,10 +72,10 @@ fn a_slider_that_is_held_does_not_solve_anew_at_every_pixel() {
         window.run_steps(2);
     }
     assert!(window.session().lights[0].half_edges().x < 0.29);
-    assert!(!window.told("The lights have changed"), "while it is held");
+    assert!(!window.told("Lights or materials have changed"), "while it is held");
     window.drop_at(slider.center());
     window.run_steps(3);
-    assert!(window.told("The lights have changed"));
+    assert!(window.told("Lights or materials have changed"));
 }
 
 #[test]

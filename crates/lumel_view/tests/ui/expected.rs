@@ -1,8 +1,9 @@
 //! What pictures and solutions are compared with.
 
-use lumel::{Baker, Control, Silent, SolveState};
+use lumel::{Baker, Control, Scene, Settings, Silent, SolveState};
 use lumel_picture::Picture;
 use lumel_view::app::App;
+use std::sync::Arc;
 
 /// How many of a thousand pixels differ.
 pub(crate) fn differing(a: &Picture, b: &Picture) -> usize {
@@ -23,7 +24,12 @@ fn bits_of(values: &[glam::Vec3]) -> Vec<[u32; 3]> {
 /// What the library computes in one go for the same lights and settings.
 pub(crate) fn reference(app: &App) -> Vec<Vec<[u32; 3]>> {
     let scene = app.session.document.as_ref().unwrap().relit(&app.session.lights).unwrap();
-    let baker = Baker::new(scene, app.session.settings.clone());
+    reference_of(scene, app.session.settings.clone())
+}
+
+/// What the library computes in one go.
+pub(crate) fn reference_of(scene: Arc<Scene>, settings: Settings) -> Vec<Vec<[u32; 3]>> {
+    let baker = Baker::new(scene, settings);
     let mut state = SolveState::new();
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
     state.bounces.iter().map(|bounce| bits_of(&baker.at_vertices(bounce))).collect()
