@@ -32,9 +32,9 @@ struct Window {
 }
 
 impl Window {
-    fn open(screen: &Screen, home: &Path) -> Self {
+    fn open(screen: &Screen, home: &Path, samples: u32) -> Self {
         let project = home.join("bench.lumel.toml");
-        let text = format!("builtin = \"{SCENE}\"\n[bake]\nindirect_samples = {SAMPLES}\n");
+        let text = format!("builtin = \"{SCENE}\"\n[bake]\nindirect_samples = {samples}\n");
         std::fs::write(&project, text).unwrap();
         let address = peer::free_address();
         let program = Command::new(env!("CARGO_BIN_EXE_lumel-view"))
@@ -119,7 +119,7 @@ fn without_window() -> f64 {
 /// Seconds of a solve beside a window, and processor time of the software renderer's threads meanwhile.
 fn with_window(screen: &Screen) -> (f64, f64) {
     let home = tempfile::tempdir().unwrap();
-    let mut window = Window::open(screen, home.path());
+    let mut window = Window::open(screen, home.path(), SAMPLES);
     let before = window.ticks_of("llvmpipe");
     screen.xdotool(&["key", "Return"]);
     std::thread::sleep(Duration::from_secs(20));
@@ -131,7 +131,7 @@ fn with_window(screen: &Screen) -> (f64, f64) {
 fn frames(screen: &Screen) {
     const FRAMES: u64 = 60;
     let home = tempfile::tempdir().unwrap();
-    let mut window = Window::open(screen, home.path());
+    let mut window = Window::open(screen, home.path(), SAMPLES);
     std::thread::sleep(Duration::from_secs(5));
     let before = window.ticks();
     (0..FRAMES).for_each(|_| drop(window.peer.nodes()));
@@ -149,21 +149,24 @@ fn frames(screen: &Screen) {
 fn following(screen: &Screen) {
     const PERIOD: Duration = Duration::from_secs(10);
     let home = tempfile::tempdir().unwrap();
-    let mut window = Window::open(screen, home.path());
+    let mut window = Window::open(screen, home.path(), Settings::default().indirect_samples);
     screen.xdotool(&["key", "Return"]);
     window.wait_for("Solved:");
     let [x, y] = window.center("Size u");
     let at = |x: f64| format!("{x:.0}");
     screen.xdotool(&["mousemove", &at(x), &at(y), "mousedown", "1"]);
     let (lights, mut frames) = (window.look(), 0);
+    // A mouse tells a hundred times a second where it is.
+    let moves: Vec<String> = (0..100 * PERIOD.as_secs())
+        .flat_map(|step| {
+            let sway = 40.0 * (0.03 * step as f64).sin();
+            ["mousemove".to_owned(), at(x + sway), at(y), "sleep".to_owned(), "0.01".to_owned()]
+        })
+        .collect();
+    let moves: Vec<&str> = moves.iter().map(String::as_str).collect();
     let begun = Instant::now();
     std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while begun.elapsed() < PERIOD {
-                let sway = 40.0 * (3.0 * begun.elapsed().as_secs_f64()).sin();
-                screen.xdotool(&["mousemove", &at(x + sway), &at(y)]);
-            }
-        });
+        scope.spawn(|| screen.xdotool(&moves));
         while begun.elapsed() < PERIOD {
             frames += 1;
             window.peer.nodes();

@@ -103,7 +103,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
 fn picture(app: &mut App, ui: &mut Ui, rect: Rect) {
     let scale = ui.ctx().pixels_per_point();
     let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
-    let live = app.viewport.is_moving() || app.session.is_solving() || app.session.is_following();
+    let live = app.viewport.is_moving() || app.session.is_solving() || app.session.is_light_in_motion();
     let marks = crate::panels::marks(app);
     let showing = Showing {
         session: &app.session,

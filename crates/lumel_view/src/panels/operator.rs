@@ -68,7 +68,7 @@ fn one(app: &mut App, ui: &mut Ui, index: usize, term: &Term, size: egui::Vec2) 
     }
     let scale = ui.ctx().pixels_per_point();
     let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
-    let live = app.session.is_solving() || app.session.is_following() || app.viewport_moves();
+    let live = app.session.is_solving() || app.session.is_light_in_motion() || app.viewport_moves();
     let quality = if live { Quality::Live } else { Quality::Still };
     let showing = Showing { session: &app.session, view: &app.prefs.view, split: None, marks: None, quality };
     let finished = app.session.light.bounces.len() as u32;

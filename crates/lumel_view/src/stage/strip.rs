@@ -65,6 +65,13 @@ impl Stage {
         let session = showing.session;
         let Some(document) = &session.document else { return Ok(None) };
         self.load(session, &document.scene)?;
+        if session.is_light_in_motion()
+            && let Some(cell) = self.strip.cells.get(wanted.index)
+            && let (Some(_), Some((_, brighter))) = (&cell.drawn, cell.brighter)
+        {
+            // All of them change with each step of the hand; they are drawn when it rests.
+            return Ok(Some((cell.texture, brighter)));
+        }
         let Some((_, model)) = self.model.clone() else { return Ok(None) };
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
