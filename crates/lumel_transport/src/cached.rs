@@ -243,8 +243,8 @@ fn at_points<B: Basis>(
                 painted.reflected(&inner.scene, &*inner.source, end, None, &mut weights)
             })
         }
-        None => means(lanes, ends, |end, _| painted.at_corners(end)),
-        Some(albedos) => means(lanes, ends, |end, i| painted.at_corners(end) * unpacked(albedos[i])),
+        None => means(lanes, ends, |end, _| painted.sent(end)),
+        Some(albedos) => means(lanes, ends, |end, i| painted.sent(end) * unpacked(albedos[i])),
     }
 }
 

@@ -58,11 +58,12 @@ impl Paint {
 
     /// The surfaces under a certain light.
     pub(crate) fn with<'a>(&'a self, field: &'a Field) -> Painted<'a> {
-        let corners = |t: &Triangle| {
+        let plane = |t: &Triangle| {
             let albedo = t.albedo.map_or(Vec4::ONE, |albedo| albedo.0.extend(0.0));
-            t.nodes.map(|node| field.node(node).0.extend(0.0) * albedo)
+            let [a, b, c] = t.nodes.map(|node| field.node(node).0.extend(0.0) * albedo);
+            [c, (a - c) * End::STEP, (b - c) * End::STEP]
         };
-        Painted { paint: self, field, corners: self.triangles.par_iter().map(corners).collect() }
+        Painted { paint: self, field, planes: self.triangles.par_iter().map(plane).collect() }
     }
 
     fn albedo_at(&self, scene: &Scene, end: End) -> [u16; 3] {
@@ -82,9 +83,9 @@ impl Paint {
 pub(crate) struct Painted<'a> {
     paint: &'a Paint,
     pub(crate) field: &'a Field,
-    /// What each triangle reflects at its corners; what reaches them, where its albedo varies. All that a ray reads
-    /// lies together.
-    corners: Vec<[Vec4; 3]>,
+    /// What each triangle reflects, or where its albedo varies, what reaches it: at its third corner, and how it changes
+    /// with each of the two numbers that tell where a ray ends. All that a ray reads lies together.
+    planes: Vec<[Vec4; 3]>,
 }
 
 impl Painted<'_> {
@@ -94,17 +95,16 @@ impl Painted<'_> {
         Some(slot.get_or_init(|| ends.iter().map(|end| self.paint.albedo_at(scene, *end)).collect()))
     }
 
-    /// Whether every basis function is linear over triangles, so that [`at_corners`](Self::at_corners) is all.
+    /// Whether every basis function is linear over triangles, so that [`sent`](Self::sent) is all.
     pub(crate) fn is_linear(&self) -> bool {
-        !self.corners.is_empty()
+        !self.planes.is_empty()
     }
 
     /// What a triangle sends along a ray that ends there, before the ray's albedo; zero for sky and backs.
     #[inline(always)]
-    pub(crate) fn at_corners(&self, end: End) -> Vec4 {
-        let Some([a, b, c]) = self.corners.get(end.tri as usize) else { return Vec4::ZERO };
-        let [u, v, w] = end.weights();
-        *a * u + *b * v + *c * w
+    pub(crate) fn sent(&self, end: End) -> Vec4 {
+        let Some([c, du, dv]) = self.planes.get(end.tri as usize) else { return Vec4::ZERO };
+        *c + *du * f32::from(end.u) + *dv * f32::from(end.v)
     }
 
     /// The light `ρE` at the end of a ray, in W·m⁻² as a cosine sample counts it.
@@ -118,7 +118,7 @@ impl Painted<'_> {
         weights: &mut NodeWeights,
     ) -> Vec4 {
         if self.is_linear() {
-            let sent = self.at_corners(end);
+            let sent = self.sent(end);
             return albedo.map_or(sent, |albedo| sent * unpacked(albedo));
         }
         let seen = end.seen().unwrap_or(Seen::Back);

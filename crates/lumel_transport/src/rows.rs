@@ -22,6 +22,9 @@ pub(crate) struct End {
 const STEPS: f32 = u16::MAX as f32;
 
 impl End {
+    /// What `u` and `v` are counted in.
+    pub(crate) const STEP: f32 = 1.0 / STEPS;
+
     /// Nothing was met.
     pub(crate) const SKY: Self = Self { tri: u32::MAX, u: 0, v: 0 };
     /// The back of a surface.
@@ -44,7 +47,7 @@ impl End {
     /// The weights of the three corners.
     #[inline(always)]
     pub(crate) fn weights(self) -> [f32; 3] {
-        let (u, v) = (f32::from(self.u) * (1.0 / STEPS), f32::from(self.v) * (1.0 / STEPS));
+        let (u, v) = (f32::from(self.u) * Self::STEP, f32::from(self.v) * Self::STEP);
         [u, v, 1.0 - u - v]
     }
 
