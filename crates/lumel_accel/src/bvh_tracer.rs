@@ -8,6 +8,9 @@ use crate::triangle::is_traceable;
 /// Fewer rays than this are not worth a packet.
 const FEW: usize = 4;
 
+/// As many nodes as a shaft may leave to packets; usually there are about twenty.
+const MAX_REST: usize = 64;
+
 impl RayTracer for Bvh {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         self.follow::<false>(ray)
@@ -72,7 +75,7 @@ impl Bvh {
                 hits.fill(None);
                 continue;
             }
-            self.trace::<TOGETHER, false>(root, &mut packet);
+            self.trace::<TOGETHER, false>(&[root], &mut packet);
             for (lane, hit) in hits.iter_mut().enumerate() {
                 *hit = packet.found(lane).hit();
             }
@@ -87,7 +90,17 @@ impl Bvh {
         bundle: &Bundle<'_>,
         occluded: &mut [bool],
     ) {
-        let complete = Stack::lend(|stack| shaft.walk(stack));
+        let mut rest = [root; MAX_REST];
+        let (complete, n_rest) = Stack::lend(|stack| {
+            let complete = shaft.walk(stack);
+            let left = stack.children();
+            // In the worst case, from the root again.
+            let n_rest = if left.len() <= MAX_REST { left.len() } else { 1 };
+            if n_rest == left.len() {
+                rest.iter_mut().zip(left).for_each(|(slot, child)| *slot = child);
+            }
+            (complete, n_rest)
+        });
         let mut packet = None;
         for (k, occluded) in occluded.chunks_mut(PACKET).enumerate() {
             let rays = k * PACKET..k * PACKET + occluded.len();
@@ -96,7 +109,7 @@ impl Bvh {
                 let packet = packet.get_or_insert_with(Packet::new);
                 packet.fill(rays.clone().map(|i| bundle.ray(i)));
                 packet.retain(free);
-                self.trace::<true, true>(root, packet);
+                self.trace::<true, true>(&rest[..n_rest], packet);
                 free = packet.unmet();
             }
             for ((i, blocked), ray) in occluded.iter_mut().enumerate().zip(rays) {
@@ -106,9 +119,9 @@ impl Bvh {
         }
     }
 
-    fn trace<const TOGETHER: bool, const ANY: bool>(&self, root: Child, packet: &mut Packet) {
+    fn trace<const TOGETHER: bool, const ANY: bool>(&self, roots: &[Child], packet: &mut Packet) {
         Stack::lend(|stack| {
-            self.instructions().run(PacketTrace::<TOGETHER, ANY> { bvh: self, root, packet, stack });
+            self.instructions().run(PacketTrace::<TOGETHER, ANY> { bvh: self, roots, packet, stack });
         });
     }
 }

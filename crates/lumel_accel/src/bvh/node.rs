@@ -149,6 +149,12 @@ impl Block {
         self.corners.map(|corner| Vec3::new(corner[0][i], corner[1][i], corner[2][i]))
     }
 
+    /// Those of the four that are not repeated.
+    #[inline(always)]
+    pub(crate) fn present(&self) -> u32 {
+        (1 << self.count()) - 1
+    }
+
     /// How many of the four are not repeated.
     #[inline(always)]
     pub(crate) fn count(&self) -> usize {

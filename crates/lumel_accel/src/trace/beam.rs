@@ -26,6 +26,7 @@ pub(super) struct Beam<S: Simd> {
     /// What separates components of its directions from zero.
     pub(super) smallest: f32,
     pub(super) from: Origins,
+    pub(super) directions: Interval,
 }
 
 struct Axis<S: Simd> {
@@ -93,7 +94,7 @@ impl<S: Simd> Beam<S> {
             spread: (0..3).fold(0.0, |s: f32, a| s.max(origins.max[a] - origins.min[a])),
             reach,
         };
-        Self { axes, octant, one_octant, smallest, from }
+        Self { axes, octant, one_octant, smallest, from, directions }
     }
 
     /// Bounds of where rays enter and leave the boxes of a node, and the boxes relative to the origins.

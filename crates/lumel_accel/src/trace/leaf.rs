@@ -3,6 +3,7 @@
 //! For an origin, three planes of each triangle decide: the ray's direction has the same sign in all of them exactly if
 //! it passes through. They are shared by all rays of one origin, which then cost three dot products each.
 
+use super::beam::Interval;
 use crate::bvh::Block;
 use crate::simd::{Lanes, Quads};
 use crate::triangle::{EDGE_ERROR, passes};
@@ -168,11 +169,38 @@ impl<L: Lanes> Planes<L> {
         Met { lanes, certain: self.slack.le(least), t, weights: [second.mul(inverse), third.mul(inverse)] }
     }
 
+    /// The lanes whose triangle any direction of an interval may pass through.
+    ///
+    /// For each edge, the interval's best corner decides. Both it and a direction's own test err by up to the slack, and
+    /// so does taking the first plane from the others: what is left out here would not pass the test of any direction.
+    #[inline(always)]
+    pub(super) fn within_reach(&self, isa: L::Isa, directions: &Interval) -> u32 {
+        let Self { second, third, normal, height, slack } = *self;
+        let (min, max) = (splat(isa, directions.min), splat(isa, directions.max));
+        let first = sub(sub(normal, second), third);
+        let most = most(first, height, min, max).min(most(second, height, min, max));
+        let most = most.min(self::most(third, height, min, max));
+        // What overflows stays in.
+        !slack.mul_add(L::splat(isa, 4.0), most).lt(L::splat(isa, 0.0))
+    }
+
     /// The lanes in which the back is seen.
     #[inline(always)]
     pub(super) fn back(&self) -> u32 {
         !self.height.negative()
     }
+}
+
+/// The largest dot product of a plane, with the sign of `height` taken out, and a direction between two corners.
+#[inline(always)]
+fn most<L: Lanes>(plane: V3<L>, height: L, min: V3<L>, max: V3<L>) -> L {
+    let [x, y, z] = [plane[0].flip(height), plane[1].flip(height), plane[2].flip(height)];
+    let (x, y, z) = (
+        x.mul(min[0]).max(x.mul(max[0])),
+        y.mul(min[1]).max(y.mul(max[1])),
+        z.mul(min[2]).max(z.mul(max[2])),
+    );
+    x.add(y).add(z)
 }
 
 /// What a test found.

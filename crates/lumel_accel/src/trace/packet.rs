@@ -127,7 +127,8 @@ impl Packet {
 /// - `ANY`: a ray is done once it has met anything; otherwise it looks for its closest hit
 pub(crate) struct PacketTrace<'a, const TOGETHER: bool, const ANY: bool> {
     pub(crate) bvh: &'a Bvh,
-    pub(crate) root: Child,
+    /// What to visit, the first one last.
+    pub(crate) roots: &'a [Child],
     pub(crate) packet: &'a mut Packet,
     pub(crate) stack: &'a mut Stack,
 }
@@ -139,9 +140,9 @@ impl<const TOGETHER: bool, const ANY: bool> Kernel for PacketTrace<'_, TOGETHER,
     fn run<S: Simd>(self, isa: S) {
         let state = Traversal::<S, TOGETHER, ANY>::new(isa, self.bvh, self.packet);
         if state.beam.one_octant {
-            state.run::<true>(self.root, self.packet, self.stack);
+            state.run::<true>(self.roots, self.packet, self.stack);
         } else {
-            state.run::<false>(self.root, self.packet, self.stack);
+            state.run::<false>(self.roots, self.packet, self.stack);
         }
     }
 }
@@ -189,10 +190,13 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
     }
 
     #[inline(always)]
-    fn run<const ONE: bool>(&self, root: Child, packet: &mut Packet, stack: &mut Stack) {
+    fn run<const ONE: bool>(&self, roots: &[Child], packet: &mut Packet, stack: &mut Stack) {
         stack.clear();
+        for &child in roots {
+            stack.push(Entry { near: 0.0, child, lanes: packet.active });
+        }
         let mut limit = self.limit(packet);
-        let mut current = Entry { near: 0.0, child: root, lanes: packet.active };
+        let Some(mut current) = stack.pop_above(0) else { return };
         loop {
             let lanes = if ANY { current.lanes & packet.active } else { current.lanes };
             let met = match current.child.node() {
@@ -380,8 +384,13 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
         let isa = self.isa;
         let mut any = false;
         if TOGETHER {
-            let planes = PlanesOfBlock::new(edges.planes(splat(isa, self.beam.from.center)));
-            for i in 0..block.count() {
+            let planes = edges.planes(splat(isa, self.beam.from.center));
+            let within = planes.within_reach(isa, &self.beam.directions) & block.present();
+            if within == 0 {
+                return false;
+            }
+            let planes = PlanesOfBlock::new(planes);
+            for i in bits(within) {
                 let back = if planes.shows_back(i) { u32::MAX } else { 0 };
                 any |= self.triangle(block, i, planes.triangle(isa, i), back, lanes, packet);
             }

@@ -2,8 +2,9 @@
 //!
 //! Most shafts between a point and a part of a light are wholly free or wholly blocked, and then the tree is walked
 //! once for all: nodes are tested against the shaft alone, triangles against every ray. In a penumbra the shaft would
-//! visit everything between its rays, so it has a budget; what is left when that is spent goes on in packets. Blocked is
-//! blocked whoever found it, so the result is the same.
+//! visit everything between its rays, so it has a budget; what is left when that is spent goes on in packets, from where
+//! the shaft got to. Neighbours mostly lie in the shadow of the same triangles: those that were in the way last are tried
+//! first. Blocked is blocked whoever found it, so the result is the same.
 
 use super::beam::{Beam, Interval};
 use super::leaf::{Edges, PlanesOfBlock, load, splat};
@@ -69,7 +70,8 @@ impl<'a> Shaft<'a> {
         self.free[packet]
     }
 
-    /// Walks the tree; whether it got to the end, so that what is free is free indeed.
+    /// Walks the tree; whether it got to the end, so that what is free is free indeed. Otherwise what is still to be
+    /// visited is on the stack.
     pub(crate) fn walk(&mut self, stack: &mut Stack) -> bool {
         let instructions = self.bvh.instructions();
         instructions.run(Walk { shaft: self, stack })
@@ -80,13 +82,22 @@ impl<'a> Shaft<'a> {
         self.free.iter().all(|&free| free == 0)
     }
 
-    /// Tests a block's triangles against all rays that are free.
+    /// Tests a block's triangles against all rays that are free. Whether any is in the way.
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, isa: S, block: &Block, beam: &Beam<S>) {
+    fn meet<S: Simd>(&mut self, isa: S, block: &Block, beam: &Beam<S>) -> bool {
+        let free = self.free;
         let edges = Edges::<S::F4>::new(isa, block, &beam.from);
-        let planes = PlanesOfBlock::new(edges.planes(splat(isa, self.origin.to_array())));
+        let planes = edges.planes(splat(isa, self.origin.to_array()));
+        let within = planes.within_reach(isa, &beam.directions) & block.present();
+        if within == 0 {
+            return false;
+        }
+        let planes = PlanesOfBlock::new(planes);
         let limit = S::F16::splat(isa, self.t_max.next_down());
-        for i in (0..block.count()).filter(|&i| block.tri[i & 3] != self.skip) {
+        for i in bits(within) {
+            if block.tri[i & 3] == self.skip {
+                continue;
+            }
             let planes = planes.triangle::<S::F16>(isa, i);
             for k in 0..SHAFT / PACKET {
                 if self.free[k] == 0 {
@@ -104,6 +115,7 @@ impl<'a> Shaft<'a> {
                 }
             }
         }
+        self.free != free
     }
 }
 
@@ -123,11 +135,19 @@ impl Kernel for Walk<'_, '_> {
         let limit = shaft.t_max.next_down();
         let mut budget = BUDGET;
         stack.clear();
+        if let Some(block) = bvh.blocks.get(stack.in_the_way) {
+            if !shaft.meet(isa, block, &beam) {
+                stack.in_the_way = usize::MAX;
+            } else if shaft.is_blocked() {
+                return true;
+            }
+        }
         let mut current = shaft.root;
         loop {
             if let Some(node) = current.node() {
                 budget -= 1;
                 if budget < 0 {
+                    stack.push(Entry { near: 0.0, child: current, lanes: 0 });
                     return false;
                 }
                 let node = &bvh.nodes[node];
@@ -140,13 +160,16 @@ impl Kernel for Walk<'_, '_> {
                     stack.push(Entry { near: 0.0, child, lanes: 0 });
                 }
             } else {
-                let blocks = &bvh.blocks[current.blocks()];
+                let blocks = current.blocks();
                 budget -= 2 * blocks.len() as i32;
                 if budget < 0 {
+                    stack.push(Entry { near: 0.0, child: current, lanes: 0 });
                     return false;
                 }
-                for block in blocks {
-                    shaft.meet(isa, block, &beam);
+                for i in blocks {
+                    if shaft.meet(isa, &bvh.blocks[i], &beam) {
+                        stack.in_the_way = i;
+                    }
                 }
                 if shaft.is_blocked() {
                     return true;

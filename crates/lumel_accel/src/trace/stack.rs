@@ -17,6 +17,8 @@ pub(super) struct Entry {
 pub(crate) struct Stack {
     entries: [Entry; MAX_STACK],
     len: usize,
+    /// The block of triangles that was in the way of shadow rays last, a first guess for those that come next.
+    pub(super) in_the_way: usize,
 }
 
 // So that an index is brought into range by a mask.
@@ -25,10 +27,20 @@ const _: () = assert!(MAX_STACK.is_power_of_two());
 thread_local! {
     /// Of this thread: to fill a new one with zeros takes longer than many a ray.
     static OF_THREAD: RefCell<Stack> =
-        const { RefCell::new(Stack { entries: [Entry { near: 0.0, child: Child::ROOT, lanes: 0 }; MAX_STACK], len: 0 }) };
+        const { RefCell::new(Stack::new()) };
 }
 
 impl Stack {
+    const fn new() -> Self {
+        let entry = Entry { near: 0.0, child: Child::ROOT, lanes: 0 };
+        Self { entries: [entry; MAX_STACK], len: 0, in_the_way: usize::MAX }
+    }
+
+    /// The nodes on it, the next one last.
+    pub(crate) fn children(&self) -> impl ExactSizeIterator<Item = Child> + '_ {
+        self.entries[..self.len].iter().map(|entry| entry.child)
+    }
+
     /// Lends the thread's stack, empty. What it is lent to must not ask for it again.
     #[inline]
     pub(crate) fn lend<T>(to: impl FnOnce(&mut Self) -> T) -> T {
