@@ -1,5 +1,6 @@
 //! `cargo x`: tests, checks and benchmarks of the lumel workspace.
 
+mod arm;
 mod bench;
 mod embree;
 mod instructions;
@@ -16,6 +17,7 @@ const USAGE: &str = "\
 usage: cargo x COMMAND [ARGUMENTS]
 
   test [ARGUMENTS]   set up what the tests need, then run all of them; arguments go to `cargo test`
+  arm [ARGUMENTS]    run the tests of the ray tracer as compiled for 64-bit ARM, in an emulator (needs qemu-user)
   ci                 what has to pass before a change lands: fmt, clippy, test, doc, tidy
   tidy               check file lengths, the crate graph, licences, unfinished marks and where pi is used
   bench [ARGUMENTS]  measure ray tracing and solving: `rays` and `bake`; arguments go to them, as does --help
@@ -48,6 +50,7 @@ fn dispatch() -> Result<()> {
     let rest: Vec<String> = arguments.collect();
     match command.as_str() {
         "test" => test(&rest),
+        "arm" => arm::test(&rest),
         "ci" => ci(),
         "tidy" => tidy::tidy(),
         "bench" => bench::bench(&rest),

@@ -5,12 +5,14 @@
 //! kernel calls is inlined into it. Kernels are chosen once per call of the tracer, never per ray.
 //!
 //! Every operation rounds as IEEE 754 says, and `mul_add` rounds once, on all instruction sets: the same kernel gives
-//! the same bits everywhere. Without fused instructions it is slow but the same.
+//! the same hits everywhere. Without fused instructions it is slow but the same.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
+mod neon;
 mod pair;
 mod portable;
 
@@ -20,8 +22,10 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum InstructionSet {
-    /// Whatever the program was compiled for: the reference, and NEON on 64-bit ARM.
+    /// Whatever the program was compiled for: the reference.
     Portable,
+    /// NEON, on 64-bit ARM: four registers of four numbers to a packet.
+    Neon,
     /// AVX2 with fused multiply-add: two registers of eight numbers to a packet.
     Avx2,
     /// AVX-512 (F, VL, DQ and BW): a packet to a register.
@@ -31,7 +35,10 @@ pub enum InstructionSet {
 impl InstructionSet {
     /// All that this machine has, the fastest last.
     pub fn available() -> Vec<Self> {
-        [Self::Portable, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_available()).collect()
+        [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512]
+            .into_iter()
+            .filter(|set| set.is_available())
+            .collect()
     }
 
     /// The fastest that this machine has.
@@ -43,6 +50,9 @@ impl InstructionSet {
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
+            Self::Neon => {
+                cfg!(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))
+            }
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => avx2::Avx2::detect().is_some(),
             #[cfg(target_arch = "x86_64")]
@@ -68,6 +78,10 @@ impl InstructionSet {
                 return isa.call(kernel);
             }
         }
+        #[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
+        if self == Self::Neon {
+            return neon::Neon.call(kernel);
+        }
         portable::Portable.call(kernel)
     }
 }
@@ -76,6 +90,7 @@ impl fmt::Display for InstructionSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Portable => "portable",
+            Self::Neon => "NEON",
             Self::Avx2 => "AVX2",
             Self::Avx512 => "AVX-512",
         })
@@ -118,9 +133,9 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
     fn div(self, other: Self) -> Self;
-    /// The smaller one; `other` if either is NaN.
+    /// The smaller one; `other` if either is NaN, and any of two zeros.
     fn min(self, other: Self) -> Self;
-    /// The larger one; `other` if either is NaN.
+    /// The larger one; `other` if either is NaN, and any of two zeros.
     fn max(self, other: Self) -> Self;
     /// `self * factor + term`, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;

@@ -1,6 +1,6 @@
 //! Vectors as arrays: what any processor can do, and the oracle of the others.
 //!
-//! Compilers turn these loops into what vectors the target has at least: SSE2 on x86-64, NEON on 64-bit ARM.
+//! Compilers turn these loops into what vectors the target has at least, such as SSE2 on x86-64.
 
 use super::{Kernel, Lanes, Permute, Quads, Simd};
 

@@ -76,14 +76,15 @@ fn all_of<L: Lanes>(
         x.sub(y),
         x.mul(y),
         x.div(y),
-        x.min(y),
-        x.max(y),
         x.mul_add(y, z),
         x.mul_sub(y, z),
         x.abs(),
         x.flip(y),
         x.replace(y, 0b1011_0010_0110_1001),
         x.replace(marked, 0b0100_1101_1001_0110),
+        // Which of two zeros is not prescribed; the sign of others is looked at below.
+        x.min(y).abs(),
+        x.max(y).abs(),
     ];
     for result in results {
         let mut array = *a;
@@ -92,6 +93,8 @@ fn all_of<L: Lanes>(
         keep(array, out);
     }
     out.extend([x.lt(y), x.le(y), y.lt(x), y.le(x), x.negative()]);
+    let zero = L::splat(isa, 0.0);
+    out.extend([x.min(y).lt(zero), x.max(y).lt(zero)]);
     // Adding zero turns -0 into 0.
     out.extend([x.smallest(), y.largest(), z.smallest(), x.largest()].map(|v| (v + 0.0).to_bits()));
 }
