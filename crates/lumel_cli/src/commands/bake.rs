@@ -10,7 +10,7 @@ use crate::load::{self, Loaded};
 use crate::outputs::{self, Output};
 use crate::session::{Session, SolveLog, thread_pool};
 use anyhow::bail;
-use lumel::{Baker, ResumeError, Solution, SolveState};
+use lumel::{Baker, Ended, ResumeError, Solution, SolveState};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -88,6 +88,7 @@ fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Baked
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
     warn_of_dark_faces(&baker, &state, session);
+    warn_of_error(&state, session);
     let solution = solution(&baker, &state, session, &log);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
     let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
@@ -130,6 +131,17 @@ fn warn_of_dark_faces(baker: &Baker, state: &SolveState, session: &Session) {
             "{faces} dark though visible: all their vertices lie inside geometry; split them with a smaller --max-edge"
         ));
     }
+}
+
+/// A target error that was missed.
+fn warn_of_error(state: &SolveState, session: &Session) {
+    let Some(ended) = state.errors.as_ref().and_then(|errors| errors.accuracy.ended) else { return };
+    let why = match ended {
+        Ended::Reached => return,
+        Ended::Memory => "more rays do not fit; give more --memory",
+        Ended::Samples => "vertices have 64 times as many samples as at first; begin with more",
+    };
+    session.console.warning(&format!("the target error is not reached: {why}"));
 }
 
 fn tell_of_old_checkpoint(path: &Path, session: &Session) {

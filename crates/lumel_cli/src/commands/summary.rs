@@ -119,19 +119,9 @@ impl ErrorReport {
     fn text(&self) -> [String; 2] {
         let [share, target, wanted] = [self.share, self.target, self.target_share].map(report::percent);
         let [median, worst] = [self.median, self.worst].map(report::percent);
-        let outcome = match self.ended {
-            "reached" => format!("error: {share} of values are within {target}, as wanted"),
-            "memory" => {
-                format!(
-                    "error: TARGET NOT REACHED, memory is full: {share} of values are within {target}, not {wanted}"
-                )
-            }
-            _ => {
-                format!(
-                    "error: TARGET NOT REACHED with 64 times the samples: {share} of values are within {target}, not {wanted}"
-                )
-            }
-        };
+        let so_many = format!("accuracy: {share} of values are within {target}");
+        let outcome =
+            if self.reached { format!("{so_many}, as wanted") } else { format!("{so_many}, NOT {wanted}") };
         [outcome, format!("error of a value, 95 % interval: half are below {median}, the worst is {worst}")]
     }
 }

@@ -176,7 +176,10 @@ fn a_target_error_that_is_not_reached_is_said_plainly() {
     let place = Place::new();
     let line = "bake sphere --bounces 1 --target-error 0.01% --memory 12MiB -o a.npz";
     let run = crate::common::run(&mut place.lumel(line)).done();
-    assert!(run.stdout.contains("TARGET NOT REACHED, memory is full"), "{}", run.stdout);
+    assert!(run.stdout.contains("of values are within 0.01 %, NOT 95.0 %"), "{}", run.stdout);
+    let warning = "warning: the target error is not reached: more rays do not fit; give more --memory";
+    assert!(run.stderr.contains(warning), "{}", run.stderr);
+    assert_eq!(crate::common::run(&mut place.lumel(&format!("{line} --strict"))).code, 1);
     let line = "--target-error 1% --memory 1KiB -o b.npz";
     assert!(place.bake_furnace(line).failed("stored rays").stderr.contains("--memory"));
     place.bake_furnace("--target-error 1% --solver neumann -o b.npz").failed("neumann");
