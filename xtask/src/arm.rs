@@ -26,5 +26,5 @@ pub(crate) fn test(arguments: &[String]) -> Result<()> {
         .args(arguments)
         .env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", LINKER)
         .env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER", "qemu-aarch64 -L /usr/aarch64-linux-gnu");
-    run(command)
+    run(&mut command)
 }

@@ -94,7 +94,7 @@ impl Benchmark {
                 Err(reason) => say(&format!("Embree cannot be had: {reason:#}")),
             }
         }
-        run(command)
+        run(&mut command)
     }
 }
 
@@ -119,5 +119,5 @@ pub(crate) fn executable(name: &str) -> Result<PathBuf> {
 fn peers(arguments: &[String]) -> Result<()> {
     let mut command = Command::new("python3");
     command.arg(root().join("bench/peers/run.py")).args(arguments).env("LUMEL_PEERS", executable("peers")?);
-    run(command)
+    run(&mut command)
 }

@@ -34,7 +34,7 @@ fn python(arguments: &[&str], paths: &[&Path]) -> Result<()> {
     if Command::new("python3").arg("--version").output().is_err() {
         bail!("there is no python3 to fetch {PACKAGE} with; set {VARIABLE} to a libembree4");
     }
-    run(command)
+    run(&mut command)
 }
 
 /// The library in an unpacked wheel.

@@ -73,7 +73,7 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-fn run(mut command: Command) -> Result<()> {
+fn run(command: &mut Command) -> Result<()> {
     let status = command.status().with_context(|| format!("cannot start {command:?}"))?;
     if !status.success() {
         bail!("{command:?} failed: {status}");
@@ -98,17 +98,35 @@ fn test(arguments: &[String]) -> Result<()> {
     command.args(arguments);
     tools::provide(&mut command)?;
     system::provide()?;
-    run(command)
+    run(&mut command)?;
+    if !arguments.is_empty() {
+        return Ok(());
+    }
+    for instructions in lesser_instructions() {
+        say(&format!("tests of light transport with {instructions} instructions"));
+        let mut command = cargo_on_all("test");
+        run(command.args(["--test", "physics"]).env("LUMEL_TEST_INSTRUCTIONS", instructions))?;
+    }
+    Ok(())
+}
+
+/// Instruction sets that this machine has, but would not use.
+fn lesser_instructions() -> Vec<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx512f") {
+        return vec!["portable", "avx2"];
+    }
+    vec!["portable"]
 }
 
 fn ci() -> Result<()> {
-    run(cargo(&["fmt", "--all", "--check"]))?;
+    run(&mut cargo(&["fmt", "--all", "--check"]))?;
     tidy::tidy()?;
     let mut clippy = cargo_on_all("clippy");
     clippy.args(["--all-targets", "--", "-D", "warnings"]);
-    run(clippy)?;
+    run(&mut clippy)?;
     let mut doc = cargo_on_all("doc");
     doc.arg("--no-deps").env("RUSTDOCFLAGS", "-D warnings");
-    run(doc)?;
+    run(&mut doc)?;
     test(&[])
 }

@@ -7,6 +7,7 @@ use lumel::{
     Baker, BasisKind, BounceLimit, Bvh, Control, Light, Memory, Method, OpenOptions, RayTracer, Scene,
     Settings, Silent, SolveState, SolverKind,
 };
+use lumel_accel::InstructionSet;
 use lumel_basis::{Field, VertexBasis};
 use lumel_transport::{CachedTransport, CpuTransport, Job, Rows, Source, Transport, accumulate};
 use std::sync::Arc;
@@ -194,6 +195,23 @@ fn bits_do_not_depend_on_threads_or_on_where_a_solve_was_stopped() {
     let mut resumed = resumed;
     baker.run(&mut resumed, &Control::default(), &Silent).unwrap();
     assert_eq!(resumed, one);
+}
+
+#[test]
+fn bits_do_not_depend_on_the_instruction_set() {
+    let scene = scene("cornell-box");
+    let tree = Bvh::build(&scene);
+    for solver in [SolverKind::Cached, SolverKind::Neumann] {
+        let with = |set| {
+            let tracer = Arc::new(tree.clone().with_instructions(set).unwrap());
+            let settings = Settings { solver, indirect_samples: 16, ..settings() };
+            solved(&Baker::with_tracer(Arc::clone(&scene), tracer, settings)).0
+        };
+        let portable = with(InstructionSet::Portable);
+        for set in InstructionSet::available() {
+            assert!(with(set) == portable, "{set}, {solver:?}");
+        }
+    }
 }
 
 #[test]

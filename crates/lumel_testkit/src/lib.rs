@@ -17,5 +17,5 @@ mod statistics;
 
 pub use combination::{Combination, Estimator, Storage};
 pub use quadrature::{hat_average, triangle_integral};
-pub use stage::{Operator, Stage, measure, replicates};
+pub use stage::{Operator, Stage, measure, replicates, tracer};
 pub use statistics::{Estimate, ROUNDING, assert_nodes_near, correlation, fitted_slope, ratio_bias, rms};

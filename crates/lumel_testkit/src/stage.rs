@@ -3,7 +3,7 @@
 use crate::combination::Storage;
 use crate::quadrature::hat_average;
 use glam::{DVec3, Vec3};
-use lumel_accel::{Bvh, RayTracer};
+use lumel_accel::{Bvh, InstructionSet, RayTracer};
 use lumel_basis::{
     AreaVertexBasis, Basis, ElementId, Field, NodeWeights, PointReceivers, Receivers, VertexBasis,
 };
@@ -27,13 +27,24 @@ pub struct Operator {
     storage: Storage,
 }
 
+/// The ray tracer of a scene, with the instructions that the environment variable `LUMEL_TEST_INSTRUCTIONS` names, such as
+/// `portable`; with the best that there are without it.
+pub fn tracer(scene: &Scene) -> Bvh {
+    let tree = Bvh::build(scene);
+    let Some(name) = std::env::var_os("LUMEL_TEST_INSTRUCTIONS") else { return tree };
+    let is_meant = |set: &InstructionSet| name.eq_ignore_ascii_case(set.to_string());
+    let set = InstructionSet::available().into_iter().find(is_meant);
+    let set = set.unwrap_or_else(|| panic!("this machine has no instructions {name:?}"));
+    tree.with_instructions(set).unwrap_or_else(|| panic!("{set} is there"))
+}
+
 impl Stage {
     /// Builds a scene that must be sound.
     pub fn new(builder: SceneBuilder) -> Self {
         let (scene, warnings) = builder.build().expect("the test's scene builds");
         assert!(warnings.is_empty(), "{:?}", warnings.iter().next());
         let scene = Arc::new(scene);
-        let tracer = Arc::new(Bvh::build(&scene));
+        let tracer = Arc::new(tracer(&scene));
         let vertices = VertexBasis::new(scene.clone());
         Self { scene, tracer, vertices }
     }

@@ -1,7 +1,6 @@
 //! Samples in portions, and measuring some nodes only.
 
 use glam::Vec3;
-use lumel_accel::Bvh;
 use lumel_basis::{AreaVertexBasis, Basis, Field, NodeId, VertexBasis};
 use lumel_scene::{Light, Scene};
 use lumel_testkit::measure;
@@ -25,7 +24,7 @@ fn room() -> (Arc<Scene>, VertexBasis, Field) {
 }
 
 fn transport<B: Basis>(scene: &Arc<Scene>, basis: B, plan: Plan) -> CpuTransport<B> {
-    let (tracer, basis) = (Arc::new(Bvh::build(scene)), Arc::new(basis));
+    let (tracer, basis) = (Arc::new(lumel_testkit::tracer(scene)), Arc::new(basis));
     CpuTransport::new(Arc::clone(scene), tracer, Arc::clone(&basis), basis, plan)
 }
 
