@@ -337,3 +337,78 @@ impl<B: Basis> Transport for CachedTransport<B> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Plan, accumulate};
+    use lumel_accel::Bvh;
+    use lumel_basis::{Field, VertexBasis};
+    use lumel_scene::builtin;
+
+    /// Bounces by the definition: where each stored ray ends, light and albedo are looked up and multiplied.
+    struct ByDefinition<'a>(&'a CachedTransport<VertexBasis>);
+
+    impl Transport for ByDefinition<'_> {
+        fn shape(&self) -> Shape {
+            self.0.shape()
+        }
+
+        fn measure(
+            &self,
+            job: &Job<'_>,
+            chunks: Range<u32>,
+            control: &Control,
+            sink: &dyn ChunkSink,
+        ) -> Result<(), Cancelled> {
+            let Source::Field(field) = job.source else { return self.0.measure(job, chunks, control, sink) };
+            let CpuTransport { scene, source, .. } = &self.0.inner;
+            chunks.into_par_iter().try_for_each(|chunk| {
+                let (ends, elements) = (self.0.ends(chunk, control)?, self.0.inner.elements(chunk));
+                let mut weights = NodeWeights::default();
+                let mut reflected = |end: &End| {
+                    let seen = end.seen().unwrap_or(Seen::Back);
+                    hemisphere::reflected(scene, &**source, field, &seen, &mut weights).0.as_dvec3()
+                };
+                let mut mean = |lane: usize| {
+                    let row = ends.iter().skip(lane).step_by(elements.len());
+                    row.map(&mut reflected).sum::<DVec3>() / (ends.len() / elements.len()) as f64
+                };
+                let values: Vec<DVec3> = (0..elements.len()).map(&mut mean).collect();
+                sink.accept(chunk, self.0.inner.group(elements).sums(&values));
+                Ok(())
+            })
+        }
+    }
+
+    #[test]
+    fn the_sum_of_bounces_is_the_neumann_series_on_the_same_rows() {
+        for name in ["cornell-box", "atrium"] {
+            let scene = Arc::new(builtin::scene(name, 0).unwrap().build().unwrap().0);
+            let (tracer, basis) =
+                (Arc::new(Bvh::build(&scene)), Arc::new(VertexBasis::new(Arc::clone(&scene))));
+            let plan = Plan { direct_samples: 4, indirect_samples: 128, ..Plan::default() };
+            let inner = CpuTransport::new(scene, tracer, Arc::clone(&basis), basis, plan);
+            let cached = CachedTransport::new(inner, None);
+            let solved = |transport: &dyn Transport| {
+                let applied = |source: Source<'_>, bounce: u32| {
+                    let job = Job { source, bounce, pass: SHARED_PASS, active: None };
+                    accumulate(transport, &job, &Control::default(), None).unwrap().field
+                };
+                let mut bounces = vec![applied(Source::Emitters, 0)];
+                for bounce in 1..=4 {
+                    bounces.push(applied(Source::Field(&bounces[bounce as usize - 1]), bounce));
+                }
+                Field::sum(bounces[0].len(), &bounces)
+            };
+            let (by_rows, by_definition) = (solved(&cached), solved(&ByDefinition(&cached)));
+            let square =
+                |field: &Field| field.values().iter().map(|v| v.as_dvec3().length_squared()).sum::<f64>();
+            let pairs = by_rows.values().iter().zip(by_definition.values());
+            let difference: f64 = pairs.map(|(a, b)| (a.as_dvec3() - b.as_dvec3()).length_squared()).sum();
+            let relative = (difference / square(&by_definition)).sqrt();
+            println!("{name}: {relative:.2e}");
+            assert!(relative < 1e-6, "{name}: {relative:e}");
+        }
+    }
+}
