@@ -2,7 +2,7 @@
 
 use crate::method::{Memory, Method, SolverKind};
 use crate::settings::{BasisKind, Settings, Tail};
-use crate::target::{self, StoredReplicates};
+use crate::target::{self, StoredReplicates, TargetError};
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
 use lumel_basis::{AreaVertexBasis, Basis, Field, Measure, NodeId, VertexBasis};
@@ -105,8 +105,9 @@ impl Baker {
 
     /// The operator with so many samples, every job of which traces rays of its own.
     pub(crate) fn plain_transport(&self, direct_samples: u32, indirect_samples: u32) -> Box<dyn Transport> {
-        let solver = SolverKind::Neumann;
-        let settings = Settings { direct_samples, indirect_samples, solver, ..self.settings.clone() };
+        let (solver, target_error) = (SolverKind::Neumann, TargetError::Off);
+        let settings =
+            Settings { direct_samples, indirect_samples, solver, target_error, ..self.settings.clone() };
         let shared = Shared { order: Some(self.operator.order.clone()), stored: None };
         operator_of((&self.scene, &self.tracer), &self.vertex_basis, &settings, shared).transport
     }
@@ -343,43 +344,34 @@ fn operator<B: Basis + 'static>(
         let stored = cached.stored();
         (Box::new(cached) as Box<dyn Transport>, Some(stored))
     };
-    let replicates = || -> Box<dyn Replicates + Send> {
-        let (elements, measure) = (basis.element_count(), basis.measure());
-        let first = target::first_plan(settings, bytes_of_rays(scene, (elements, measure), settings));
-        let like = CachedTransport::new(plain(first), None);
-        Box::new(StoredReplicates { like, first, textured: scene.has_varying_albedo(), measure })
+    let replicates = |rays: u32| -> Box<dyn Replicates + Send> {
+        let first = target::first_plan(settings, rays);
+        Box::new(StoredReplicates { like: CachedTransport::new(plain(first), None), first })
     };
     let plain = || -> Box<dyn Transport> { Box::new(plain(settings.plan())) };
     let ((transport, stored), rest) = match method {
         Method::Neumann => ((plain(), None), Rest::Nothing),
         Method::Cached { .. } => (cached(settings.indirect_samples), Rest::Nothing),
         Method::FinalGather { stored, .. } => (cached(stored), Rest::Gather(plain())),
-        Method::Replicates { target, .. } => ((plain(), None), Rest::Replicates(target, replicates())),
+        Method::Replicates { target, rays, .. } => {
+            ((plain(), None), Rest::Replicates(target, replicates(rays)))
+        }
     };
     Operator { basis, order, method, transport, stored, rest }
 }
 
 /// How the settings solve a scene with so many elements.
-fn method(scene: &Scene, elements: (usize, Measure), settings: &Settings) -> Method {
-    let bytes = bytes_of_rays(scene, elements, settings);
+fn method(scene: &Scene, (elements, measure): (usize, Measure), settings: &Settings) -> Method {
+    let textured = scene.has_varying_albedo();
+    let bytes = |rays: u32| {
+        let plan = Plan { indirect_samples: rays, ..settings.plan() };
+        Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
+    };
     if let Some(target) = target::target(settings) {
-        let rays = target::first_plan(settings, &bytes).indirect_samples;
+        let rays = target::first_rays(settings, bytes);
         return Method::Replicates { target, rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
     }
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
-}
-
-/// The bytes that so many rays per vertex take.
-fn bytes_of_rays(
-    scene: &Scene,
-    (elements, measure): (usize, Measure),
-    settings: &Settings,
-) -> impl Fn(u32) -> u64 {
-    let (textured, plan) = (scene.has_varying_albedo(), settings.plan());
-    move |rays: u32| {
-        let plan = Plan { indirect_samples: rays, ..plan };
-        Rows::bytes_for(elements, plan.rays_per_element(measure), textured)
-    }
 }
 
 #[cfg(test)]

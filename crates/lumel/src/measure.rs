@@ -1,16 +1,11 @@
 //! Irradiance at single points.
 
 use crate::{Baker, Settings};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use lumel_basis::{Field, Measure, PointReceivers, Receivers};
-use lumel_solve::SolveState;
+use lumel_solve::{REPLICATES, SolveState, mean_and_error};
 use lumel_transport::{Cancelled, Control, CpuTransport, Job, Plan, Source, Transport, accumulate};
 use std::sync::Arc;
-
-/// Independent sets of samples, whose spread gives the standard error.
-///
-/// The variance within one set would say nothing: its samples are spread evenly, not independently.
-const REPLICATES: u32 = 8;
 
 /// Irradiance at points, W·m⁻².
 #[derive(Clone, Debug, PartialEq)]
@@ -81,10 +76,12 @@ pub fn vertex_errors(baker: &Baker, state: &SolveState, control: &Control) -> Re
 /// The direct and the hemisphere samples of one of the replicates.
 fn share_of_samples(baker: &Baker) -> [u32; 2] {
     let Settings { direct_samples, indirect_samples, .. } = *baker.settings();
-    [direct_samples, indirect_samples].map(|samples| samples.div_ceil(REPLICATES).max(1))
+    [direct_samples, indirect_samples].map(|samples| samples.div_ceil(REPLICATES as u32).max(1))
 }
 
 /// Independent measurements of each bounce of a state, and of its tail after those.
+///
+/// The variance within one of them would say nothing: its samples are spread evenly, not independently.
 fn replicates(
     transport: &dyn Transport,
     state: &SolveState,
@@ -106,14 +103,14 @@ fn replicates(
             let job = Job { source, bounce: bounce as u32, pass: pass + 1, active };
             Ok(accumulate(transport, &job, control, None)?.field)
         };
-        steps.push((0..REPLICATES).map(replicate).collect::<Result<_, Cancelled>>()?);
+        steps.push((0..REPLICATES as u32).map(replicate).collect::<Result<_, Cancelled>>()?);
     }
     Ok(steps)
 }
 
 /// The sum over all bounces of each replicate.
 fn totals(nodes: usize, steps: &[Vec<Field>]) -> Vec<Field> {
-    (0..REPLICATES as usize).map(|r| Field::sum(nodes, steps.iter().map(|step| &step[r]))).collect()
+    (0..REPLICATES).map(|r| Field::sum(nodes, steps.iter().map(|step| &step[r]))).collect()
 }
 
 fn mean<'a>(n_points: usize, replicates: impl Iterator<Item = &'a Field>) -> Vec<Vec3> {
@@ -121,16 +118,9 @@ fn mean<'a>(n_points: usize, replicates: impl Iterator<Item = &'a Field>) -> Vec
     sum.values().iter().map(|&v| v / REPLICATES as f32).collect()
 }
 
-/// The standard deviation of the replicates over the root of their number.
 fn standard_error(n_points: usize, replicates: &[Field]) -> Vec<Vec3> {
-    let n = replicates.len() as f64;
     let at = |i: usize| replicates.iter().map(move |field| field.values()[i].as_dvec3());
-    let error = |i: usize| {
-        let mean = at(i).sum::<DVec3>() / n;
-        let squares: DVec3 = at(i).map(|v| (v - mean) * (v - mean)).sum();
-        (squares / (n * (n - 1.0))).map(f64::sqrt).as_vec3()
-    };
-    (0..n_points).map(error).collect()
+    (0..n_points).map(|i| mean_and_error(at(i)).1.as_vec3()).collect()
 }
 
 #[cfg(test)]

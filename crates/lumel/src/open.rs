@@ -1,9 +1,9 @@
 //! From a name on the command line to a scene.
 
-use crate::project::{Project, ProjectError};
+use crate::project::{MaterialEntry, Project, ProjectError};
 use crate::settings::SettingsPatch;
 use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy};
-use lumel_scene::{Light, Radiance, SceneBuilder, SceneError, Sides, Warnings, builtin};
+use lumel_scene::{Light, Material, Radiance, SceneBuilder, SceneError, Sides, Warnings, builtin};
 use std::path::{Path, PathBuf};
 
 /// How to open a scene.
@@ -158,29 +158,22 @@ fn apply(
     if let Some(sky) = project.sky {
         builder.sky = Radiance(sky);
     }
-    for entry in &project.materials {
+    let mut change = |name: &str, all: bool, change: &dyn Fn(&mut Material), purpose: &str| {
         let mut found = false;
-        for material in builder.materials.iter_mut().filter(|m| m.name == entry.name) {
-            material.albedo = entry.albedo;
+        for material in builder.materials.iter_mut().filter(|m| all || m.name == name) {
+            change(material);
             found = true;
         }
         if !found {
-            let text = format!("there is no material \"{}\" to give an albedo to", entry.name);
+            let text = format!("there is no material \"{name}\" {purpose}");
             warnings.push(path.display().to_string(), text);
         }
+    };
+    for MaterialEntry { name, albedo } in &project.materials {
+        change(name, false, &|material| material.albedo = *albedo, "to give an albedo to");
     }
     for name in &project.two_sided {
-        let mut found = false;
-        for material in builder.materials.iter_mut().filter(|m| name == "*" || m.name == *name) {
-            material.sides = Sides::Both;
-            found = true;
-        }
-        if !found {
-            warnings.push(
-                path.display().to_string(),
-                format!("there is no material \"{name}\" to make two-sided"),
-            );
-        }
+        change(name, name == "*", &|material| material.sides = Sides::Both, "to make two-sided");
     }
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! Stopping at an error: settings, and the operators of replicates.
 
 use crate::settings::{NumberOrText, Settings};
-use lumel_basis::{Basis, Measure};
+use lumel_basis::Basis;
 use lumel_sample::SamplerKind;
 use lumel_solve::{REPLICATES, Replicates, Target};
-use lumel_transport::{CachedTransport, Plan, Rows, Transport};
+use lumel_transport::{CachedTransport, Plan, Transport};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -28,6 +28,11 @@ const OFFSETS: [i32; REPLICATES] = [-4, -3, -2, -1, 1, 2, 3, 4];
 pub struct Share(f32);
 
 impl Share {
+    /// In percent, to four digits: without those of binary fractions.
+    pub fn percent(self) -> f64 {
+        (1e6 * f64::from(self.0)).round() / 1e4
+    }
+
     /// 95 %.
     pub const MOST: Self = Self(0.95);
 
@@ -62,8 +67,7 @@ impl FromStr for Share {
 
 impl fmt::Display for Share {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Four digits, without those of binary fractions.
-        write!(f, "{} %", (1e6 * f64::from(self.0)).round() / 1e4)
+        write!(f, "{} %", self.percent())
     }
 }
 
@@ -145,15 +149,24 @@ pub(crate) fn target(settings: &Settings) -> Option<Target> {
     })
 }
 
-/// The samples of each replicate in the first round: an eighth of those of the settings, or less where the rays that
-/// this stores, `bytes(rays)` of a replicate, do not fit.
-pub(crate) fn first_plan(settings: &Settings, bytes: impl Fn(u32) -> u64) -> Plan {
-    let share = |samples: u32| samples.div_ceil(REPLICATES as u32).max(MIN_SAMPLES);
-    let mut rays = share(settings.indirect_samples);
+/// A replicate's part of all samples.
+fn part(samples: u32) -> u32 {
+    samples.div_ceil(REPLICATES as u32).max(MIN_SAMPLES)
+}
+
+/// The rays of each replicate in the first round: an eighth of those of the settings, or less where what this stores,
+/// `bytes(rays)` of a replicate, does not fit.
+pub(crate) fn first_rays(settings: &Settings, bytes: impl Fn(u32) -> u64) -> u32 {
+    let mut rays = part(settings.indirect_samples);
     while rays > MIN_SAMPLES && REPLICATES as u64 * bytes(rays) > settings.memory.0 {
         rays = (rays / 2).max(MIN_SAMPLES);
     }
-    Plan { direct_samples: share(settings.direct_samples), indirect_samples: rays, ..settings.plan() }
+    rays
+}
+
+/// The samples of each replicate in the first round, with so many rays.
+pub(crate) fn first_plan(settings: &Settings, rays: u32) -> Plan {
+    Plan { direct_samples: part(settings.direct_samples), indirect_samples: rays, ..settings.plan() }
 }
 
 /// Operators of replicates on stored rays.
@@ -161,8 +174,6 @@ pub(crate) struct StoredReplicates<B> {
     /// Traces nothing itself.
     pub(crate) like: CachedTransport<B>,
     pub(crate) first: Plan,
-    pub(crate) textured: bool,
-    pub(crate) measure: Measure,
 }
 
 impl<B> StoredReplicates<B> {
@@ -187,8 +198,7 @@ impl<B: Basis + 'static> Replicates for StoredReplicates<B> {
     }
 
     fn bytes(&self, times: u32, nodes: &[bool]) -> u64 {
-        let per_element = self.plan(0, times).rays_per_element(self.measure);
-        Rows::bytes_for(self.like.elements_towards(nodes), per_element, self.textured)
+        self.like.memory_with(&self.plan(0, times), nodes)
     }
 }
 
@@ -225,11 +235,12 @@ mod tests {
     #[test]
     fn replicates_share_the_samples_of_the_settings_and_get_fewer_rays_where_memory_is_short() {
         let settings = Settings { direct_samples: 64, indirect_samples: 1024, ..Settings::default() };
-        let plan = |bytes: u64| first_plan(&settings, |rays| u64::from(rays) * bytes);
-        assert_eq!((plan(1).direct_samples, plan(1).indirect_samples), (MIN_SAMPLES, 128));
+        let rays = |bytes: u64| first_rays(&settings, |rays| u64::from(rays) * bytes);
+        let first = first_plan(&settings, rays(1));
+        assert_eq!((first.direct_samples, first.indirect_samples), (MIN_SAMPLES, 128));
         let limit = settings.memory.0;
-        assert_eq!(plan(limit / (8 * 64)).indirect_samples, 64);
-        assert_eq!(plan(limit).indirect_samples, MIN_SAMPLES);
+        assert_eq!(rays(limit / (8 * 64)), 64);
+        assert_eq!(rays(limit), MIN_SAMPLES);
     }
 
     #[test]

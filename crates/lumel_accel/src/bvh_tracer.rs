@@ -11,6 +11,25 @@ const FEW: usize = 4;
 /// As many nodes as a shaft may leave to packets; usually there are about twenty.
 const MAX_REST: usize = 64;
 
+/// The nodes that a shaft has not visited, the next one last.
+struct Rest {
+    nodes: [Child; MAX_REST],
+    count: usize,
+}
+
+impl Rest {
+    /// Those on its stack; all from the root again where there are too many of them.
+    fn new(stack: &Stack, root: Child) -> Self {
+        let mut rest = Self { nodes: [root; MAX_REST], count: 1 };
+        let left = stack.children();
+        if left.len() <= MAX_REST {
+            rest.count = left.len();
+            rest.nodes.iter_mut().zip(left).for_each(|(node, child)| *node = child);
+        }
+        rest
+    }
+}
+
 impl RayTracer for Bvh {
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         self.follow::<false>(ray)
@@ -90,26 +109,16 @@ impl Bvh {
         bundle: &Bundle<'_>,
         occluded: &mut [bool],
     ) {
-        let mut rest = [root; MAX_REST];
-        let (complete, n_rest) = Stack::lend(|stack| {
-            let complete = shaft.walk(stack);
-            let left = stack.children();
-            // In the worst case, from the root again.
-            let n_rest = if left.len() <= MAX_REST { left.len() } else { 1 };
-            if n_rest == left.len() {
-                rest.iter_mut().zip(left).for_each(|(slot, child)| *slot = child);
-            }
-            (complete, n_rest)
-        });
+        let rest = Stack::lend(|stack| (!shaft.walk(stack)).then(|| Rest::new(stack, root)));
         let mut packet = None;
         for (k, occluded) in occluded.chunks_mut(PACKET).enumerate() {
             let rays = k * PACKET..k * PACKET + occluded.len();
             let mut free = shaft.free(k);
-            if !complete && free != 0 {
+            if let Some(rest) = rest.as_ref().filter(|_| free != 0) {
                 let packet = packet.get_or_insert_with(Packet::new);
                 packet.fill(rays.clone().map(|i| bundle.ray(i)));
                 packet.retain(free);
-                self.trace::<true, true>(&rest[..n_rest], packet);
+                self.trace::<true, true>(&rest.nodes[..rest.count], packet);
                 free = packet.unmet();
             }
             for ((i, blocked), ray) in occluded.iter_mut().enumerate().zip(rays) {

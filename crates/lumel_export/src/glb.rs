@@ -88,7 +88,7 @@ fn asset(scene: &Scene, exposure: f32) -> Value {
         "generator": concat!("lumel ", env!("CARGO_PKG_VERSION")),
         "extras": {
             "scene": scene.name(),
-            "geometry_hash": scene.hash().geometry.to_hex().as_str(),
+            "geometry_hash": scene.geometry_hash().to_hex().as_str(),
             "exposure": exposure,
             "_IRRADIANCE": "irradiance, W/m^2 (lux if the lights are photometric), linear Rec. 709",
             "COLOR_0": "min(1, _IRRADIANCE / pi * vertex tint * exposure); \

@@ -171,7 +171,7 @@ impl Solution {
     }
 
     fn check_scene(&self, scene: &Scene, file: Option<&Path>) -> Result<(), SolutionError> {
-        let geometry_hash = scene.hash().geometry.to_hex().to_string();
+        let geometry_hash = scene.geometry_hash().to_hex().to_string();
         if self.meta.geometry_hash == geometry_hash && self.vertex_count() == scene.vertex_count() {
             return Ok(());
         }

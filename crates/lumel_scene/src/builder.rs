@@ -1,6 +1,7 @@
 //! From loose meshes to a checked scene.
 
 use crate::corners::{Corners, split_vertices};
+use crate::material::sound;
 use crate::scene::{FaceList, Scene};
 use crate::{
     Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, RectLight, Sides, Texture,
@@ -233,9 +234,8 @@ impl SceneBuilder {
             if !material.albedo.is_finite() || !material.emission.0.is_finite() {
                 warnings.push(&subject, "colour is not a finite number: black is used instead");
             }
-            let finite = |c: Vec3| if c.is_finite() { c.max(Vec3::ZERO) } else { Vec3::ZERO };
-            material.albedo = finite(material.albedo);
-            material.emission = Radiance(finite(material.emission.0));
+            material.albedo = sound(material.albedo);
+            material.emission = Radiance(sound(material.emission.0));
             let texture =
                 material.albedo_texture.map_or(Vec3::ONE, |t| self.textures[t.texture.index()].max());
             let brightest = (material.albedo * texture).max_element();

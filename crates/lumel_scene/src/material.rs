@@ -64,6 +64,11 @@ pub enum Sides {
     Both,
 }
 
+/// A colour without what is no number or negative.
+pub(crate) fn sound(color: Vec3) -> Vec3 {
+    if color.is_finite() { color.max(Vec3::ZERO) } else { Vec3::ZERO }
+}
+
 /// A diffuse material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {

@@ -2,6 +2,7 @@
 
 use crate::builder::{ObjectMesh, SceneBuilder, check_lights};
 use crate::hash::{self, SurfacesHash};
+use crate::material::sound;
 use crate::{
     Albedo, Barycentrics, Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, SceneError,
     SceneHash, SurfacePoint, Texture, TextureRef, TriId,
@@ -187,7 +188,7 @@ impl Scene {
         assert_eq!(albedos.len(), self.materials().len(), "one albedo per material");
         let mut unlit = Unlit { surfaces_hash: OnceLock::new(), ..(*self.unlit).clone() };
         for (material, &albedo) in unlit.materials.iter_mut().zip(albedos) {
-            material.albedo = if albedo.is_finite() { albedo.max(Vec3::ZERO) } else { Vec3::ZERO };
+            material.albedo = sound(albedo);
         }
         Self { unlit: Arc::new(unlit), lights: self.lights.clone(), hash: OnceLock::new() }
     }

@@ -94,7 +94,8 @@ impl Spread {
         mean_light: impl FnOnce(&Field) -> f64,
         target: Target,
     ) -> Self {
-        let moments: Vec<(DVec3, DVec3)> = (0..valid.len()).map(|node| moments(totals, node)).collect();
+        let of_node = |node: usize| mean_and_error(totals.iter().map(move |total| total[node]));
+        let moments: Vec<(DVec3, DVec3)> = (0..valid.len()).map(of_node).collect();
         let mean = Field::from_values(moments.iter().map(|(mean, _)| mean.as_vec3()).collect());
         let errors: Vec<Vec3> = moments.iter().map(|(_, error)| error.as_vec3()).collect();
         let floor = FLOOR * mean_light(&mean);
@@ -128,12 +129,11 @@ impl Spread {
     }
 }
 
-/// Mean and standard error of a node.
-fn moments(totals: &[Vec<DVec3>], node: usize) -> (DVec3, DVec3) {
-    let n = totals.len() as f64;
-    let values = || totals.iter().map(|total| total[node]);
-    let mean = values().sum::<DVec3>() / n;
-    let squares: DVec3 = values().map(|value| (value - mean) * (value - mean)).sum();
+/// The mean of independent measurements of one value, and its standard error.
+pub fn mean_and_error(values: impl ExactSizeIterator<Item = DVec3> + Clone) -> (DVec3, DVec3) {
+    let n = values.len() as f64;
+    let mean = values.clone().sum::<DVec3>() / n;
+    let squares: DVec3 = values.map(|value| (value - mean) * (value - mean)).sum();
     (mean, (squares / (n * (n - 1.0))).map(f64::sqrt))
 }
 

@@ -13,7 +13,7 @@ mod replicates;
 mod solver;
 mod state;
 
-pub use accuracy::{Accuracy, CONFIDENCE_95, Ended, Errors, REPLICATES, Target};
+pub use accuracy::{Accuracy, CONFIDENCE_95, Ended, Errors, REPLICATES, Target, mean_and_error};
 pub use energy::Energy;
 pub use neighbours::Neighbours;
 pub use observer::{Observer, Silent, Snapshot, Step};

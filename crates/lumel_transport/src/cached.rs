@@ -77,6 +77,12 @@ impl<B: Basis> CachedTransport<B> {
         self.inner.elements_towards(nodes).count()
     }
 
+    /// What [`memory`](Self::memory) would be [with other samples](Self::with_samples).
+    pub fn memory_with(&self, plan: &Plan, nodes: &[bool]) -> u64 {
+        let per_element = plan.rays_per_element(self.inner.receivers.measure());
+        Rows::bytes_for(self.elements_towards(nodes), per_element, self.paint.varies())
+    }
+
     /// What it stores, to be shared.
     pub fn stored(&self) -> Stored {
         let (rows, paint) = (Arc::clone(&self.rows), Arc::clone(&self.paint));

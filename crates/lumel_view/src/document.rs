@@ -105,7 +105,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         project: project.map(|project| (PathBuf::from(&request.name), project)),
         request: request.clone(),
         baker: Arc::new(baker),
-        albedos: albedos_of(&scene),
+        albedos: albedos_of(&scene).collect(),
         scene,
         tracer,
     };
@@ -130,8 +130,8 @@ fn editable_lights(scene: &Scene, project: Option<&Project>) -> Vec<EditLight> {
 }
 
 /// The albedo of each material of a scene.
-pub fn albedos_of(scene: &Scene) -> Vec<Vec3> {
-    scene.materials().iter().map(|material| material.albedo).collect()
+pub fn albedos_of(scene: &Scene) -> impl Iterator<Item = Vec3> + '_ {
+    scene.materials().iter().map(|material| material.albedo)
 }
 
 /// A third of the triangles around each vertex, m².

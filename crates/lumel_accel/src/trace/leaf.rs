@@ -178,10 +178,11 @@ impl<L: Lanes> Planes<L> {
         let Self { second, third, normal, height, slack } = *self;
         let (min, max) = (splat(isa, directions.min), splat(isa, directions.max));
         let first = sub(sub(normal, second), third);
-        let most = most(first, height, min, max).min(most(second, height, min, max));
-        let most = most.min(self::most(third, height, min, max));
+        let least = highest(first, height, min, max)
+            .min(highest(second, height, min, max))
+            .min(highest(third, height, min, max));
         // What overflows stays in.
-        !slack.mul_add(L::splat(isa, 4.0), most).lt(L::splat(isa, 0.0))
+        !slack.mul_add(L::splat(isa, 4.0), least).lt(L::splat(isa, 0.0))
     }
 
     /// The lanes in which the back is seen.
@@ -193,7 +194,7 @@ impl<L: Lanes> Planes<L> {
 
 /// The largest dot product of a plane, with the sign of `height` taken out, and a direction between two corners.
 #[inline(always)]
-fn most<L: Lanes>(plane: V3<L>, height: L, min: V3<L>, max: V3<L>) -> L {
+fn highest<L: Lanes>(plane: V3<L>, height: L, min: V3<L>, max: V3<L>) -> L {
     let [x, y, z] = [plane[0].flip(height), plane[1].flip(height), plane[2].flip(height)];
     let (x, y, z) = (
         x.mul(min[0]).max(x.mul(max[0])),

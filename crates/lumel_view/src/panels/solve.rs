@@ -55,8 +55,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
 fn live(app: &mut App, ui: &mut Ui) {
     let obstacle = app.session.obstacle_to_live();
     ui.horizontal_wrapped(|ui| {
-        let hint = "While lights are moved, sized or coloured, their light and all bounces of it follow at once. The \
-                    stored hemisphere rays are used again.";
+        let hint = "While lights are moved, sized or coloured and materials painted, light and all bounces of it follow \
+                    at once. The stored hemisphere rays are used again.";
         ui.checkbox(&mut app.session.live, "Light follows changes").on_hover_text(hint);
         if let Some(obstacle) = obstacle.filter(|_| app.session.live) {
             ui.label(RichText::new(obstacle).color(theme::WEAK));
@@ -174,8 +174,7 @@ fn target(ui: &mut Ui, settings: &mut Settings) {
 
 /// A share that is edited in percent.
 fn percent(ui: &mut Ui, name: &str, hint: &str, share: &mut Share, range: RangeInclusive<f32>) {
-    // Four digits, without those of binary fractions.
-    let before = (1e6 * share.get()).round() / 1e4;
+    let before = share.percent() as f32;
     let mut shown = before;
     let drag = DragValue::new(&mut shown).range(range).speed(0.1).suffix(" %").max_decimals(2);
     row(ui, name, hint, |ui| ui.add(drag));

@@ -4,7 +4,7 @@ use crate::app::App;
 use crate::solver::Phase;
 use crate::theme;
 use eframe::egui::{self, ProgressBar, RichText, Ui};
-use lumel::{Accuracy, BounceLimit};
+use lumel::{Accuracy, BounceLimit, Ended, Settings};
 
 pub(crate) fn status(app: &mut App, ui: &mut Ui) {
     ui.horizontal(|ui| {
@@ -48,9 +48,9 @@ fn state(app: &App) -> (String, egui::Color32) {
         }
         Some(computed) => {
             let time = computed.seconds.map_or_else(String::new, |s| format!(" in {s:.1} s"));
-            let accuracy = computed.accuracy();
-            let missed = accuracy.is_some_and(|a| a.ended != Some(lumel::Ended::Reached));
-            let within = accuracy.map_or_else(String::new, |a| format!(", {}", within(&a)));
+            let accuracy = computed.accuracy().zip(computed.settings.as_ref());
+            let missed = accuracy.is_some_and(|(a, _)| a.ended != Some(Ended::Reached));
+            let within = accuracy.map_or_else(String::new, |(a, s)| format!(", {}", within(&a, s)));
             let text = format!("Solved: {}{time}{within}", computed.label(&session.light));
             (text, if missed { theme::WARNING } else { theme::GOOD })
         }
@@ -82,7 +82,7 @@ fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
         Phase::Ended(_) => String::new(),
     };
     if let Some(accuracy) = job.accuracy() {
-        text += &format!("  |  {}", within(&accuracy));
+        text += &format!("  |  {}", within(&accuracy, job.settings()));
     }
     if progress.rays_per_second > 0.0 {
         text += &format!("  |  {:.2} Mrays/s", progress.rays_per_second / 1e6);
@@ -94,14 +94,8 @@ fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
 }
 
 /// What a solve with a target error has reached.
-fn within(accuracy: &Accuracy) -> String {
-    let Accuracy { share, target, .. } = accuracy;
-    format!("{:.1} % of values within {}", 100.0 * share, percent(target.error))
-}
-
-/// A share in percent, in as many digits as it was asked for.
-fn percent(share: f64) -> String {
-    format!("{} %", (1e6 * share).round() / 1e4)
+fn within(accuracy: &Accuracy, settings: &Settings) -> String {
+    format!("{:.1} % of values within {}", 100.0 * accuracy.share, settings.target_error)
 }
 
 /// A time in words: "12 s", "3 min 20 s", "2 h 5 min".

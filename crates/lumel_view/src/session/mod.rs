@@ -238,7 +238,7 @@ impl Session {
     /// Gives the materials of the scene the albedos that they are to have.
     pub(super) fn paint(&mut self) {
         let Some(document) = &mut self.document else { return };
-        if document::albedos_of(&document.scene) != self.albedos {
+        if !document::albedos_of(&document.scene).eq(self.albedos.iter().copied()) {
             document.scene = Arc::new(document.scene.repainted(&self.albedos));
             self.paint_generation += 1;
         }

@@ -337,12 +337,12 @@ impl Session {
         let same_bounces = before.same_bounces_as(&self.settings) && before.target_error == TargetError::Off;
         let (then, text) = if !self.is_lit_by(&running.scene, &running.lights) {
             (Then::Restart, "Lights or materials have changed: solving anew")
-        } else if *before != self.settings && !same_bounces {
-            (Then::Restart, "The settings have changed: solving anew")
-        } else if *before != self.settings {
+        } else if *before == self.settings {
+            return;
+        } else if same_bounces {
             (Then::GoOn, "Going on with another number of bounces")
         } else {
-            return;
+            (Then::Restart, "The settings have changed: solving anew")
         };
         let Some(running) = &mut self.running else { return };
         running.then = then;
