@@ -17,7 +17,7 @@ struct Benchmark {
 const BENCHMARKS: [Benchmark; 4] = [
     Benchmark { name: "rays", package: "lumel", features: &[] },
     Benchmark { name: "bake", package: "lumel", features: &[] },
-    Benchmark { name: "frame", package: "lumel_render", features: &[] },
+    Benchmark { name: "frame", package: "lumel_render_gpu", features: &[] },
     Benchmark { name: "window", package: "lumel_view", features: &["--features", "inspection"] },
 ];
 

@@ -64,7 +64,7 @@ fn message(missing: &[&str]) -> String {
     let nothing_drawn = missing.iter().any(|package| FOR_DRAWING.contains(package));
     let tests = if nothing_drawn { "that draw or open a window" } else { "that open a window" };
     format!(
-        "tests of lumel_render and lumel_view {tests} need `apt-get install -y --no-install-recommends {}`, or what \
+        "tests of lumel_render_gpu and lumel_view {tests} need `apt-get install -y --no-install-recommends {}`, or what \
          other systems have in their place",
         missing.join(" ")
     )

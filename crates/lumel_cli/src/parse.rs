@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use lumel::{BounceLimit, Camera, RectLight};
-use lumel_picture::{MAX_PIXELS, Show, ToneMapper};
+use lumel_render_cpu::{MAX_PIXELS, Show, ToneMapper};
 use lumel_scene::Radiance;
 use serde::de::DeserializeOwned;
 use serde_json::Value;

@@ -4,7 +4,7 @@ use anyhow::Context;
 use glam::Vec3;
 use lumel::{Camera, RayTracer, Scene};
 use lumel_export::write_png;
-use lumel_picture::{Display, Picture, Resolution, VertexLight, View, camera_for, draw};
+use lumel_render_cpu::{Display, Picture, Resolution, VertexLight, View, camera_for, draw};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 

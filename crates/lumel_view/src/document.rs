@@ -6,7 +6,7 @@ use crate::slots::Slots;
 use crate::spread::Neighbours;
 use glam::Vec3;
 use lumel::{Baker, Bvh, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
-use lumel_picture::camera_for;
+use lumel_render_cpu::camera_for;
 use lumel_scene::{Light, TriId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

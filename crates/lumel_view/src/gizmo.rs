@@ -5,7 +5,7 @@ use crate::theme;
 use eframe::egui::{self, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui, pos2};
 use glam::{Vec2, Vec3};
 use lumel::Camera;
-use lumel_picture::Lens;
+use lumel_render_cpu::Lens;
 
 /// Length of the arrows, as a share of the distance to the eye: they look equally long everywhere.
 const ARROW: f32 = 0.12;

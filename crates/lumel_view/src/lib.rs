@@ -1,7 +1,7 @@
 //! The interactive program: fly through a scene and watch light arrive in it.
 //!
 //! A [`Session`](session::Session) is all that is open and going on, without a window; the [`App`](app::App) shows it and
-//! takes what is done with keys and mouse; the [`Stage`](stage::Stage) draws the scene with `lumel_render`. Solves run
+//! takes what is done with keys and mouse; the [`Stage`](stage::Stage) draws the scene with `lumel_render_gpu`. Solves run
 //! on threads of their own ([`solver`]) and publish what they know; nothing that draws ever waits for them.
 
 pub mod app;

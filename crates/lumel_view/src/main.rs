@@ -46,7 +46,7 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         .with_drag_and_drop(true);
     let mut wgpu = WgpuConfiguration::default();
     if let WgpuSetup::CreateNew(setup) = &mut wgpu.wgpu_setup {
-        setup.device_descriptor = Arc::new(lumel_render::Gpu::device_descriptor);
+        setup.device_descriptor = Arc::new(lumel_render_gpu::Gpu::device_descriptor);
     }
     let options = eframe::NativeOptions {
         viewport,

@@ -6,7 +6,7 @@ use crate::task::Background;
 use glam::{Vec2, Vec3};
 use lumel::{Camera, Control, PointMeasurement, RayTracer, Scene, measure_points};
 use lumel_basis::PointReceivers;
-use lumel_picture::{Lens, View};
+use lumel_render_cpu::{Lens, View};
 use lumel_scene::{Irradiance, SurfacePoint, TriId};
 use std::sync::Arc;
 

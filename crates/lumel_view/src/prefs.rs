@@ -2,7 +2,7 @@
 
 use crate::selection::Selection;
 use lumel::Settings;
-use lumel_picture::{Scale, ToneMapper};
+use lumel_render_cpu::{Scale, ToneMapper};
 use serde::{Deserialize, Serialize};
 
 /// What surfaces show.

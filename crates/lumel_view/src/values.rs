@@ -4,7 +4,7 @@ use crate::prefs::{Unit, ViewMode};
 use crate::selection::{Light, Selection};
 use glam::Vec3;
 use lumel::Scene;
-use lumel_picture::{FalseColor, Legend, Scale};
+use lumel_render_cpu::{FalseColor, Legend, Scale};
 use lumel_scene::{Radiance, luminance};
 
 /// Colour of vertices that were measured, linear.

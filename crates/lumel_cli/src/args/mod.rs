@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use glam::Vec3;
 use lumel::SolutionSelection;
-use lumel_picture::{Exposure, MAX_SAMPLES, Show, ToneMapper};
+use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, SettingsArgs, ThreadArgs};
 use std::ffi::OsString;
 use std::path::PathBuf;

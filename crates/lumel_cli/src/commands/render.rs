@@ -13,7 +13,7 @@ use crate::session::{Session, thread_pool};
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{Bvh, Camera, LightFile, RayTracer, Scene};
-use lumel_picture::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
+use lumel_render_cpu::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
 use std::sync::Arc;
 
 /// Draws.

@@ -5,7 +5,7 @@ use crate::prefs::{Unit, ViewMode, ViewPrefs};
 use crate::values::significant;
 use crate::widgets::{check, choice, heading, number, slider};
 use eframe::egui::{DragValue, Slider, Ui};
-use lumel_picture::ToneMapper;
+use lumel_render_cpu::ToneMapper;
 
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let (stops, range) = app.stage.as_ref().map_or((0.0, None), |s| (s.stops(&app.prefs.view), s.range()));

@@ -6,7 +6,7 @@ use crate::theme;
 use crate::values::significant;
 use eframe::egui::{self, Color32, Frame, Grid, Margin, Rect, RichText, ScrollArea, Ui, vec2};
 use glam::Vec3;
-use lumel_picture::srgb_byte;
+use lumel_render_cpu::srgb_byte;
 
 pub(super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
     if app.pick.is_none() || rect.width() < 330.0 {

@@ -4,7 +4,7 @@ use crate::app::App;
 use crate::prefs::{Unit, ViewMode};
 use crate::theme;
 use eframe::egui::{Align2, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
-use lumel_picture::{Scale, Tick, false_color, ticks};
+use lumel_render_cpu::{Scale, Tick, false_color, ticks};
 
 /// Draws the legend at the right edge of the picture.
 pub(super) fn show(app: &App, ui: &Ui, rect: Rect) {

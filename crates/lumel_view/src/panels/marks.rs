@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::stage::{Marks, sample_marks};
-use lumel_render::Mark;
+use lumel_render_gpu::Mark;
 
 /// Rays of a vertex beyond these are left out: they would cover the picture.
 const MAX_RAYS: usize = 512;

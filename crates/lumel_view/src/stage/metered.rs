@@ -3,7 +3,7 @@
 use super::{Content, Quality, Showing};
 use crate::camera::FlyCamera;
 use lumel::RectLight;
-use lumel_picture::{VertexLight, View, meter};
+use lumel_render_cpu::{VertexLight, View, meter};
 use std::time::{Duration, Instant};
 
 /// While something moves or a solve runs, the exposure is read this often.

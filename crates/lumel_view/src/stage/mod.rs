@@ -23,7 +23,7 @@ use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::FilterMode;
 use lumel::{RectLight, Scene};
-use lumel_render::{
+use lumel_render_gpu::{
     Frame, Gpu, Hidden, LightBuffer, Lit, Look, Mark, Model, Overlay, RenderError, Renderer, Samples, Target,
 };
 use metered::Metered;
@@ -210,7 +210,7 @@ impl Stage {
     ///
     /// # Errors
     /// When there is none, or the device fails.
-    pub fn picture(&self) -> Result<lumel_picture::Picture, String> {
+    pub fn picture(&self) -> Result<lumel_render_cpu::Picture, String> {
         let (target, _) = self.target.as_ref().ok_or("there is no picture yet")?;
         self.renderer.read(target).map_err(|e| crate::document::error_text(&e))
     }

@@ -8,7 +8,7 @@ use crate::prefs::ViewMode;
 use crate::selection::Selection;
 use eframe::egui::TextureId;
 use lumel::RectLight;
-use lumel_render::{Frame, LightBuffer, Lit, Look, RenderError, Samples, Target};
+use lumel_render_gpu::{Frame, LightBuffer, Lit, Look, RenderError, Samples, Target};
 
 /// What a small picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]

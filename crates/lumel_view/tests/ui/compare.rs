@@ -39,7 +39,7 @@ fn the_picture_is_split_between_two_lights() {
     let split = window.state().comparison.split().unwrap();
     assert!(matches!(split.right, Side::Kept(_)) && split.at == 0.5);
     let both = window.picture();
-    let half = |picture: &lumel_picture::Picture, right: bool| -> Vec<[u8; 3]> {
+    let half = |picture: &lumel_render_cpu::Picture, right: bool| -> Vec<[u8; 3]> {
         let (w, middle) = (picture.width() as usize, picture.width() as usize / 2);
         let columns = if right { middle + 8..w } else { 0..middle - 8 };
         picture.pixels().chunks(w).flat_map(|row| row[columns.clone()].to_vec()).collect()

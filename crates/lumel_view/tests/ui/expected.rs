@@ -1,7 +1,7 @@
 //! What pictures and solutions are compared with.
 
 use lumel::{Baker, Control, Scene, Settings, Silent, SolveState};
-use lumel_picture::Picture;
+use lumel_render_cpu::Picture;
 use lumel_view::app::App;
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::Node;
 use egui_kittest::kittest::{NodeT, Queryable, by};
-use lumel_picture::Lens;
+use lumel_render_cpu::Lens;
 use std::path::Path;
 
 /// The height of tabs, which tells them from other buttons that stay down.

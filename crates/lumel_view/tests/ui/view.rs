@@ -4,7 +4,7 @@ use crate::expected::differing;
 use crate::harness::Window;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Rect, pos2, vec2};
-use lumel_picture::Picture;
+use lumel_render_cpu::Picture;
 use lumel_view::prefs::{Unit, ViewMode};
 use lumel_view::selection::Selection;
 

@@ -1,0 +1,52 @@
+//! Why something cannot be drawn.
+
+use lumel_render_cpu::PictureError;
+
+/// Why something cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// A part of a scene is larger than the device allows.
+    #[error(
+        "scene \"{scene}\" does not fit the graphics device: its {what} take {bytes} bytes; the limit is {limit}"
+    )]
+    TooLarge {
+        /// The scene's name.
+        scene: String,
+        /// Which part of it.
+        what: &'static str,
+        /// How much it takes.
+        bytes: u64,
+        /// How much one part may take.
+        limit: u64,
+    },
+    /// The device has no memory left.
+    #[error("the graphics device has no memory left for {what}")]
+    OutOfMemory {
+        /// What there was to be made.
+        what: String,
+    },
+    /// No pixels, or more than the device allows.
+    #[error("a picture of {width} x {height} pixels cannot be drawn; both must be 1 to {limit}")]
+    Size {
+        /// Asked for.
+        width: u32,
+        /// Asked for.
+        height: u32,
+        /// The largest width or height.
+        limit: u32,
+    },
+    /// Light for another scene.
+    #[error("light of {count} vertices does not belong to a scene of {vertices}")]
+    Light {
+        /// Vertices with light.
+        count: usize,
+        /// Vertices of the scene.
+        vertices: usize,
+    },
+    /// Pixels that make no picture.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The device failed to hand out its pixels.
+    #[error("the graphics device did not return the picture: {0}")]
+    Read(String),
+}

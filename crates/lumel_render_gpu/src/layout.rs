@@ -1,0 +1,177 @@
+//! Numbers as the shaders read them: the order and padding of the structs of the same names in `shaders/`.
+
+use crate::display::Shown;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use lumel_scene::{Camera, Material, TextureRef, UvTransform};
+
+/// The camera and the exposure: `view.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct View {
+    eye: [f32; 3],
+    near: f32,
+    right: [f32; 3],
+    exposure: f32,
+    up: [f32; 3],
+    closer: f32,
+    forward: [f32; 3],
+    unused: f32,
+    size: [f32; 2],
+    end: [f32; 2],
+}
+
+/// A material on one side of its faces: `material.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct MaterialValues {
+    albedo: [f32; 4],
+    emission: [f32; 4],
+    albedo_uv: [[f32; 4]; 2],
+    emission_uv: [[f32; 4]; 2],
+    normal_uv: [[f32; 4]; 2],
+}
+
+/// What the tone mapper is told: `tone.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Tone {
+    pub(crate) white: f32,
+    pub(crate) low: f32,
+    pub(crate) high: f32,
+    pub(crate) logarithmic: f32,
+}
+
+/// How far before its surface a mark is drawn whatever the camera, as a share of the distance.
+const CLOSER: f32 = 1e-4;
+
+/// The same in pixels at its distance: enough for a dot on a surface that is tilted by 60°.
+const CLOSER_PIXELS: f32 = 4.0;
+
+/// The same at most, where pixels are huge.
+const CLOSEST: f32 = 0.02;
+
+impl View {
+    /// `None` for a camera without a view, by the rules of [`lumel_render_cpu::Lens`].
+    pub(crate) fn new(camera: &Camera, near: f32, size: [u32; 2], shown: &Shown) -> Option<Self> {
+        let [width, height] = size.map(|n| n as f32);
+        let aspect = (f64::from(size[0]) / f64::from(size[1])) as f32;
+        lumel_render_cpu::Lens::new(camera, aspect).ok()?;
+        let [right, up, forward] = camera.axes()?;
+        let h = (0.5 * camera.fov_y).tan();
+        let pixel = 2.0 * h / height;
+        Some(Self {
+            eye: camera.position.to_array(),
+            near,
+            right: (right / (h * aspect)).to_array(),
+            exposure: shown.exposure,
+            up: (up / h).to_array(),
+            closer: 1.0 + (CLOSER + CLOSER_PIXELS * pixel).min(CLOSEST),
+            forward: forward.to_array(),
+            unused: 0.0,
+            size: [width, height],
+            end: [0.0; 2],
+        })
+    }
+}
+
+impl MaterialValues {
+    /// `side` is -1 on the backs of two-sided faces, else 1.
+    pub(crate) fn new(material: &Material, side: f32) -> Self {
+        let rows = |map: Option<TextureRef>| uv_rows(map.map_or(UvTransform::default(), |map| map.transform));
+        let [normal_u, normal_v] = rows(material.normal_texture);
+        let four = |c: Vec3| c.extend(0.0).to_array();
+        Self {
+            albedo: four(material.albedo),
+            emission: four(material.emission.0),
+            albedo_uv: rows(material.albedo_texture),
+            emission_uv: rows(material.emission_texture),
+            normal_uv: [[normal_u[0], normal_u[1], normal_u[2], side], normal_v],
+        }
+    }
+}
+
+/// [`UvTransform::apply`] as the rows of a matrix.
+fn uv_rows(transform: UvTransform) -> [[f32; 4]; 2] {
+    let (sin, cos) = transform.rotation.sin_cos();
+    let UvTransform { offset, scale, .. } = transform;
+    [[cos * scale.x, sin * scale.y, offset.x, 0.0], [-sin * scale.x, cos * scale.y, offset.y, 0.0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shaders;
+    use glam::Vec2;
+    use std::mem::offset_of;
+
+    /// Size, and members with their offsets, of a struct as WGSL lays it out.
+    fn in_wgsl(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
+        let module = naga::front::wgsl::parse_str(source).unwrap();
+        let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap().1;
+        let naga::TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
+        let members = members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize)).collect();
+        (*span as usize, members)
+    }
+
+    fn offsets<const N: usize>(named: [(&str, usize); N]) -> Vec<(String, usize)> {
+        named.map(|(name, offset)| (name.to_owned(), offset)).into()
+    }
+
+    #[test]
+    fn the_camera_has_the_layout_of_its_shader() {
+        let (span, members) = in_wgsl(&shaders::source(shaders::Shader::Value), "View");
+        assert_eq!(span, size_of::<View>());
+        let ours = offsets([
+            ("eye", offset_of!(View, eye)),
+            ("near", offset_of!(View, near)),
+            ("right", offset_of!(View, right)),
+            ("exposure", offset_of!(View, exposure)),
+            ("up", offset_of!(View, up)),
+            ("closer", offset_of!(View, closer)),
+            ("forward", offset_of!(View, forward)),
+            ("unused", offset_of!(View, unused)),
+            ("size", offset_of!(View, size)),
+        ]);
+        assert_eq!(members, ours);
+    }
+
+    #[test]
+    fn materials_have_the_layout_of_their_shader() {
+        let (span, members) = in_wgsl(&shaders::source(shaders::Shader::Surface), "Material");
+        assert_eq!(span, size_of::<MaterialValues>());
+        let ours = offsets([
+            ("albedo", offset_of!(MaterialValues, albedo)),
+            ("emission", offset_of!(MaterialValues, emission)),
+            ("albedo_u", offset_of!(MaterialValues, albedo_uv)),
+            ("albedo_v", offset_of!(MaterialValues, albedo_uv) + 16),
+            ("emission_u", offset_of!(MaterialValues, emission_uv)),
+            ("emission_v", offset_of!(MaterialValues, emission_uv) + 16),
+            ("normal_u", offset_of!(MaterialValues, normal_uv)),
+            ("normal_v", offset_of!(MaterialValues, normal_uv) + 16),
+        ]);
+        assert_eq!(members, ours);
+    }
+
+    #[test]
+    fn the_tone_mapper_has_the_layout_of_its_shader() {
+        let (span, members) = in_wgsl(&shaders::source(shaders::Shader::Tone), "Tone");
+        assert_eq!(span, size_of::<Tone>());
+        let ours = offsets([
+            ("white", offset_of!(Tone, white)),
+            ("low", offset_of!(Tone, low)),
+            ("high", offset_of!(Tone, high)),
+            ("logarithmic", offset_of!(Tone, logarithmic)),
+        ]);
+        assert_eq!(members, ours);
+    }
+
+    #[test]
+    fn the_rows_of_a_uv_transform_do_what_it_does() {
+        let transform =
+            UvTransform { offset: Vec2::new(0.3, -2.0), rotation: 0.7, scale: Vec2::new(-2.0, 3.0) };
+        let uv = Vec2::new(0.4, 1.7);
+        let by_rows = uv_rows(transform).map(|row| row[0] * uv.x + row[1] * uv.y + row[2]);
+        assert!((transform.apply(uv) - Vec2::from(by_rows)).length() < 1e-6);
+    }
+}

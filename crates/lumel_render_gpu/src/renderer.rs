@@ -1,0 +1,100 @@
+//! Draws frames.
+
+use crate::draw;
+use crate::light::to_upload;
+use crate::mips::{Level, Pyramid};
+use crate::pipelines::Pipelines;
+use crate::read;
+use crate::texture::{self, Blank};
+use crate::{Frame, Gpu, LightBuffer, Model, RenderError, Samples, Target};
+use glam::Vec3;
+use lumel_render_cpu::{Picture, false_color_map};
+use lumel_scene::Scene;
+use std::sync::Arc;
+
+/// Draws frames: holds what does not depend on the scene.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Arc<Gpu>,
+    pipelines: Pipelines,
+    blank: Blank,
+    false_colors: wgpu::TextureView,
+}
+
+impl Renderer {
+    /// A renderer on a device.
+    pub fn new(gpu: Arc<Gpu>) -> Self {
+        let pipelines = Pipelines::new(&gpu);
+        let (blank, false_colors) = (Blank::new(&gpu), false_colors(&gpu));
+        Self { gpu, pipelines, blank, false_colors }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
+    }
+
+    /// Sends the surfaces of a scene to the device.
+    ///
+    /// # Errors
+    /// When they do not fit.
+    pub fn upload(&self, scene: &Scene) -> Result<Model, RenderError> {
+        Model::new(&self.gpu, &self.pipelines.layouts, &self.blank, scene)
+    }
+
+    /// Gives a model the materials of a scene that was [repainted](Scene::repainted); all else must be the same.
+    pub fn repaint(&self, model: &Model, scene: &Scene) {
+        model.repaint(&self.gpu, scene);
+    }
+
+    /// Light for a model: dark.
+    pub fn light(&self, model: &Model) -> LightBuffer {
+        LightBuffer::new(self.gpu.device(), model.vertex_count())
+    }
+
+    /// Replaces the light. What is not a number becomes zero.
+    ///
+    /// # Errors
+    /// [`RenderError::Light`] unless there is one value per vertex.
+    pub fn set_light(&self, light: &LightBuffer, values: &[Vec3]) -> Result<(), RenderError> {
+        if values.len() != light.len() {
+            return Err(RenderError::Light { count: values.len(), vertices: light.len() });
+        }
+        self.gpu.queue().write_buffer(&light.buffer, 0, bytemuck::cast_slice(&to_upload(values)));
+        Ok(())
+    }
+
+    /// A picture to draw on.
+    ///
+    /// # Errors
+    /// When the size is zero or too large, or memory is short.
+    pub fn target(&self, size: [u32; 2], samples: Samples) -> Result<Target, RenderError> {
+        Target::new(&self.gpu, &self.pipelines.layouts, &self.false_colors, size, samples)
+    }
+
+    /// Draws a frame. Returns before the device is done.
+    pub fn draw(&self, target: &Target, frame: &Frame<'_>) {
+        draw::draw(self, target, frame);
+    }
+
+    /// Waits for the device and fetches the picture.
+    ///
+    /// # Errors
+    /// When the device fails, or the picture has more pixels than a [`Picture`] may have.
+    pub fn read(&self, target: &Target) -> Result<Picture, RenderError> {
+        read::read(&self.gpu, target)
+    }
+
+    pub(crate) fn pipelines(&self) -> &Pipelines {
+        &self.pipelines
+    }
+}
+
+/// The map of false colours in a row.
+fn false_colors(gpu: &Gpu) -> wgpu::TextureView {
+    let map = false_color_map();
+    let bytes = map.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
+    let level = Level { size: [map.len() as u32, 1], bytes };
+    let pyramid = Pyramid { format: wgpu::TextureFormat::Rgba8Unorm, levels: vec![level] };
+    texture::send(gpu, "false colours", &pyramid)
+}

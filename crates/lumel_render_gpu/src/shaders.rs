@@ -1,0 +1,96 @@
+//! The sources of the shaders, put together from the files in `shaders/`.
+
+use glam::Vec3;
+use lumel_scene::{MAX_ALBEDO, Radiosity, luminance};
+
+/// One composed shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Shader {
+    Value,
+    Surface,
+    Normals,
+    Plain,
+    Lamp,
+    Tone,
+    Overlay,
+    Composite,
+}
+
+impl Shader {
+    /// In the order of their numbers.
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Value,
+        Self::Surface,
+        Self::Normals,
+        Self::Plain,
+        Self::Lamp,
+        Self::Tone,
+        Self::Overlay,
+        Self::Composite,
+    ];
+}
+
+const VIEW: &str = include_str!("../shaders/view.wgsl");
+const MATERIAL: &str = include_str!("../shaders/material.wgsl");
+const TEXTURES: &str = include_str!("../shaders/textures.wgsl");
+const SCREEN: &str = include_str!("../shaders/screen.wgsl");
+
+/// A shader's parts, joined.
+pub(crate) fn source(shader: Shader) -> String {
+    let parts: &[&str] = match shader {
+        Shader::Value => &[VIEW, MATERIAL, include_str!("../shaders/value.wgsl")],
+        Shader::Surface => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/surface.wgsl")],
+        Shader::Normals => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/normals.wgsl")],
+        Shader::Plain => &[VIEW, include_str!("../shaders/plain.wgsl")],
+        Shader::Lamp => &[VIEW, include_str!("../shaders/lamp.wgsl")],
+        Shader::Tone => &[SCREEN, include_str!("../shaders/tone.wgsl")],
+        Shader::Overlay => &[VIEW, include_str!("../shaders/overlay.wgsl")],
+        Shader::Composite => &[SCREEN, include_str!("../shaders/composite.wgsl")],
+    };
+    constants() + &parts.join("\n")
+}
+
+/// A lamp counts as before a surface from here on: `SHADOW_END` of `lumel_accel`, as `lumel_render_cpu` has it too.
+const SHADOW_END: f32 = 1.0 - 1e-4;
+
+/// The largest number that 16 bits hold.
+pub(crate) const MAX_F16: f32 = 65_504.0;
+
+/// Constants that have their home elsewhere.
+fn constants() -> String {
+    let [r, g, b] = [Vec3::X, Vec3::Y, Vec3::Z].map(luminance);
+    let inverse_pi = Radiosity(Vec3::ONE).radiance().0.x;
+    format!(
+        "const LUMINANCE = vec3<f32>({r:?}, {g:?}, {b:?});\n\
+         const INVERSE_PI: f32 = {inverse_pi:?};\n\
+         const MAX_ALBEDO: f32 = {MAX_ALBEDO:?};\n\
+         const SHADOW_END: f32 = {SHADOW_END:?};\n\
+         const MAX_F16: f32 = {MAX_F16:?};\n\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    #[test]
+    fn every_shader_is_valid_without_optional_capabilities() {
+        for shader in Shader::ALL {
+            let source = source(shader);
+            let module = naga::front::wgsl::parse_str(&source)
+                .unwrap_or_else(|error| panic!("{shader:?}: {}", error.emit_to_string(&source)));
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+            validator
+                .validate(&module)
+                .unwrap_or_else(|error| panic!("{shader:?}: {}", error.emit_to_string(&source)));
+        }
+    }
+
+    #[test]
+    fn shaders_are_numbered_in_order() {
+        for (i, shader) in Shader::ALL.into_iter().enumerate() {
+            assert_eq!(shader as usize, i);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The device draws what the CPU draws.
+
+use crate::common::{Subject, differences, keep, looks, renderer, share_beyond};
+use crate::scenes;
+use lumel_render_cpu::Picture;
+use lumel_render_gpu::{Look, Samples};
+
+/// Of the pixels; the rest are those whose centre lies on an edge.
+const EXCEPTIONS: f64 = 0.005;
+
+fn assert_same(device: &Picture, cpu: &Picture, what: &str) {
+    let share = share_beyond(device, cpu, 1);
+    let worst = differences(device, cpu).into_iter().max().unwrap_or(0);
+    println!("{what}: {:.3} % beyond 1/255, worst {worst}", 100.0 * share);
+    if share > EXCEPTIONS {
+        keep("agreement device", device);
+        keep("agreement cpu", cpu);
+        panic!("{what}: {:.2} % of the pixels differ by more than 1/255", 100.0 * share);
+    }
+}
+
+fn agrees(subject: &Subject, looks: &[Look]) {
+    let Some(renderer) = renderer() else { return };
+    let uploaded = subject.on(renderer);
+    let size = [173, 120];
+    for &look in looks {
+        let device = uploaded.show(size, Samples::One, look);
+        assert_same(&device, &subject.traced(size, look), &format!("{} {look:?}", subject.scene.name()));
+    }
+}
+
+#[test]
+fn the_cornell_box_looks_as_on_the_cpu() {
+    agrees(scenes::cornell(), &looks(0.5, [0.05, 8.0]));
+}
+
+#[test]
+fn textures_and_normal_maps_look_as_on_the_cpu() {
+    agrees(&scenes::leather(), &looks(-0.5, [0.1, 6.0]));
+}
+
+#[test]
+fn all_that_a_scene_can_have_looks_as_on_the_cpu() {
+    agrees(&scenes::everything(), &looks(0.25, [0.2, 7.0]));
+}
+
+#[test]
+fn bright_and_dim_light_look_as_on_the_cpu() {
+    let subject = scenes::everything();
+    // Numbers that 16 bits cannot hold without the exposure.
+    for (power, stops) in [(1e-9_f32, 30.0), (1e9, -30.0)] {
+        let light = subject.light.iter().map(|e| *e * power).collect();
+        let subject = Subject { light, scene: subject.scene.clone(), camera: subject.camera.clone() };
+        agrees(&subject, &[crate::common::irradiance(stops)]);
+        let range = [0.2 * power, 7.0 * power];
+        agrees(&subject, &[Look::FalseColor { range, scale: lumel_render_cpu::Scale::Log }]);
+    }
+}
