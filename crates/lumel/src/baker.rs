@@ -1,8 +1,8 @@
 //! From a scene and settings to a solution.
 
-use crate::method::{Memory, Method, SolverKind};
-use crate::settings::{BasisKind, Settings, Tail};
-use crate::target::{self, StoredReplicates, TargetError};
+use crate::method::Method;
+use crate::settings::{BasisKind, Memory, Settings, SolverKind, Tail, TargetError};
+use crate::target::{self, StoredReplicates};
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
 use lumel_basis::{AreaVertexBasis, Basis, Field, Measure, NodeId, VertexBasis};

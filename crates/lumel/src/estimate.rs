@@ -122,7 +122,7 @@ impl Workload {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::Memory;
+    use crate::settings::Memory;
 
     fn workload(bounces: BounceLimit) -> Workload {
         let settings = Settings { bounces, indirect_samples: 100, ..Settings::default() };

@@ -41,8 +41,9 @@ pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step};
 pub use lumel_transport::{Control, EmitterSampling, LightSampling};
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
-pub use method::{Memory, Method, SolverKind};
+pub use method::Method;
 pub use open::{OpenError, OpenOptions, Opened, open};
 pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError, SlotEntry};
-pub use settings::{BasisKind, BounceLimit, Preset, Settings, SettingsPatch, Tail};
-pub use target::{Share, TargetError};
+pub use settings::{
+    BasisKind, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, SolverKind, Tail, TargetError,
+};

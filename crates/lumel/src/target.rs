@@ -1,13 +1,10 @@
-//! Stopping at an error: settings, and the operators of replicates.
+//! Stopping at an error: its samples, and the operators of replicates.
 
-use crate::settings::{NumberOrText, Settings};
+use crate::settings::{Settings, TargetError};
 use lumel_basis::Basis;
 use lumel_sample::SamplerKind;
 use lumel_solve::{REPLICATES, Replicates, Target};
 use lumel_transport::{CachedTransport, Plan, Transport};
-use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::str::FromStr;
 
 /// Fewer samples than this say little about what a replicate sees, and the bias of stored rays is 1.5 % over their number.
 const MIN_SAMPLES: u32 = 16;
@@ -22,128 +19,12 @@ const DOUBLINGS: u32 = 6;
 /// different `N` they do not.
 const OFFSETS: [i32; REPLICATES] = [-4, -3, -2, -1, 1, 2, 3, 4];
 
-/// A share, as `0.01` or `1%`: above 0, below 1.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
-#[serde(try_from = "NumberOrText<f32>", into = "f32")]
-pub struct Share(f32);
-
-impl Share {
-    /// In percent, to four digits: without those of binary fractions.
-    pub fn percent(self) -> f64 {
-        (1e6 * f64::from(self.0)).round() / 1e4
-    }
-
-    /// 95 %.
-    pub const MOST: Self = Self(0.95);
-
-    /// The share, if it lies between 0 and 1.
-    pub fn new(share: f32) -> Option<Self> {
-        (share > 0.0 && share < 1.0).then_some(Self(share))
-    }
-
-    /// As a number.
-    pub fn get(self) -> f32 {
-        self.0
-    }
-}
-
-impl Default for Share {
-    fn default() -> Self {
-        Self::MOST
-    }
-}
-
-impl FromStr for Share {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let text = text.trim();
-        let number = |text: &str| text.trim().parse::<f64>().ok();
-        let share = text.strip_suffix('%').map_or_else(|| number(text), |text| Some(number(text)? / 100.0));
-        let share = share.and_then(|share| Self::new(share as f32));
-        share.ok_or_else(|| format!("\"{text}\" is no share between 0 and 1; write for example 0.01 or 1%"))
-    }
-}
-
-impl fmt::Display for Share {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} %", self.percent())
-    }
-}
-
-/// The error at which a bake stops.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "NumberOrText<f32>", into = "NumberOrText<f32>")]
-pub enum TargetError {
-    /// None: the samples of the settings decide.
-    #[default]
-    Off,
-    /// Half the width of a value's 95 % interval, relative to it.
-    At(Share),
-}
-
-impl fmt::Display for TargetError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Off => f.write_str("off"),
-            Self::At(error) => error.fmt(f),
-        }
-    }
-}
-
-impl FromStr for TargetError {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "off" { Ok(Self::Off) } else { text.parse().map(Self::At) }
-    }
-}
-
-impl TryFrom<NumberOrText<f32>> for Share {
-    type Error = String;
-
-    fn try_from(value: NumberOrText<f32>) -> Result<Self, String> {
-        match value {
-            NumberOrText::Number(share) => {
-                Self::new(share).ok_or_else(|| format!("{share} does not lie between 0 and 1"))
-            }
-            NumberOrText::Text(text) => text.parse(),
-        }
-    }
-}
-
-impl From<Share> for f32 {
-    fn from(share: Share) -> Self {
-        share.0
-    }
-}
-
-impl TryFrom<NumberOrText<f32>> for TargetError {
-    type Error = String;
-
-    fn try_from(value: NumberOrText<f32>) -> Result<Self, String> {
-        match value {
-            NumberOrText::Text(text) => text.parse(),
-            number @ NumberOrText::Number(_) => number.try_into().map(Self::At),
-        }
-    }
-}
-
-impl From<TargetError> for NumberOrText<f32> {
-    fn from(error: TargetError) -> Self {
-        match error {
-            TargetError::Off => Self::Text("off".to_owned()),
-            TargetError::At(share) => Self::Number(share.0),
-        }
-    }
-}
-
 /// The target of the settings.
 pub(crate) fn target(settings: &Settings) -> Option<Target> {
     let TargetError::At(error) = settings.target_error else { return None };
     Some(Target {
-        error: error.0.into(),
-        share: settings.target_share.0.into(),
+        error: error.get().into(),
+        share: settings.target_share.get().into(),
         rounds: DOUBLINGS + 1,
         memory: settings.memory.0,
     })
@@ -214,23 +95,6 @@ fn seed_of(seed: u64, replicate: u32, round: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shares_are_read_as_people_write_them() {
-        for (text, share) in [("1%", 0.01), ("0.01", 0.01), (" 2.5 % ", 0.025), ("95%", 0.95)] {
-            assert_eq!(text.parse(), Ok(Share(share)), "{text}");
-        }
-        for text in ["", "0", "1", "100%", "-1%", "NaN", "one"] {
-            assert!(text.parse::<Share>().unwrap_err().contains("1%"), "{text}");
-        }
-        assert_eq!(Share(0.01).to_string(), "1 %");
-        assert_eq!(Share(0.025).to_string(), "2.5 %");
-        let read = |text| serde_json::from_str::<TargetError>(text).unwrap();
-        assert_eq!([read("\"2%\""), read("0.02")], [TargetError::At(Share(0.02)); 2]);
-        assert_eq!(read("\"off\""), TargetError::Off);
-        let written = serde_json::to_string(&[TargetError::Off, TargetError::At(Share(0.5))]).unwrap();
-        assert_eq!(written, r#"["off",0.5]"#);
-    }
 
     #[test]
     fn replicates_share_the_samples_of_the_settings_and_get_fewer_rays_where_memory_is_short() {

@@ -1,58 +1,10 @@
 //! What users choose.
 
-use crate::method::{Memory, SolverKind};
-use crate::target::{Share, TargetError};
+use super::{BasisKind, BounceLimit, Memory, Preset, Share, SolverKind, Tail, TargetError};
 use lumel_sample::SamplerKind;
 use lumel_solve::Stop;
 use lumel_transport::{EmitterSampling, LightSampling, Plan};
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::str::FromStr;
-
-/// Where light is stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BasisKind {
-    /// At the vertices.
-    #[default]
-    Vertex,
-    /// At the vertices, measured over the triangles around each.
-    VertexArea,
-}
-
-/// How many bounces to compute.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "NumberOrText<u32>", into = "NumberOrText<u32>")]
-pub enum BounceLimit {
-    /// This many after the direct light.
-    Count(u32),
-    /// Until the rest is negligible.
-    All,
-}
-
-/// What to add for the bounces that are not computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Tail {
-    /// Nothing.
-    #[default]
-    Off,
-    /// The geometric series of the last bounce.
-    Geometric,
-}
-
-/// Named settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Preset {
-    /// To see where the light goes.
-    Draft,
-    /// Clean enough to look at.
-    #[default]
-    Medium,
-    /// To ship.
-    Production,
-}
 
 /// All settings of a bake; the same settings and scene give the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -245,60 +197,6 @@ patch! {
     target_share: Share,
     /// Changes all random choices.
     seed: u64,
-}
-
-/// A value of a settings file that is written as a number or in words.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-pub(crate) enum NumberOrText<N> {
-    Number(N),
-    Text(String),
-}
-
-impl<N> NumberOrText<N> {
-    pub(crate) fn read<T: FromStr>(self, of_number: impl FnOnce(N) -> T) -> Result<T, T::Err> {
-        match self {
-            Self::Number(number) => Ok(of_number(number)),
-            Self::Text(text) => text.parse(),
-        }
-    }
-}
-
-impl TryFrom<NumberOrText<u32>> for BounceLimit {
-    type Error = String;
-
-    fn try_from(value: NumberOrText<u32>) -> Result<Self, String> {
-        value.read(Self::Count)
-    }
-}
-
-impl From<BounceLimit> for NumberOrText<u32> {
-    fn from(limit: BounceLimit) -> Self {
-        match limit {
-            BounceLimit::Count(n) => Self::Number(n),
-            BounceLimit::All => Self::Text("all".into()),
-        }
-    }
-}
-
-impl FromStr for BounceLimit {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "all" {
-            return Ok(Self::All);
-        }
-        text.parse().map(Self::Count).map_err(|_| format!("\"{text}\" is neither a number nor \"all\""))
-    }
-}
-
-impl fmt::Display for BounceLimit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Count(n) => write!(f, "{n}"),
-            Self::All => f.write_str("all"),
-        }
-    }
 }
 
 #[cfg(test)]
