@@ -13,6 +13,7 @@ const MAX_LINES: usize = 800;
 const ORDER: &[&str] = &[
     "lumel_sample",
     "lumel_scene",
+    "lumel_builtin",
     "lumel_import",
     "lumel_accel",
     "lumel_basis",

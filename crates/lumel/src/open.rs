@@ -3,7 +3,7 @@
 use crate::project::{MaterialEntry, Project, ProjectError};
 use crate::settings::SettingsPatch;
 use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy};
-use lumel_scene::{Light, Material, Radiance, SceneBuilder, SceneError, Sides, Warnings, builtin};
+use lumel_scene::{Light, Material, Radiance, SceneBuilder, SceneError, Sides, Warnings};
 use std::path::{Path, PathBuf};
 
 /// How to open a scene.
@@ -34,7 +34,7 @@ pub struct Opened {
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// Neither a file nor a built-in scene.
-    #[error("there is no file \"{name}\" and no built-in scene of that name; built-in scenes: {}", builtin::NAMES.join(", "))]
+    #[error("there is no file \"{name}\" and no built-in scene of that name; built-in scenes: {}", lumel_builtin::NAMES.join(", "))]
     NotFound {
         /// What was asked for.
         name: String,
@@ -89,7 +89,7 @@ fn open_mesh(
 ) -> Result<(SceneBuilder, Warnings), OpenError> {
     let path = Path::new(name);
     if !path.exists() {
-        let scene = builtin::scene(name, subdivide.unwrap_or(0));
+        let scene = lumel_builtin::scene(name, subdivide.unwrap_or(0));
         return scene
             .map(|s| (s, Warnings::default()))
             .ok_or_else(|| OpenError::NotFound { name: name.to_owned() });
@@ -111,7 +111,8 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
         }
         (None, name) => {
             let name = name.clone().unwrap_or_default();
-            let scene = builtin::scene(&name, subdivide.unwrap_or(0)).ok_or(OpenError::NotFound { name })?;
+            let scene =
+                lumel_builtin::scene(&name, subdivide.unwrap_or(0)).ok_or(OpenError::NotFound { name })?;
             (scene, Warnings::default())
         }
     };

@@ -58,7 +58,7 @@ fn open(args: &SceneArgs) -> anyhow::Result<Opened> {
     lumel::open(&args.scene, &args.open_options()).map_err(|error| match error {
         OpenError::NotFound { name } => hinted(
             format!("there is no file \"{name}\" and no built-in scene of that name"),
-            format!("built-in scenes are {}", lumel_scene::builtin::NAMES.join(", ")),
+            format!("built-in scenes are {}", lumel_builtin::NAMES.join(", ")),
         ),
         OpenError::NotBuiltin(path) => hinted(
             format!("only built-in scenes can be subdivided: {}", path.display()),

@@ -8,7 +8,7 @@ use lumel_render_cpu::{
     Display, FalseColor, Legend, Picture, Resolution, Scale, Show, ToneMapper, VertexLight, View, camera_for,
     draw,
 };
-use lumel_scene::{Camera, Light, Scene, builtin, offset_along};
+use lumel_scene::{Camera, Light, Scene, offset_along};
 use std::error::Error;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
     let folder = args.next().ok_or("usage: gallery FOLDER [SCENE]")?;
     let name = args.next().unwrap_or_else(|| "cornell-box".to_owned());
-    let (scene, _) = builtin::scene(&name, 0).ok_or("no such scene")?.build()?;
+    let (scene, _) = lumel_builtin::scene(&name, 0).ok_or("no such scene")?.build()?;
     let bvh = Bvh::build(&scene);
     let values = rough_light(&scene, &bvh);
     let light = VertexLight::new(&scene, &values)?;
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     save("log", &Picture::beside(&scales.into_iter().collect::<Result<Vec<_>, _>>()?)?)?;
 
-    let mut bare = builtin::scene(&name, 0).ok_or("no such scene")?;
+    let mut bare = lumel_builtin::scene(&name, 0).ok_or("no such scene")?;
     bare.cameras.clear();
     let found = camera_for(&bare.build()?.0, &bvh);
     save("automatic", &shot(&found, &Display::default())?)?;

@@ -98,7 +98,7 @@ fn a_picture_is_repeated_by_asking_for_its_exposure() {
 
 #[test]
 fn automatic_exposure_is_the_same_for_every_size_and_quantity() {
-    let scene = lumel_scene::builtin::scene("cornell-box", 0).unwrap().build().unwrap().0;
+    let scene = lumel_builtin::scene("cornell-box", 0).unwrap().build().unwrap().0;
     let tracer = lumel_accel::Bvh::build(&scene);
     let lighting = |at: SurfacePoint| Irradiance(Vec3::splat(scene.position(at).y));
     let view = View::new(&scene, &tracer, &lighting);

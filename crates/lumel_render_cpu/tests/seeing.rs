@@ -294,7 +294,7 @@ fn normal_maps_without_texture_coordinates_are_left_out() {
 
 #[test]
 fn pictures_do_not_depend_on_the_number_of_threads() {
-    let scene = lumel_scene::builtin::scene("cornell-box", 0).unwrap().build().unwrap().0;
+    let scene = lumel_builtin::scene("cornell-box", 0).unwrap().build().unwrap().0;
     let tracer = Bvh::build(&scene);
     let lighting = |at: SurfacePoint| Irradiance(scene.position(at));
     let view = View::new(&scene, &tracer, &lighting);

@@ -387,7 +387,7 @@ impl ObjectMesh {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::{FaceSide, TriId};
 

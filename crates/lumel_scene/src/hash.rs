@@ -120,22 +120,42 @@ impl Bytes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Light, Radiance, RectLight, SceneBuilder, builtin};
+    use crate::builder::tests::quad;
+    use crate::{Light, Material, MaterialId, Radiance, RectLight, SceneBuilder};
     use glam::Vec3;
 
+    const LIGHT: RectLight = RectLight {
+        center: Vec3::ZERO,
+        u: Vec3::X,
+        v: Vec3::Y,
+        radiance: Radiance::splat(1.0),
+        texture: None,
+    };
+
+    /// Two squares of different materials under a light.
+    fn squares() -> SceneBuilder {
+        let mut upper = quad("upper");
+        upper.positions.iter_mut().for_each(|p| p.z += 1.0);
+        upper.faces.iter_mut().for_each(|face| face.material = MaterialId(1));
+        SceneBuilder {
+            objects: vec![quad("lower"), upper],
+            materials: [0.2, 0.5].map(|albedo| Material::diffuse("grey", Vec3::splat(albedo))).to_vec(),
+            lights: vec![Light::Rect(LIGHT)],
+            ..SceneBuilder::default()
+        }
+    }
+
     fn hash_of(change: impl Fn(&mut SceneBuilder)) -> SceneHash {
-        let mut builder = builtin::scene("furnace", 0).unwrap();
+        let mut builder = squares();
         change(&mut builder);
         builder.build().unwrap().0.hash()
     }
 
     #[test]
     fn a_relit_scene_has_the_hash_of_one_built_with_its_lights() {
-        let mut builder = builtin::scene("cornell-box", 0).unwrap();
+        let mut builder = squares();
         let scene = builder.clone().build().unwrap().0;
-        let Light::Rect(mut lamp) = builder.lights[0] else { panic!("a rectangle lights the Cornell box") };
-        lamp.radiance = Radiance::splat(2.0);
-        builder.lights = vec![Light::Rect(lamp); 2];
+        builder.lights = vec![Light::Rect(RectLight { radiance: Radiance::splat(2.0), ..LIGHT }); 2];
         let relit = scene.relit(builder.lights.clone()).unwrap();
         assert_eq!(relit.hash(), builder.build().unwrap().0.hash());
         assert_eq!(relit.hash().geometry, scene.hash().geometry);
@@ -145,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_repainted_scene_has_the_hash_of_one_built_with_its_albedos() {
-        let mut builder = builtin::scene("cornell-box", 0).unwrap();
+        let mut builder = squares();
         let scene = builder.clone().build().unwrap().0;
         let albedos: Vec<Vec3> = (0..builder.materials.len()).map(|i| Vec3::splat(0.1 * i as f32)).collect();
         builder.materials.iter_mut().zip(&albedos).for_each(|(material, albedo)| material.albedo = *albedo);
@@ -162,14 +182,7 @@ mod tests {
         assert_eq!(original, hash_of(|b| b.name = "other".into()));
         let moved = hash_of(|b| b.objects[0].positions[0].x += 1e-3);
         assert_ne!(original.geometry, moved.geometry);
-        let light = RectLight {
-            center: Vec3::ZERO,
-            u: Vec3::X,
-            v: Vec3::Y,
-            radiance: Radiance::splat(1.0),
-            texture: None,
-        };
-        let lit = hash_of(|b| b.lights.push(Light::Rect(light)));
+        let lit = hash_of(|b| b.lights.push(Light::Rect(LIGHT)));
         assert_eq!((original.geometry, false), (lit.geometry, original.lighting == lit.lighting));
         let repainted = hash_of(|b| b.materials[0].albedo *= 0.9);
         assert_eq!((original.geometry, false), (repainted.geometry, original.lighting == repainted.lighting));

@@ -1,12 +1,10 @@
 //! Units, meshes, materials, lights and the immutable [`Scene`] of the lumel baker.
 //!
-//! Importers and the generators in [`builtin`] fill a [`SceneBuilder`]; [`SceneBuilder::build`] checks it,
-//! splits vertices where lighting is discontinuous and returns a [`Scene`] that never changes again.
+//! Importers and generators fill a [`SceneBuilder`]; [`SceneBuilder::build`] checks it, splits vertices where lighting is discontinuous and returns a [`Scene`] that never changes again.
 //! Metres, right-handed, +Y up, linear Rec. 709.
 
 mod address;
 mod builder;
-pub mod builtin;
 mod camera;
 mod corners;
 mod hash;

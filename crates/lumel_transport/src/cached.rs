@@ -350,7 +350,6 @@ mod tests {
     use crate::{Plan, accumulate};
     use lumel_accel::Bvh;
     use lumel_basis::{Field, VertexBasis};
-    use lumel_scene::builtin;
 
     /// Bounces by the definition: where each stored ray ends, light and albedo are looked up and multiplied.
     struct ByDefinition<'a>(&'a CachedTransport<VertexBasis>);
@@ -390,7 +389,7 @@ mod tests {
     #[test]
     fn the_sum_of_bounces_is_the_neumann_series_on_the_same_rows() {
         for name in ["cornell-box", "atrium"] {
-            let scene = Arc::new(builtin::scene(name, 0).unwrap().build().unwrap().0);
+            let scene = Arc::new(lumel_builtin::scene(name, 0).unwrap().build().unwrap().0);
             let (tracer, basis) =
                 (Arc::new(Bvh::build(&scene)), Arc::new(VertexBasis::new(Arc::clone(&scene))));
             let plan = Plan { direct_samples: 4, indirect_samples: 128, ..Plan::default() };

@@ -40,7 +40,7 @@ pub(crate) struct SceneArgs {
 
     /// Halve the edges of a built-in scene this often, 0 to 5.
     #[arg(long, value_name = "N", help_heading = "Scene")]
-    #[arg(value_parser = parse::count(0..=lumel_scene::builtin::MAX_SUBDIVIDE), allow_negative_numbers = true)]
+    #[arg(value_parser = parse::count(0..=lumel_builtin::MAX_SUBDIVIDE), allow_negative_numbers = true)]
     pub(crate) subdivide: Option<u32>,
 
     /// Let scene and project files refer to files outside their folder.
@@ -53,8 +53,8 @@ fn scene_help() -> String {
         A project file names a scene, its lights, cameras and bake settings. Built-in scenes, unless there is a file \
         of that name:"
         .to_owned();
-    for name in lumel_scene::builtin::NAMES {
-        let about = lumel_scene::builtin::describe(name).unwrap_or_default();
+    for name in lumel_builtin::NAMES {
+        let about = lumel_builtin::describe(name).unwrap_or_default();
         help += &format!("\n- {name}: {about}");
     }
     help

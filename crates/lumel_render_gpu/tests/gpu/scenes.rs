@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use lumel::{Baker, BounceLimit, Control, Settings, Silent, SolveState};
 use lumel_scene::{
     Camera, Encoding, Light, Material, MaterialId, ObjectMesh, Radiance, RectLight, Scene, SceneBuilder,
-    Sides, Texture, TextureId, TextureRef, UvTransform, Wrap, builtin,
+    Sides, Texture, TextureId, TextureRef, UvTransform, Wrap,
 };
 use lumel_testkit::mesh::{Facing, quad, sphere};
 use std::sync::{Arc, LazyLock};
@@ -13,7 +13,7 @@ use std::sync::{Arc, LazyLock};
 /// The Cornell box, baked with few samples.
 pub(crate) fn cornell() -> &'static Subject {
     static SUBJECT: LazyLock<Subject> = LazyLock::new(|| {
-        let (scene, _) = builtin::scene("cornell-box", 0).unwrap().build().unwrap();
+        let (scene, _) = lumel_builtin::scene("cornell-box", 0).unwrap().build().unwrap();
         let camera = scene.cameras()[0].clone();
         let settings = Settings {
             bounces: BounceLimit::Count(1),
@@ -32,7 +32,7 @@ pub(crate) fn cornell() -> &'static Subject {
 
 /// The wall of leather, so near that its texels are larger than pixels.
 pub(crate) fn leather() -> Subject {
-    let (scene, _) = builtin::scene("cornell-leather", 0).unwrap().build().unwrap();
+    let (scene, _) = lumel_builtin::scene("cornell-leather", 0).unwrap().build().unwrap();
     let target = Vec3::new(0.3, 0.3, 0.5592);
     let camera = Camera::looking_at("near", target - Vec3::new(0.006, 0.003, 0.015), target, 0.9);
     let light = shine(&scene);

@@ -3,7 +3,7 @@
 use crate::{mean, solved_by};
 use glam::Vec3;
 use lumel_basis::Field;
-use lumel_scene::{SceneBuilder, builtin};
+use lumel_scene::SceneBuilder;
 use lumel_solve::{Energy, SolveState, Stop};
 use lumel_testkit::mesh::{Facing, equal_area_radius, sphere};
 use lumel_testkit::scene::{grey, scene, varying_sphere};
@@ -54,7 +54,7 @@ fn irradiance_on_the_varying_sphere_is_two_and_errs_with_the_square_of_the_mesh(
 
 #[test]
 fn every_vertex_of_the_builtin_sphere_gets_two() {
-    let stage = Stage::new(builtin::scene("sphere", 0).unwrap());
+    let stage = Stage::new(lumel_builtin::scene("sphere", 0).unwrap());
     let operator = stage.operator(Storage::Vertex, plan(1, 64));
     let field = converged(&operator, &stage);
     let errors: Vec<f64> = field.values().iter().map(|e| f64::from(e.x) - 2.0).collect();

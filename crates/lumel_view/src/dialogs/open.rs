@@ -3,7 +3,6 @@
 use crate::theme;
 use crate::widgets::number;
 use eframe::egui::{self, Button, DragValue, RichText};
-use lumel_scene::builtin;
 use std::path::Path;
 
 /// Lists scenes; returns the one that is chosen.
@@ -12,15 +11,15 @@ pub(super) fn choices(ui: &mut egui::Ui, recent: &[String], max_edge: &mut f32) 
     ui.columns(2, |columns| {
         let [left, right] = columns else { return };
         left.label(RichText::new("Built-in scenes").strong());
-        for &name in builtin::NAMES {
-            let about = builtin::describe(name).unwrap_or_default();
+        for &name in lumel_builtin::NAMES {
+            let about = lumel_builtin::describe(name).unwrap_or_default();
             if entry(left, name, about).clicked() {
                 chosen = Some(name.to_owned());
             }
         }
         right.label(RichText::new("Opened last").strong());
         let files: Vec<&String> =
-            recent.iter().filter(|name| !builtin::NAMES.contains(&name.as_str())).collect();
+            recent.iter().filter(|name| !lumel_builtin::NAMES.contains(&name.as_str())).collect();
         if files.is_empty() {
             right.label(RichText::new("Files you open are listed here.").color(theme::WEAK));
         }

@@ -20,13 +20,13 @@ pub(super) const ARC_SEGMENTS: u32 = 16;
 /// Depths behind the column line, cells.
 pub(super) mod depth {
     /// Court face of the arcade.
-    pub(in super::super) const COURT: f64 = -1.0;
+    pub(in crate::atrium) const COURT: f64 = -1.0;
     /// Gallery face of the arcade.
-    pub(in super::super) const GALLERY: f64 = 1.0;
+    pub(in crate::atrium) const GALLERY: f64 = 1.0;
     /// Front of the blind arches.
-    pub(in super::super) const PIER: f64 = 9.0;
+    pub(in crate::atrium) const PIER: f64 = 9.0;
     /// The wall within the blind arches.
-    pub(in super::super) const WALL: f64 = 10.0;
+    pub(in crate::atrium) const WALL: f64 = 10.0;
 }
 
 /// Metres that one repeat of the masonry texture covers.

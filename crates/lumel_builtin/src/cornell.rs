@@ -3,9 +3,9 @@
 //! Positions are those published in millimetres, here in metres. Albedos and light are the published spectra,
 //! integrated with the CIE 1931 observer and turned into linear Rec. 709 under D65; triples found elsewhere differ.
 
-use super::shapes::{add_quad, object};
-use crate::{Camera, Light, Material, MaterialId, ObjectMesh, Radiance, RectLight, SceneBuilder};
+use crate::shapes::{add_quad, object};
 use glam::Vec3;
+use lumel_scene::{Camera, Light, Material, MaterialId, ObjectMesh, Radiance, RectLight, SceneBuilder};
 
 const WHITE: Vec3 = Vec3::new(0.738_259, 0.735_978, 0.738_681);
 const RED: Vec3 = Vec3::new(0.493_887, 0.048_868, 0.051_164);
@@ -25,7 +25,7 @@ const RED_ID: MaterialId = MaterialId(1);
 const GREEN_ID: MaterialId = MaterialId(2);
 
 /// The name of the wall across from the camera.
-pub(super) const BACK_WALL: &str = "back wall";
+pub(crate) const BACK_WALL: &str = "back wall";
 
 /// Walls: name, material and corners (mm), counter-clockwise seen from inside.
 const WALLS: [(&str, MaterialId, [[f32; 3]; 4]); 5] = [
@@ -57,7 +57,7 @@ const BLOCKS: [(&str, f32, [[f32; 2]; 4], u32); 2] = [
 /// The box: five walls, open in front, two blocks without undersides (they stand on the floor), one light.
 ///
 /// The camera looks along +z, and so has +x on its left: the red wall.
-pub(super) fn cornell_box(subdivide: u32) -> SceneBuilder {
+pub(crate) fn cornell_box(subdivide: u32) -> SceneBuilder {
     let fine = 1 << subdivide;
     let mut objects = Vec::new();
     for (name, material, corners) in WALLS {
@@ -113,7 +113,7 @@ fn metres(mm: [f32; 3]) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Scene, TriId};
+    use lumel_scene::{Scene, TriId};
 
     fn built() -> Scene {
         cornell_box(0).build().unwrap().0

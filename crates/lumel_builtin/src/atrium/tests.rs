@@ -1,7 +1,7 @@
 //! What holds for the atrium as a whole.
 
 use super::*;
-use crate::{Face, Scene, TriId};
+use lumel_scene::{Face, Scene, TriId};
 use std::collections::BTreeMap;
 
 fn triangles(scene: &Scene) -> impl Iterator<Item = TriId> {

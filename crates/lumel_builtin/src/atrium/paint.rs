@@ -1,9 +1,9 @@
 //! Materials of the atrium and the textures they show.
 
-use crate::builtin::noise::{clouds, hash, mix, smooth_step};
-use crate::builtin::painting;
-use crate::{Encoding, Material, MaterialId, Sides, Texture, TextureId, TextureRef};
+use crate::noise::{clouds, hash, mix, smooth_step};
+use crate::painting;
 use glam::{Vec2, Vec3};
+use lumel_scene::{Encoding, Material, MaterialId, Sides, Texture, TextureId, TextureRef};
 
 pub(super) const MASONRY: MaterialId = MaterialId(0);
 pub(super) const TRIM: MaterialId = MaterialId(1);

@@ -1,11 +1,11 @@
 //! Closed rooms whose light is known exactly.
 
-use super::shapes::{add_quad, object};
-use crate::{
+use crate::shapes::{add_quad, object};
+use glam::{Vec2, Vec3};
+use lumel_scene::{
     Camera, Face, Material, MaterialId, ObjectMesh, Radiosity, SceneBuilder, Smoothing, Texture, TextureId,
     TextureRef, Wrap,
 };
-use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
 /// Cells along an edge of the furnace.
@@ -18,7 +18,7 @@ const SPHERE_LEVEL: u32 = 4;
 ///
 /// Every point sees the same light whatever its place: irradiance is `1 + 1/2 + 1/4 + … = 2` W·m⁻² in the end, and
 /// its first terms after as many bounces.
-pub(super) fn furnace(subdivide: u32) -> SceneBuilder {
+pub(crate) fn furnace(subdivide: u32) -> SceneBuilder {
     let mut cube = object("furnace");
     for (s, t) in [(Vec3::X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::Z, Vec3::X)] {
         let inward = s.cross(t);
@@ -42,7 +42,7 @@ pub(super) fn furnace(subdivide: u32) -> SceneBuilder {
 ///
 /// Inside a sphere light falls evenly wherever it comes from, so irradiance is the mean emission over one minus the
 /// mean albedo: 2 W·m⁻² everywhere. The albedo is in vertex colours, the emission in a texture of two texels.
-pub(super) fn sphere(subdivide: u32) -> SceneBuilder {
+pub(crate) fn sphere(subdivide: u32) -> SceneBuilder {
     /// Vertex colours multiply this; it keeps the material itself within what albedos may be.
     const BRIGHTEST: f32 = 0.8;
     let mut mesh = icosphere(SPHERE_LEVEL + subdivide);
@@ -123,7 +123,7 @@ fn on_sphere(p: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Barycentrics, Scene, SurfacePoint, TriId};
+    use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 
     fn area(scene: &Scene) -> f64 {
         (0..scene.triangle_count()).map(|t| f64::from(scene.area(TriId(t as u32)))).sum()

@@ -1,10 +1,10 @@
 //! Surface patches: the shapes all built-in scenes are made of.
 
-use crate::{Face, MaterialId, ObjectMesh, Smoothing};
 use glam::{DVec2, Vec2, Vec3};
+use lumel_scene::{Face, MaterialId, ObjectMesh, Smoothing};
 
 /// An empty object.
-pub(super) fn object(name: &str) -> ObjectMesh {
+pub(crate) fn object(name: &str) -> ObjectMesh {
     ObjectMesh { name: name.to_owned(), ..ObjectMesh::default() }
 }
 
@@ -12,7 +12,7 @@ pub(super) fn object(name: &str) -> ObjectMesh {
 ///
 /// `surface(i, j)` is the position and texture coordinate of a grid point. The front is on the side of `∂i × ∂j`.
 /// Diagonals alternate, so that shading has no grain. Triangles that a pole collapses are left out.
-pub(super) fn add_grid(
+pub(crate) fn add_grid(
     mesh: &mut ObjectMesh,
     material: MaterialId,
     cells: [u32; 2],
@@ -47,7 +47,7 @@ pub(super) fn add_grid(
 /// Edges are straight and divided evenly, so that patches with a common edge and number of cells along it share its
 /// points bit for bit. Texture coordinates run from (0, 1) at the first corner to (1, 0) at the third: upright for a
 /// viewer in front who has the first corner at the bottom left.
-pub(super) fn add_quad(mesh: &mut ObjectMesh, material: MaterialId, corners: [Vec3; 4], cells: [u32; 2]) {
+pub(crate) fn add_quad(mesh: &mut ObjectMesh, material: MaterialId, corners: [Vec3; 4], cells: [u32; 2]) {
     let [a, b, c, d] = corners;
     let [columns, rows] = cells;
     add_grid(mesh, material, cells, |i, j| {
@@ -57,7 +57,7 @@ pub(super) fn add_quad(mesh: &mut ObjectMesh, material: MaterialId, corners: [Ve
 }
 
 /// The point `k/n` of the way from `a` to `b`: exact at the ends, and with the same bits counted from either.
-pub(super) fn between(a: Vec3, b: Vec3, k: u32, n: u32) -> Vec3 {
+pub(crate) fn between(a: Vec3, b: Vec3, k: u32, n: u32) -> Vec3 {
     let sum = a.as_dvec3() * f64::from(n - k) + b.as_dvec3() * f64::from(k);
     (sum / f64::from(n)).as_vec3()
 }
@@ -66,7 +66,7 @@ pub(super) fn between(a: Vec3, b: Vec3, k: u32, n: u32) -> Vec3 {
 /// triangles instead of thinner ones.
 ///
 /// The front is on the side of `∂line × ∂point`.
-pub(super) fn add_strips(mesh: &mut ObjectMesh, material: MaterialId, lines: &[Vec<(Vec3, Vec2)>]) {
+pub(crate) fn add_strips(mesh: &mut ObjectMesh, material: MaterialId, lines: &[Vec<(Vec3, Vec2)>]) {
     let mut first = mesh.positions.len() as u32;
     for line in lines {
         mesh.positions.extend(line.iter().map(|point| point.0));
@@ -90,7 +90,7 @@ pub(super) fn add_strips(mesh: &mut ObjectMesh, material: MaterialId, lines: &[V
 
 /// A horizontal outline around an axis, at a height in metres along it.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Ring {
+pub(crate) enum Ring {
     /// A circle: height and radius.
     Round(f64, f64),
     /// A square: height and half its side.
@@ -111,7 +111,7 @@ impl Ring {
 ///
 /// `place` turns a point across the axis and a height into a position. Rows between rings are cut into `fine` parts.
 /// Texture coordinates are in units of `tile` metres.
-pub(super) fn add_loft(
+pub(crate) fn add_loft(
     mesh: &mut ObjectMesh,
     material: MaterialId,
     rings: &[Ring],

@@ -3,9 +3,9 @@
 use super::paint::BANNERS;
 use super::paint::TRIM;
 use super::plan::{BAY, CELL, Plan, Side, depth};
-use crate::ObjectMesh;
-use crate::builtin::shapes::{Ring, add_grid, add_loft};
+use crate::shapes::{Ring, add_grid, add_loft};
 use glam::Vec2;
+use lumel_scene::ObjectMesh;
 
 /// Half the width of a banner, its length, and how far it hangs in front of the wall, metres.
 const HALF_WIDTH: f64 = 0.55;

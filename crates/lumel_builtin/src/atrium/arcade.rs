@@ -4,9 +4,9 @@ use super::paint::{MASONRY, TRIM};
 use super::plan::{
     ARCH, BAY, CELL, MASONRY_TILE, Plan, STOREYS, Side, Storey, VAULT, depth, half_circle, masonry_uv,
 };
-use crate::builtin::shapes::add_grid;
-use crate::{MaterialId, ObjectMesh};
+use crate::shapes::add_grid;
 use glam::{DVec2, Vec2};
+use lumel_scene::{MaterialId, ObjectMesh};
 
 /// Width of the band of cut stones around an arch, cells.
 const BAND: f64 = 0.55;

@@ -1,12 +1,12 @@
 //! Textures painted by functions.
 
-use crate::{Encoding, Texture};
 use glam::{Vec2, Vec3};
+use lumel_scene::{Encoding, Texture};
 
 /// A texture of bytes whose texels show `paint` at their centres; `v` points down.
 ///
 /// Colours are given as they are stored: sRGB values for [`Encoding::Srgb`], 0..=1. `None` for a size of zero.
-pub(super) fn texture(
+pub(crate) fn texture(
     name: &str,
     [width, height]: [u32; 2],
     encoding: Encoding,

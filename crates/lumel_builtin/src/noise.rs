@@ -3,7 +3,7 @@
 use glam::Vec2;
 
 /// A number in 0..1 that looks random, for each cell of a grid.
-pub(super) fn hash(x: u32, y: u32, seed: u32) -> f32 {
+pub(crate) fn hash(x: u32, y: u32, seed: u32) -> f32 {
     let mut h = x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ seed.wrapping_mul(0xc2b2_ae3d);
     for multiplier in [0x7feb_352d_u32, 0x846c_a68b] {
         h = (h ^ (h >> 16)).wrapping_mul(multiplier);
@@ -12,7 +12,7 @@ pub(super) fn hash(x: u32, y: u32, seed: u32) -> f32 {
 }
 
 /// Smooth noise in 0..1 over the unit square, `period` cells to a side; tiles.
-pub(super) fn value(uv: Vec2, period: [u32; 2], seed: u32) -> f32 {
+pub(crate) fn value(uv: Vec2, period: [u32; 2], seed: u32) -> f32 {
     let (cell, f) = cell_of(uv, period);
     let fade = f * f * (Vec2::splat(3.0) - 2.0 * f);
     let at = |dx, dy| hash((cell[0] + dx) % period[0], (cell[1] + dy) % period[1], seed);
@@ -22,13 +22,13 @@ pub(super) fn value(uv: Vec2, period: [u32; 2], seed: u32) -> f32 {
 }
 
 /// Five octaves of [`value`], the first with `period` cells: clouds in 0..1 around 0.5; tiles.
-pub(super) fn clouds(uv: Vec2, period: [u32; 2], seed: u32) -> f32 {
+pub(crate) fn clouds(uv: Vec2, period: [u32; 2], seed: u32) -> f32 {
     let octave = |k: u32| value(uv, period.map(|p| p << k), seed + k) * 0.5_f32.powi(k as i32 + 1);
     (0..5).map(octave).sum::<f32>() / (1.0 - 0.5_f32.powi(5))
 }
 
 /// Distance to the nearest and the second nearest of randomly placed points, one to a cell, in cells; tiles.
-pub(super) fn nearest_points(uv: Vec2, period: [u32; 2], seed: u32) -> [f32; 2] {
+pub(crate) fn nearest_points(uv: Vec2, period: [u32; 2], seed: u32) -> [f32; 2] {
     let (cell, f) = cell_of(uv, period);
     let mut nearest = [f32::MAX; 2];
     for dy in 0..3 {
@@ -48,12 +48,12 @@ pub(super) fn nearest_points(uv: Vec2, period: [u32; 2], seed: u32) -> [f32; 2] 
 }
 
 /// `a` at 0, `b` at 1.
-pub(super) fn mix(a: f32, b: f32, t: f32) -> f32 {
+pub(crate) fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
 /// 0 below `from`, 1 above `to`, smooth between.
-pub(super) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
+pub(crate) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

@@ -3,9 +3,9 @@
 use super::arcade::add_wall;
 use super::paint::{MASONRY, ROOF, TRIM};
 use super::plan::{CELL, MASONRY_TILE, Plan, Side, UPPER, depth};
-use crate::builtin::shapes::add_grid;
-use crate::{MaterialId, ObjectMesh};
+use crate::shapes::add_grid;
 use glam::DVec2;
+use lumel_scene::{MaterialId, ObjectMesh};
 
 /// A profile: metres away from the court, metres up. Seen along `+s` its front is on the left.
 type Profile<'a> = &'a [(f64, f64)];

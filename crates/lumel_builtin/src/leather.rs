@@ -1,9 +1,11 @@
 //! The Cornell box with its back wall upholstered: tufted leather, as on a Chesterfield.
 
-use super::noise::{clouds, mix, nearest_points, smooth_step};
-use super::{cornell, painting};
-use crate::{Encoding, Material, MaterialId, SceneBuilder, Texture, TextureId, TextureRef, UvTransform};
+use crate::noise::{clouds, mix, nearest_points, smooth_step};
+use crate::{cornell, painting};
 use glam::{Vec2, Vec3};
+use lumel_scene::{
+    Encoding, Material, MaterialId, SceneBuilder, Texture, TextureId, TextureRef, UvTransform,
+};
 
 /// Texels along a side of the textures.
 const SIZE: u32 = 512;
@@ -18,7 +20,7 @@ const RELIEF: f32 = 0.085;
 const REPEAT: Vec2 = Vec2::new(2.5, 2.0);
 
 /// The Cornell box with a back wall of tufted leather; albedo and normals come from one height field.
-pub(super) fn cornell_leather(subdivide: u32) -> SceneBuilder {
+pub(crate) fn cornell_leather(subdivide: u32) -> SceneBuilder {
     let mut builder = cornell::cornell_box(subdivide);
     builder.name = "cornell-leather".to_owned();
     builder.textures = [albedo(), normals()].into_iter().flatten().collect();
@@ -117,7 +119,7 @@ impl Tuft {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TriId;
+    use lumel_scene::TriId;
 
     #[test]
     fn normals_are_unit_point_out_and_are_straight_on_the_whole() {

@@ -6,9 +6,9 @@ use super::plan::{
     ARCH, BAY, CELL, GROUND, MASONRY_TILE, Plan, STOREYS, Side, Storey, UPPER, VAULT, depth, half_circle,
     is_built_on, masonry_uv,
 };
-use crate::builtin::shapes::{add_grid, add_strips};
-use crate::{MaterialId, ObjectMesh, Smoothing};
+use crate::shapes::{add_grid, add_strips};
 use glam::{DVec2, Vec2, Vec3};
+use lumel_scene::{MaterialId, ObjectMesh, Smoothing};
 
 /// Rows of cells up to where arches and vaults begin, at level 0.
 const WALL_ROWS: u32 = 6;

@@ -14,13 +14,13 @@ mod plan;
 #[cfg(test)]
 mod tests;
 
-use super::shapes::object;
-use crate::{Camera, Light, ObjectMesh, Radiance, RectLight, SceneBuilder};
+use crate::shapes::object;
 use glam::Vec3;
+use lumel_scene::{Camera, Light, ObjectMesh, Radiance, RectLight, SceneBuilder};
 use plan::Plan;
 
 /// The court at a level of detail: 0 has about 65 000 triangles, every further level four times as many.
-pub(super) fn atrium(subdivide: u32) -> SceneBuilder {
+pub(crate) fn atrium(subdivide: u32) -> SceneBuilder {
     SceneBuilder {
         name: "atrium".to_owned(),
         objects: objects(Plan { fine: 1 << subdivide }),

@@ -2,9 +2,9 @@
 
 use super::paint::COLUMN;
 use super::plan::{ARC_SEGMENTS, CELL, Plan, STOREYS, Side, Storey};
-use crate::ObjectMesh;
-use crate::builtin::shapes::{Ring, add_loft};
+use crate::shapes::{Ring, add_loft};
 use Ring::{Round, Square};
+use lumel_scene::ObjectMesh;
 
 /// Half of the sides of plinth and pier, metres: one cell.
 const PIER: f64 = CELL;
@@ -55,8 +55,8 @@ fn profile(height: f64) -> Vec<Ring> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builtin::atrium::plan::{BAY, GROUND, UPPER};
-    use crate::builtin::shapes::object;
+    use crate::atrium::plan::{BAY, GROUND, UPPER};
+    use crate::shapes::object;
 
     #[test]
     fn columns_face_outward_and_enclose_what_a_column_should() {

@@ -1,7 +1,9 @@
-//! Scenes made by our own code: nothing to download, and free of anyone's licence.
+//! The built-in scenes of the lumel baker, made by code: no files to download and no licence of anyone else.
+//!
+//! [`NAMES`] lists them. [`scene`] returns a [`SceneBuilder`], still open to changes.
 //!
 //! ```
-//! let (scene, warnings) = lumel_scene::builtin::scene("cornell-box", 0).expect("a known name").build()?;
+//! let (scene, warnings) = lumel_builtin::scene("cornell-box", 0).expect("a known name").build()?;
 //! assert!(warnings.is_empty() && scene.vertex_count() > 10_000);
 //! # Ok::<(), lumel_scene::SceneError>(())
 //! ```
@@ -14,7 +16,7 @@ mod noise;
 mod painting;
 mod shapes;
 
-use crate::SceneBuilder;
+use lumel_scene::SceneBuilder;
 
 /// The finest level of [`scene`]; higher ones are taken as this one. The atrium then has 67 million triangles.
 pub const MAX_SUBDIVIDE: u32 = 5;
@@ -43,7 +45,7 @@ const SCENES: [Entry; 5] = [
     },
     Entry {
         name: "furnace",
-        about: "A closed cube of albedo 0.5 whose walls all glow",
+        about: "A closed cube of albedo 0.5 whose walls all emit light",
         make: analytic::furnace,
     },
     Entry {
