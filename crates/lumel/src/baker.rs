@@ -114,10 +114,9 @@ impl Baker {
 
     /// Whether a solve with these settings, under any lights, needs no new hemisphere ray: all are stored.
     pub fn has_rays_of(&self, settings: &Settings) -> bool {
-        let rays = |s: &Settings| (s.basis, s.solver, s.target_error, s.indirect_samples, s.sampler, s.seed);
         let stored = matches!(self.operator.method, Method::Cached { .. })
             && self.operator.stored.as_ref().is_some_and(|stored| stored.rows().is_complete());
-        stored && rays(settings) == rays(&self.settings)
+        stored && settings.same_rays_as(&self.settings)
     }
 
     /// How the bounces are solved.

@@ -45,5 +45,12 @@ pub use method::Method;
 pub use open::{OpenError, OpenOptions, Opened, open};
 pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError, SlotEntry};
 pub use settings::{
-    BasisKind, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, SolverKind, Tail, TargetError,
+    BasisKind, BounceLimit, Memory, Preset, Settings, SettingsError, SettingsPatch, Share, SolverKind, Tail,
+    TargetError,
 };
+
+/// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.
+pub mod setting {
+    pub use crate::settings::table::*;
+    pub use crate::settings::{About, Bounds, Choice, Influence, Slot, Value};
+}

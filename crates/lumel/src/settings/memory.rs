@@ -10,13 +10,6 @@ use std::str::FromStr;
 #[serde(try_from = "NumberOrText<u64>", into = "u64")]
 pub struct Memory(pub u64);
 
-impl Default for Memory {
-    /// 2 GiB, on every machine: what is computed must not depend on where.
-    fn default() -> Self {
-        Self(2 << 30)
-    }
-}
-
 const UNITS: [(&str, u64); 7] = [
     ("kib", 1 << 10),
     ("mib", 1 << 20),

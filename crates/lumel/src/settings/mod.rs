@@ -1,18 +1,27 @@
-//! What users choose.
+//! What users choose. The table of all settings is in `table.rs`; their types have files of their own.
 
+mod about;
 mod basis_kind;
 mod bounce_limit;
+mod compare;
+mod error;
 mod memory;
 mod number_or_text;
+mod plan;
 mod preset;
+mod sampling;
 mod share;
 mod solver_kind;
-mod table;
+pub(crate) mod table;
 mod tail;
 mod target_error;
+mod validate;
+mod value;
 
+pub use about::{About, Bounds, Influence};
 pub use basis_kind::BasisKind;
 pub use bounce_limit::BounceLimit;
+pub use error::SettingsError;
 pub use memory::Memory;
 pub use preset::Preset;
 pub use share::Share;
@@ -20,3 +29,4 @@ pub use solver_kind::SolverKind;
 pub use table::{Settings, SettingsPatch};
 pub use tail::Tail;
 pub use target_error::TargetError;
+pub use value::{Choice, Slot, Value};

@@ -30,12 +30,6 @@ impl Share {
     }
 }
 
-impl Default for Share {
-    fn default() -> Self {
-        Self::MOST
-    }
-}
-
 impl FromStr for Share {
     type Err = String;
 

@@ -1,80 +1,359 @@
-//! What users choose.
+//! All settings: one entry each, from which everything that knows settings is made.
+//!
+//! A new setting is a new entry. Its comment is the help of the command line and of the window; its type is a
+//! [`Value`]. It then has a field in [`Settings`] and [`SettingsPatch`], so that files know it, and stands in [`ALL`],
+//! so that the command line, the window, validation, comparison and resuming know it.
 
+use super::about::{About, Bounds, Influence};
+use super::error::SettingsError;
+use super::value::{Choice, Slot, Value};
 use super::{BasisKind, BounceLimit, Memory, Preset, Share, SolverKind, Tail, TargetError};
 use lumel_sample::SamplerKind;
-use lumel_solve::Stop;
-use lumel_transport::{EmitterSampling, LightSampling, Plan};
+use lumel_transport::{EmitterSampling, LightSampling};
 use serde::{Deserialize, Serialize};
 
-/// All settings of a bake; the same settings and scene give the same bits.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Settings {
-    /// Where light is stored.
-    pub basis: BasisKind,
-    /// How many bounces.
-    pub bounces: BounceLimit,
-    /// With [`BounceLimit::All`]: the share of all light that may be missing.
-    pub remainder: f32,
-    /// What stands for the missing bounces.
-    pub tail: Tail,
-    /// Shadow rays per receiver and light.
-    pub direct_samples: u32,
-    /// Hemisphere rays per receiver and bounce.
-    pub indirect_samples: u32,
-    /// Where sample points come from.
-    pub sampler: SamplerKind,
-    /// The estimator for lights with an area.
-    pub light_sampling: LightSampling,
-    /// What emissive surfaces do.
-    pub emitters: EmitterSampling,
-    /// How bounces are computed.
-    #[serde(default)]
-    pub solver: SolverKind,
-    /// Memory for stored rays; it decides on how many are stored.
-    #[serde(default)]
-    pub memory: Memory,
-    /// The error to stop at. Samples are then those to begin with, and `solver` has no effect: rays are stored.
-    #[serde(default)]
-    pub target_error: TargetError,
-    /// With a target error: the share of values that must be below.
-    #[serde(default)]
-    pub target_share: Share,
-    /// Changes all random choices.
-    pub seed: u64,
+/// A setting with a value of type `T`.
+pub struct Definition<T> {
+    /// What is said about it.
+    pub about: About,
+    /// Its value in each preset, in the order of [`Preset::ALL`].
+    presets: [T; Preset::ALL.len()],
+    get: fn(&Settings) -> T,
+    slot: fn(&mut Settings) -> &mut T,
+    patched: fn(&SettingsPatch) -> Option<T>,
+    patch: fn(T) -> SettingsPatch,
 }
 
-/// More bounces than this are never computed: at the largest albedo allowed, 0.98, the light that is left then is
-/// below a thousandth.
-const MAX_BOUNCES: u32 = 400;
+/// A setting whatever its type.
+pub trait Setting: Sync {
+    /// What is said about it.
+    fn about(&self) -> &About;
 
-impl Preset {
-    /// All presets, from fast to good.
-    pub const ALL: [Self; 3] = [Self::Draft, Self::Medium, Self::Production];
+    /// The values by name, if there are only a few.
+    fn choices(&self) -> &'static [Choice];
 
-    /// The preset's settings.
-    pub fn settings(self) -> Settings {
-        let (bounces, direct_samples, indirect_samples) = match self {
-            Self::Draft => (BounceLimit::Count(2), 16, 64),
-            Self::Medium => (BounceLimit::Count(4), 64, 256),
-            Self::Production => (BounceLimit::All, 256, 1024),
-        };
-        Settings {
-            basis: BasisKind::default(),
-            bounces,
-            remainder: 1e-3,
-            tail: Tail::default(),
-            direct_samples,
-            indirect_samples,
-            sampler: SamplerKind::default(),
-            light_sampling: LightSampling::default(),
-            emitters: EmitterSampling::default(),
-            solver: SolverKind::default(),
-            memory: Memory::default(),
-            target_error: TargetError::default(),
-            target_share: Share::default(),
-            seed: 0,
+    /// A patch that sets it alone.
+    ///
+    /// # Errors
+    /// [`SettingsError::Invalid`] for a text that says no value, or one out of bounds.
+    fn parse(&self, text: &str) -> Result<SettingsPatch, SettingsError>;
+
+    /// Its value, in words that [`parse`](Self::parse) understands.
+    fn text(&self, settings: &Settings) -> String;
+
+    /// Its value, to be edited.
+    fn slot<'a>(&self, settings: &'a mut Settings) -> Slot<'a>;
+
+    /// Whether it has the same value in both.
+    fn is_same(&self, a: &Settings, b: &Settings) -> bool;
+
+    /// Takes its value from other settings.
+    fn copy(&self, from: &Settings, to: &mut Settings);
+
+    /// Whether a patch sets it.
+    fn is_set(&self, patch: &SettingsPatch) -> bool;
+
+    /// Checks its value in a patch that sets it.
+    ///
+    /// # Errors
+    /// [`SettingsError::Invalid`] for a value out of bounds.
+    fn check(&self, patch: &SettingsPatch) -> Result<(), SettingsError>;
+
+    /// Whether presets differ in it.
+    fn is_by_preset(&self) -> bool {
+        let [first, rest @ ..] = Preset::ALL.map(Preset::settings);
+        rest.iter().any(|settings| !self.is_same(&first, settings))
+    }
+}
+
+impl<T: Value> Definition<T> {
+    fn invalid(&self, value: String) -> SettingsError {
+        let expected = T::expected(self.about.bounds);
+        SettingsError::Invalid { setting: self.about.name, value, expected }
+    }
+
+    fn allows(&self, value: &T) -> bool {
+        value.number().is_none_or(|number| self.about.bounds.contain(number))
+    }
+}
+
+impl<T: Value> Setting for Definition<T> {
+    fn about(&self) -> &About {
+        &self.about
+    }
+
+    fn choices(&self) -> &'static [Choice] {
+        T::choices()
+    }
+
+    fn parse(&self, text: &str) -> Result<SettingsPatch, SettingsError> {
+        let value = T::read(text).filter(|value| self.allows(value));
+        value.map(self.patch).ok_or_else(|| self.invalid(format!("\"{text}\"")))
+    }
+
+    fn text(&self, settings: &Settings) -> String {
+        (self.get)(settings).text()
+    }
+
+    fn slot<'a>(&self, settings: &'a mut Settings) -> Slot<'a> {
+        (self.slot)(settings).slot()
+    }
+
+    fn is_same(&self, a: &Settings, b: &Settings) -> bool {
+        (self.get)(a) == (self.get)(b)
+    }
+
+    fn copy(&self, from: &Settings, to: &mut Settings) {
+        *(self.slot)(to) = (self.get)(from);
+    }
+
+    fn is_set(&self, patch: &SettingsPatch) -> bool {
+        (self.patched)(patch).is_some()
+    }
+
+    fn check(&self, patch: &SettingsPatch) -> Result<(), SettingsError> {
+        match (self.patched)(patch) {
+            Some(value) if !self.allows(&value) => Err(self.invalid(value.text())),
+            _ => Ok(()),
         }
+    }
+}
+
+macro_rules! settings {
+    ($(
+        $(#[doc = $doc:literal])+
+        $constant:ident = $field:ident: $kind:ty {
+            presets: $presets:expr,
+            $($part:ident: $value:expr,)+
+        }
+    )+) => {
+        /// All settings of a bake; the same settings and scene give the same bits.
+        ///
+        /// Read from a file, settings that are the same in all presets may be missing.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(try_from = "SettingsPatch")]
+        pub struct Settings {
+            $($(#[doc = $doc])+ pub $field: $kind,)+
+        }
+
+        /// Settings that replace those of a preset.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct SettingsPatch {
+            /// The preset to start from.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            pub preset: Option<Preset>,
+            $(
+                $(#[doc = $doc])+
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub $field: Option<$kind>,
+            )+
+        }
+
+        $(
+            $(#[doc = $doc])+
+            pub static $constant: Definition<$kind> = Definition {
+                about: About {
+                    name: stringify!($field),
+                    doc: concat!($($doc, "\n"),+),
+                    $($part: $value,)+
+                },
+                presets: $presets,
+                get: |settings| settings.$field,
+                slot: |settings| &mut settings.$field,
+                patched: |patch| patch.$field,
+                patch: |value| SettingsPatch { $field: Some(value), ..SettingsPatch::default() },
+            };
+        )+
+
+        /// All settings.
+        pub static ALL: &[&dyn Setting] = &[$(&$constant),+];
+
+        impl Preset {
+            /// The preset's settings.
+            pub fn settings(self) -> Settings {
+                Settings { $($field: $constant.presets[self as usize],)+ }
+            }
+        }
+
+        impl SettingsPatch {
+            /// What `over` sets, else what `self` sets.
+            #[must_use]
+            pub fn overridden_by(self, over: Self) -> Self {
+                Self { preset: over.preset.or(self.preset), $($field: over.$field.or(self.$field),)+ }
+            }
+
+            /// A patch that sets everything, so that its settings are these whatever the presets are.
+            pub fn complete(settings: &Settings) -> Self {
+                Self { preset: None, $($field: Some(settings.$field),)+ }
+            }
+
+            /// The settings: those of the preset with the replacements.
+            pub fn settings(&self) -> Settings {
+                let mut settings = self.preset.unwrap_or_default().settings();
+                $(if let Some(value) = self.$field { settings.$field = value; })+
+                settings
+            }
+        }
+    };
+}
+
+/// The same value in each preset.
+const fn always<T: Copy>(value: T) -> [T; Preset::ALL.len()] {
+    [value; Preset::ALL.len()]
+}
+
+/// The most samples per receiver: more than any scene needs, and few enough to be counted exactly.
+const MAX_SAMPLES: f64 = 16_777_216.0;
+
+settings! {
+    /// Where light is measured.
+    BASIS = basis: BasisKind {
+        presets: always(BasisKind::Vertex),
+        label: "Basis",
+        placeholder: "BASIS",
+        influence: Influence::Rays,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
+    /// Number of bounces after the direct light, or all: until the rest is negligible.
+    BOUNCES = bounces: BounceLimit {
+        presets: [BounceLimit::Count(2), BounceLimit::Count(4), BounceLimit::All],
+        label: "Bounces",
+        placeholder: "N|all",
+        influence: Influence::Extent,
+        // No scene needs a tenth of them.
+        bounds: Bounds::Within(0.0, 10_000.0),
+        offered: Some([0.0, 16.0]),
+    }
+
+    /// With all bounces: the share of all light that may be missing.
+    REMAINDER = remainder: f32 {
+        presets: always(1e-3),
+        label: "Remainder",
+        placeholder: "SHARE",
+        influence: Influence::Extent,
+        bounds: Bounds::Between(0.0, 1.0),
+        offered: Some([1e-5, 0.5]),
+    }
+
+    /// What to add for the bounces that are not computed.
+    TAIL = tail: Tail {
+        presets: always(Tail::Off),
+        label: "Estimate the rest",
+        placeholder: "KIND",
+        influence: Influence::Sum,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
+    /// Shadow rays per vertex and light.
+    DIRECT_SAMPLES = direct_samples: u32 {
+        presets: [16, 64, 256],
+        label: "Direct samples",
+        placeholder: "N",
+        influence: Influence::Bounces,
+        bounds: Bounds::Within(1.0, MAX_SAMPLES),
+        offered: Some([1.0, 4096.0]),
+    }
+
+    /// Hemisphere rays per vertex and bounce.
+    INDIRECT_SAMPLES = indirect_samples: u32 {
+        presets: [64, 256, 1024],
+        label: "Hemisphere",
+        placeholder: "N",
+        influence: Influence::Rays,
+        bounds: Bounds::Within(1.0, MAX_SAMPLES),
+        offered: Some([1.0, 65536.0]),
+    }
+
+    /// How sample points are distributed.
+    SAMPLER = sampler: SamplerKind {
+        presets: always(SamplerKind::Sobol),
+        label: "Sampler",
+        placeholder: "NAME",
+        influence: Influence::Rays,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
+    /// How area lights are sampled.
+    LIGHT_SAMPLING = light_sampling: LightSampling {
+        presets: always(LightSampling::Analytic),
+        label: "Light sampling",
+        placeholder: "KIND",
+        influence: Influence::Bounces,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
+    /// How light from emissive surfaces is found.
+    EMITTERS = emitters: EmitterSampling {
+        presets: always(EmitterSampling::Auto),
+        label: "Emissive",
+        placeholder: "KIND",
+        influence: Influence::Bounces,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
+    /// How bounces are computed.
+    SOLVER = solver: SolverKind {
+        presets: always(SolverKind::Cached),
+        label: "Solver",
+        placeholder: "KIND",
+        influence: Influence::Rays,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
+    /// Memory for stored rays, such as 500MB or 2GiB.
+    ///
+    /// If not all rays fit, fewer are stored, and all light is gathered once more at the end.
+    MEMORY = memory: Memory {
+        // On every machine: what is computed must not depend on where.
+        presets: always(Memory(2 << 30)),
+        label: "Memory",
+        placeholder: "SIZE",
+        influence: Influence::Storage,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
+    /// Add samples until values are known to within this, such as 1% or 0.01: half of their 95 % confidence interval,
+    /// relative.
+    ///
+    /// Eight independent solves share the samples; their spread gives the standard error of every value, which is kept
+    /// in the solution. Vertices whose error is too large get more samples, up to 64 times the initial number and as
+    /// many rays as the memory allows. Values darker than a tenth of the mean are compared with the mean.
+    TARGET_ERROR = target_error: TargetError {
+        presets: always(TargetError::Off),
+        label: "Error",
+        placeholder: "SHARE|off",
+        influence: Influence::Rays,
+        bounds: Bounds::Any,
+        offered: Some([0.001, 0.5]),
+    }
+
+    /// With a target error: the share of values that must meet it.
+    TARGET_SHARE = target_share: Share {
+        presets: always(Share::MOST),
+        label: "Share of values",
+        placeholder: "SHARE",
+        influence: Influence::Bounces,
+        bounds: Bounds::Any,
+        offered: Some([0.5, 0.999]),
+    }
+
+    /// Seed of all random choices.
+    SEED = seed: u64 {
+        presets: always(0),
+        label: "Seed",
+        placeholder: "N",
+        influence: Influence::Rays,
+        bounds: Bounds::Any,
+        offered: None,
     }
 }
 
@@ -84,124 +363,110 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
-    /// The sampling part.
-    pub fn plan(&self) -> Plan {
-        Plan {
-            sampler: self.sampler,
-            direct_samples: self.direct_samples,
-            indirect_samples: self.indirect_samples,
-            seed: self.seed,
-            light_sampling: self.light_sampling,
-            emitters: self.emitters,
-            second_half: false,
-        }
-    }
+impl TryFrom<SettingsPatch> for Settings {
+    type Error = SettingsError;
 
-    /// When to stop.
-    pub fn stop(&self) -> Stop {
-        match self.bounces {
-            BounceLimit::Count(n) => Stop::Bounces(n),
-            BounceLimit::All => Stop::Remainder { fraction: self.remainder, at_most: MAX_BOUNCES },
-        }
-    }
-
-    /// Whether bounces computed with `other` are the very bounces these settings ask for.
-    ///
-    /// How many there are to be does not matter for that, nor does memory as long as there is enough.
-    pub fn same_bounces_as(&self, other: &Self) -> bool {
-        let Self { bounces, remainder, tail, memory, .. } = self.clone();
-        *self == Self { bounces, remainder, tail, memory, ..other.clone() }
-    }
-
-    /// In which settings `found` differs from these so that bounces differ too, as a list for a message.
-    pub(crate) fn differences_of_bounces(&self, found: &Self) -> String {
-        let table = |settings: &Self| match serde_json::to_value(settings) {
-            Ok(serde_json::Value::Object(table)) => table,
-            _ => serde_json::Map::new(),
-        };
-        let (here, there) = (table(self), table(found));
-        let matters = |name: &str| !["bounces", "remainder", "tail"].contains(&name);
-        let differing = here.iter().filter(|(name, value)| matters(name) && there.get(*name) != Some(value));
-        let text = |value: &serde_json::Value| value.to_string().replace('"', "");
-        let phrases = differing.map(|(name, value)| {
-            let found = there.get(name).map_or_else(|| "none".to_owned(), text);
-            format!("{} {found}, not {}", name.replace('_', " "), text(value))
-        });
-        phrases.collect::<Vec<_>>().join("; ")
-    }
-}
-
-macro_rules! patch {
-    ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {
-        /// Settings that replace those of a preset.
-        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields, default)]
-        pub struct SettingsPatch {
-            /// The preset to start from.
-            #[serde(skip_serializing_if = "Option::is_none")]
-            pub preset: Option<Preset>,
-            $($(#[$doc])*
-            #[serde(skip_serializing_if = "Option::is_none")]
-            pub $field: Option<$kind>,)*
-        }
-
-        impl SettingsPatch {
-            /// What `over` sets, else what `self` sets.
-            #[must_use]
-            pub fn overridden_by(self, over: Self) -> Self {
-                Self { preset: over.preset.or(self.preset), $($field: over.$field.or(self.$field),)* }
+    fn try_from(patch: SettingsPatch) -> Result<Self, SettingsError> {
+        let is_missing = |setting: &&&dyn Setting| setting.is_by_preset() && !setting.is_set(&patch);
+        match ALL.iter().find(is_missing) {
+            Some(setting) if patch.preset.is_none() => {
+                Err(SettingsError::Missing { setting: setting.about().name })
             }
-
-            /// A patch that sets everything, so that its settings are these whatever the presets are.
-            pub fn complete(settings: &Settings) -> Self {
-                Self { preset: None, $($field: Some(settings.$field),)* }
-            }
-
-            /// The settings: those of the preset with the replacements.
-            pub fn settings(&self) -> Settings {
-                let mut settings = self.preset.unwrap_or_default().settings();
-                $(if let Some(value) = self.$field { settings.$field = value; })*
-                settings
-            }
+            _ => Ok(patch.settings()),
         }
-    };
-}
-
-patch! {
-    /// Where light is stored.
-    basis: BasisKind,
-    /// How many bounces.
-    bounces: BounceLimit,
-    /// The share of all light that may be missing after all bounces.
-    remainder: f32,
-    /// What stands for the missing bounces.
-    tail: Tail,
-    /// Shadow rays per receiver and light.
-    direct_samples: u32,
-    /// Hemisphere rays per receiver and bounce.
-    indirect_samples: u32,
-    /// Where sample points come from.
-    sampler: SamplerKind,
-    /// The estimator for lights with an area.
-    light_sampling: LightSampling,
-    /// What emissive surfaces do.
-    emitters: EmitterSampling,
-    /// How bounces are computed.
-    solver: SolverKind,
-    /// Memory for stored rays.
-    memory: Memory,
-    /// The error to stop at.
-    target_error: TargetError,
-    /// The share of values that must be below.
-    target_share: Share,
-    /// Changes all random choices.
-    seed: u64,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::{Value as Json, json};
+
+    /// A value of each setting that is not its default, and one that it cannot have.
+    const EXAMPLES: [(&str, &str, &str); 14] = [
+        ("basis", "vertex-area", "lightmap"),
+        ("bounces", "7", "10001"),
+        ("remainder", "0.25", "1"),
+        ("tail", "geometric", "long"),
+        ("direct_samples", "3", "0"),
+        ("indirect_samples", "5", "16777217"),
+        ("sampler", "halton", "dice"),
+        ("light_sampling", "area", "none"),
+        ("emitters", "off", "some"),
+        ("solver", "neumann", "magic"),
+        ("memory", "5 MiB", "much"),
+        ("target_error", "2 %", "0"),
+        ("target_share", "90 %", "100%"),
+        ("seed", "18446744073709551615", "-1"),
+    ];
+
+    fn with(name: &str) -> (&'static dyn Setting, &'static str, &'static str) {
+        let (_, good, bad) = EXAMPLES.iter().find(|(known, ..)| *known == name).unwrap();
+        (*ALL.iter().find(|setting| setting.about().name == name).unwrap(), good, bad)
+    }
+
+    #[test]
+    fn every_setting_is_set_by_a_text_and_refuses_what_it_cannot_be() {
+        assert_eq!(ALL.len(), EXAMPLES.len());
+        for (name, ..) in EXAMPLES {
+            let (setting, good, bad) = with(name);
+            let patch = setting.parse(good).unwrap();
+            assert!(setting.is_set(&patch));
+            let settings = patch.settings();
+            assert_eq!(setting.text(&settings), good);
+            let differing: Vec<&str> =
+                settings.differing(&Settings::default()).map(|s| s.about().name).collect();
+            assert_eq!(differing, [name]);
+            let mut copy = Settings::default();
+            setting.copy(&settings, &mut copy);
+            assert_eq!(copy, settings);
+            let error = setting.parse(bad).unwrap_err();
+            assert_eq!((error.setting(), error.to_string().contains(&format!("\"{bad}\""))), (name, true));
+        }
+    }
+
+    #[test]
+    fn every_setting_is_known_to_files_by_its_name_and_its_choices() {
+        for (name, good, _) in EXAMPLES {
+            let (setting, ..) = with(name);
+            let patch = setting.parse(good).unwrap();
+            let file = serde_json::to_value(&patch).unwrap();
+            assert_eq!(file.as_object().unwrap().keys().collect::<Vec<_>>(), [name]);
+            assert_eq!(serde_json::from_value::<SettingsPatch>(file).unwrap(), patch);
+            for choice in setting.choices() {
+                let file = json!({ name: choice.name });
+                assert_eq!(
+                    serde_json::from_value::<SettingsPatch>(file).unwrap(),
+                    setting.parse(choice.name).unwrap()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_setting_is_explained() {
+        for setting in ALL {
+            let about = setting.about();
+            let help = about.help();
+            assert!(
+                help.ends_with('.') && !about.label.is_empty() && !about.placeholder.is_empty(),
+                "{help}"
+            );
+            // A slider offers nothing that is refused.
+            if let Some(offered) = about.offered {
+                assert!(
+                    offered[0] < offered[1] && offered.iter().all(|&n| about.bounds.contain(n)),
+                    "{help}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn presets_differ_in_samples_and_bounces() {
+        let differing = ALL.iter().filter(|setting| setting.is_by_preset()).map(|s| s.about().name);
+        assert_eq!(differing.collect::<Vec<_>>(), ["bounces", "direct_samples", "indirect_samples"]);
+    }
 
     #[test]
     fn later_settings_win_over_earlier_ones_and_over_the_preset() {
@@ -226,25 +491,42 @@ mod tests {
     fn unknown_settings_are_refused() {
         let error = serde_json::from_str::<SettingsPatch>(r#"{"bounce": 3}"#).unwrap_err();
         assert!(error.to_string().contains("unknown field `bounce`"), "{error}");
+        assert!(serde_json::from_str::<Settings>(r#"{"bounce": 3}"#).is_err());
     }
 
     #[test]
-    fn differences_are_told_by_name() {
-        let here = Preset::Medium.settings();
-        let there =
-            Settings { seed: 7, basis: BasisKind::VertexArea, bounces: BounceLimit::All, ..here.clone() };
-        assert_eq!(here.differences_of_bounces(&there), "basis vertex-area, not vertex; seed 7, not 0");
-    }
-
-    #[test]
-    fn the_number_of_bounces_does_not_change_what_each_of_them_is() {
-        let a = Preset::Medium.settings();
-        assert!(a.same_bounces_as(&Settings {
+    fn settings_of_the_first_solutions_are_still_read() {
+        // As the first version wrote them, before there were solvers, memory and target errors.
+        let mut old = json!({
+            "basis": "vertex-area",
+            "bounces": "all",
+            "remainder": 0.01,
+            "tail": "geometric",
+            "direct_samples": 4,
+            "indirect_samples": 8,
+            "sampler": "stratified",
+            "light_sampling": "area",
+            "emitters": "rays",
+            "seed": 3,
+        });
+        let settings: Settings = serde_json::from_value(old.clone()).unwrap();
+        let expected = Settings {
+            basis: BasisKind::VertexArea,
             bounces: BounceLimit::All,
+            remainder: 0.01,
             tail: Tail::Geometric,
-            ..a.clone()
-        }));
-        assert!(!a.same_bounces_as(&Settings { seed: 1, ..a.clone() }));
-        assert!(!a.same_bounces_as(&Settings { basis: BasisKind::VertexArea, ..a.clone() }));
+            direct_samples: 4,
+            indirect_samples: 8,
+            sampler: SamplerKind::Stratified,
+            light_sampling: LightSampling::Area,
+            emitters: EmitterSampling::Rays,
+            seed: 3,
+            ..Settings::default()
+        };
+        assert_eq!(settings, expected);
+        let Json::Object(fields) = &mut old else { panic!("it is an object") };
+        fields.remove("direct_samples");
+        let error = serde_json::from_value::<Settings>(old).unwrap_err();
+        assert!(error.to_string().contains("direct_samples is missing"), "{error}");
     }
 }

@@ -1,0 +1,94 @@
+//! Which settings can be used.
+
+use super::error::SettingsError;
+use super::table::{ALL, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR};
+use super::{SolverKind, TargetError};
+
+impl SettingsPatch {
+    /// Checks every value that is set.
+    ///
+    /// # Errors
+    /// [`SettingsError::Invalid`] for the first value out of bounds.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        ALL.iter().try_for_each(|setting| setting.check(self))
+    }
+}
+
+impl Settings {
+    /// Checks every value, and that all go together.
+    ///
+    /// # Errors
+    /// [`SettingsError::Invalid`] or [`SettingsError::Conflict`] for the first that is wrong.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        SettingsPatch::complete(self).validate()?;
+        if self.target_error != TargetError::Off && self.solver == SolverKind::Neumann {
+            return Err(SettingsError::Conflict {
+                setting: TARGET_ERROR.about.name,
+                value: TARGET_ERROR.text(self),
+                other: SOLVER.about.name,
+                other_value: SOLVER.text(self),
+                reason: "a target error needs stored rays",
+            });
+        }
+        Ok(())
+    }
+
+    /// These settings with values out of bounds replaced by defaults: for what was kept from an earlier version.
+    #[must_use]
+    pub fn mended(mut self) -> Self {
+        let (patch, default) = (SettingsPatch::complete(&self), Self::default());
+        for setting in ALL.iter().filter(|setting| setting.check(&patch).is_err()) {
+            setting.copy(&default, &mut self);
+        }
+        if self.validate().is_err() { default } else { self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::BounceLimit;
+
+    #[test]
+    fn what_makes_no_sense_is_refused_with_its_name_its_value_and_a_remedy() {
+        let good = Settings::default();
+        assert_eq!(good.validate(), Ok(()));
+        let count = "a whole number from 1 to 16777216";
+        for (bad, message) in [
+            (
+                Settings { indirect_samples: 0, ..good.clone() },
+                format!("indirect_samples is 0 but must be {count}"),
+            ),
+            (
+                Settings { direct_samples: u32::MAX, ..good.clone() },
+                format!("direct_samples is 4294967295 but must be {count}"),
+            ),
+            (
+                Settings { remainder: f32::NAN, ..good.clone() },
+                "remainder is NaN but must be a number between 0 and 1".to_owned(),
+            ),
+            (
+                Settings { bounces: BounceLimit::Count(10_001), ..good.clone() },
+                "bounces is 10001 but must be a whole number from 0 to 10000, or all".to_owned(),
+            ),
+        ] {
+            let error = bad.validate().unwrap_err();
+            assert_eq!(error.to_string(), message);
+            assert!(message.ends_with(&error.remedy().replace("it must", "must")), "{}", error.remedy());
+            let mended = bad.mended();
+            assert_eq!(mended.differing(&good).count(), 0);
+        }
+    }
+
+    #[test]
+    fn a_target_error_needs_a_solver_with_stored_rays() {
+        let target_error = "2%".parse().unwrap();
+        let settings = Settings { target_error, solver: SolverKind::Neumann, ..Settings::default() };
+        let error = settings.validate().unwrap_err();
+        let message =
+            "target_error 2 % and solver neumann exclude each other: a target error needs stored rays";
+        assert_eq!((error.to_string().as_str(), error.setting()), (message, "target_error"));
+        assert_eq!(error.remedy(), "change target_error or solver");
+        assert_eq!(settings.mended(), Settings::default());
+    }
+}
