@@ -6,7 +6,8 @@ use glam::{DVec3, Vec3};
 use lumel::{Baker, BounceLimit, Control, Light, RectLight, Scene, Settings, Silent, SolveState};
 use lumel_export::RadFile;
 use lumel_scene::Radiance;
-use std::path::PathBuf;
+use lumel_testkit::shared;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Light `2024/1` of the course's `presets.json`.
@@ -22,22 +23,10 @@ fn light_2024_1() -> RectLight {
     light
 }
 
-/// The folder of the course's files; `None`, with the reason printed, where it is missing.
-fn folder() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/course-cornell");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    assert!(std::env::var_os("CI").is_none(), "CI must have {}", folder.display());
-    println!("skipped: no {}", folder.display());
-    None
-}
-
-fn open(mesh: &str) -> Option<Arc<Scene>> {
-    let file = folder()?.join(mesh);
-    let mut opened = lumel::open(&file.to_string_lossy(), &lumel::OpenOptions::default()).unwrap();
+fn open(mesh: &Path) -> Arc<Scene> {
+    let mut opened = lumel::open(&mesh.to_string_lossy(), &lumel::OpenOptions::default()).unwrap();
     opened.builder.lights = vec![Light::Rect(light_2024_1())];
-    Some(Arc::new(opened.builder.build().unwrap().0))
+    Arc::new(opened.builder.build().unwrap().0)
 }
 
 fn mean(values: &[Vec3]) -> DVec3 {
@@ -59,8 +48,9 @@ fn correlation(a: &[Vec3], b: &[Vec3]) -> f64 {
 
 #[test]
 fn two_bounces_agree_with_the_solution_of_the_course() {
-    let Some(scene) = open("cornell-tessellated.obj") else { return };
-    let theirs = RadFile::read(&folder().unwrap().join("cornell-2bounces.rad")).unwrap();
+    let Some(folder) = shared::path_or_skip("scenes/course-cornell") else { return };
+    let scene = open(&folder.join("cornell-tessellated.obj"));
+    let theirs = RadFile::read(&folder.join("cornell-2bounces.rad")).unwrap();
     assert!(theirs.matches(&scene), "vertices must come in the order of the file");
     let settings = Settings {
         bounces: BounceLimit::Count(2),

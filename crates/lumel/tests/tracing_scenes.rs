@@ -7,7 +7,7 @@ use lumel::{Bvh, OpenOptions, RayTracer, Scene};
 use lumel_accel::{BruteForce, Bundle, Hit, InstructionSet, Ray, SHADOW_END};
 use lumel_basis::{ElementId, NodeWeights, Receivers, Site, VertexBasis};
 use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
-use std::path::PathBuf;
+use lumel_testkit::shared;
 use std::sync::Arc;
 
 const RAYS: u32 = 64;
@@ -85,27 +85,22 @@ fn assert_all_ways(scene: &Arc<Scene>, groups: u32) {
     assert!(n_hits > 10 * groups as usize, "{n_hits}");
 }
 
-fn built_in(name: &str) -> Arc<Scene> {
+fn open(name: &str) -> Arc<Scene> {
     Arc::new(lumel::open(name, &OpenOptions::default()).unwrap().builder.build().unwrap().0)
 }
 
 #[test]
 fn the_cornell_box_is_met_alike_in_every_way() {
-    assert_all_ways(&built_in("cornell-box"), 24);
+    assert_all_ways(&open("cornell-box"), 24);
 }
 
 #[test]
 fn the_atrium_is_met_alike_in_every_way() {
-    assert_all_ways(&built_in("atrium"), 12);
+    assert_all_ways(&open("atrium"), 12);
 }
 
 #[test]
 fn sponza_is_met_alike_in_every_way() {
-    let file =
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/sponza-dabrovic/sponza.obj");
-    if !file.is_file() {
-        assert!(std::env::var_os("CI").is_none(), "CI must have {}", file.display());
-        return println!("skipped: no {}", file.display());
-    }
-    assert_all_ways(&built_in(&file.to_string_lossy()), 12);
+    let Some(file) = shared::path_or_skip("scenes/sponza-dabrovic/sponza.obj") else { return };
+    assert_all_ways(&open(&file.to_string_lossy()), 12);
 }

@@ -1,29 +1,34 @@
-//! The glTF files among the shared scenes: everything in them arrives.
+//! Whole glTF scenes, of the repository and shared: everything in them arrives.
 
 #![allow(missing_docs, reason = "a test")]
 
-mod shared;
+mod support;
 
 use glam::Vec3;
 use lumel_scene::{FaceSide, Light, Radiance, Scene, Sides, SurfacePoint, TriId};
+use lumel_testkit::shared;
 use std::f32::consts::FRAC_PI_8;
 use std::path::Path;
 
-/// Builds a shared scene; `None` where there are none.
+/// Builds a shared scene; `None` without the shared scenes.
 fn scene(file: &str) -> Option<Scene> {
-    let path = shared::folder("scenes")?.join(file);
-    Some(shared::build(&path).unwrap_or_else(|error| panic!("{error}")).0)
+    let path = shared::path_or_skip("scenes")?.join(file);
+    Some(build(&path))
 }
 
-/// Triangles of a shared scene, before any without area are dropped.
+fn build(path: &Path) -> Scene {
+    support::build(path).unwrap_or_else(|error| panic!("{error}")).0
+}
+
+/// Triangles of a scene, before any without area are dropped.
 fn triangles(folder: &Path, file: &str) -> usize {
-    let (builder, _) = shared::import(&folder.join(file)).unwrap_or_else(|error| panic!("{error}"));
-    shared::triangles_and_area(&builder).0
+    let (builder, _) = support::import(&folder.join(file)).unwrap_or_else(|error| panic!("{error}"));
+    support::triangles_and_area(&builder).0
 }
 
 #[test]
 fn the_khronos_and_engine_samples_have_the_triangles_of_their_table() {
-    let Some(folder) = shared::folder("scenes/gltf-samples") else { return };
+    let Some(folder) = shared::path_or_skip("scenes/gltf-samples") else { return };
     let table = [
         ("Box.glb", 12),
         ("BoxVertexColors.glb", 12),
@@ -53,7 +58,7 @@ fn the_khronos_and_engine_samples_have_the_triangles_of_their_table() {
 
 #[test]
 fn the_rooms_have_the_triangles_of_their_table() {
-    let Some(folder) = shared::folder("scenes") else { return };
+    let Some(folder) = shared::path_or_skip("scenes") else { return };
     let table = [
         ("bathroom/bathroom.glb", 380_280),
         ("country-kitchen/country-kitchen.glb", 1_021_815),
@@ -67,10 +72,9 @@ fn the_rooms_have_the_triangles_of_their_table() {
 }
 
 #[test]
-fn the_quilted_box_is_the_same_as_glb_and_as_obj() {
-    let Some(folder) = shared::folder("scenes/quilted-box") else { return };
-    let [glb, obj] =
-        ["quilted-box.glb", "quilted-box.obj"].map(|file| shared::build(&folder.join(file)).unwrap().0);
+fn a_room_is_the_same_as_gltf_and_as_obj() {
+    let [gltf, obj] = ["room.gltf", "room.obj"].map(|file| build(&support::own(file)));
+    assert_eq!((gltf.traced_count(), obj.traced_count()), (22, 22));
     let total = |scene: &Scene, measure: &dyn Fn(&Scene, TriId) -> Vec3| {
         (0..scene.traced_count() as u32).map(|tri| measure(scene, TriId(tri))).sum::<Vec3>()
     };
@@ -87,15 +91,15 @@ fn the_quilted_box_is_the_same_as_glb_and_as_obj() {
         scene.albedo(at).0 * scene.area(tri)
     };
     for measure in [&centre as &dyn Fn(&Scene, TriId) -> Vec3, &facing, &emitted, &reflected] {
-        let (a, b) = (total(&glb, measure), total(&obj, measure));
+        let (a, b) = (total(&gltf, measure), total(&obj, measure));
         assert!((a - b).length() < 1e-3, "{a} {b}");
     }
-    assert_eq!(glb.cameras()[0].name, "camera");
-    assert_eq!(glb.cameras()[0].forward, Vec3::NEG_Z);
-    let light = glb.materials().iter().find(|m| m.name == "light").unwrap();
-    assert_eq!(light.emission, Radiance::splat(15.0));
-    let quilt = glb.materials().iter().find(|m| m.name == "quilt").unwrap();
-    assert!(quilt.albedo_texture.is_some() && quilt.normal_texture.is_some());
+    assert_eq!(gltf.cameras()[0].name, "camera");
+    assert_eq!(gltf.cameras()[0].forward, Vec3::NEG_Z);
+    let lamp = gltf.materials().iter().find(|m| m.name == "lamp").unwrap();
+    assert_eq!(lamp.emission, Radiance::splat(15.0));
+    let tiles = gltf.materials().iter().find(|m| m.name == "tiles").unwrap();
+    assert!(tiles.albedo_texture.is_some() && tiles.normal_texture.is_some());
 }
 
 #[test]

@@ -2,8 +2,9 @@
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "a test")]
 
-mod shared;
+mod support;
 
+use lumel_testkit::shared;
 use serde_json::Value;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -16,7 +17,7 @@ const TIME_LIMIT: Duration = Duration::from_secs(5);
 
 #[test]
 fn every_case_of_the_manifest_has_its_outcome() {
-    let Some(folder) = shared::folder("loader-cases") else { return };
+    let Some(folder) = shared::path_or_skip("loader-cases") else { return };
     let text = std::fs::read_to_string(folder.join("manifest.json")).unwrap();
     let manifest: Value = serde_json::from_str(&text).unwrap();
     let cases = manifest["cases"].as_array().unwrap();
@@ -31,7 +32,7 @@ fn check(folder: &Path, case: &Value) -> Result<(), String> {
         return Err(format!("{file}: this test does not know the key \"{key}\""));
     }
     let started = Instant::now();
-    let result = shared::build(&folder.join(file));
+    let result = support::build(&folder.join(file));
     if started.elapsed() > TIME_LIMIT {
         return Err(format!("{file}: took {:?}", started.elapsed()));
     }

@@ -1,13 +1,14 @@
-//! The OBJ scenes of the shared test data.
+//! Whole OBJ scenes, of the repository and shared.
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "a test")]
 
-mod shared;
+mod support;
 
 use glam::{Vec2, Vec3};
 use lumel_scene::{Encoding, SceneBuilder};
-use shared::{build, import, triangles_and_area};
+use lumel_testkit::shared;
 use std::path::Path;
+use support::{build, import, own, triangles_and_area};
 
 /// Scene, triangles after triangulation, objects.
 const SCENES: [(&str, usize, usize); 19] = [
@@ -37,7 +38,7 @@ const MOST_DROPPED: f64 = 0.001;
 
 #[test]
 fn every_scene_loads_with_the_triangles_its_readme_gives() {
-    let Some(folder) = shared::folder("scenes") else { return };
+    let Some(folder) = shared::path_or_skip("scenes") else { return };
     let sponza = [("sponza-dabrovic/sponza.obj", 66454, 34)];
     for (file, triangles, objects) in SCENES.into_iter().chain(sponza) {
         let (builder, _) = import(&folder.join(file)).unwrap();
@@ -54,29 +55,39 @@ fn every_scene_loads_with_the_triangles_its_readme_gives() {
 
 #[test]
 fn areas_and_counts_agree_with_an_independent_reader() {
-    let Some(folder) = shared::folder("scenes") else { return };
+    assert_agrees_with_tobj(&own("room.obj"));
+    assert_eq!(triangles_and_area(&import(&own("room.obj")).unwrap().0).0, 22);
+}
+
+#[test]
+fn areas_and_counts_of_shared_scenes_agree_with_an_independent_reader() {
+    let Some(folder) = shared::path_or_skip("scenes") else { return };
     for (file, ..) in SCENES {
-        let path = folder.join(file);
-        let (builder, _) = import(&path).unwrap();
-        let (count, area) = triangles_and_area(&builder);
-        let options = tobj::LoadOptions { triangulate: true, ignore_lines: true, ..Default::default() };
-        let (models, _) = tobj::load_obj(&path, &options).unwrap();
-        let mut expected = (0, 0.0);
-        for tobj::Model { mesh, .. } in &models {
-            let corner = |i: &u32| Vec3::from_slice(&mesh.positions[3 * *i as usize..]).as_dvec3();
-            for triangle in mesh.indices.chunks_exact(3) {
-                let [a, b, c] = [&triangle[0], &triangle[1], &triangle[2]].map(corner);
-                expected = (expected.0 + 1, expected.1 + 0.5 * (b - a).cross(c - a).length());
-            }
-        }
-        assert_eq!(count, expected.0, "{file}");
-        assert!((area - expected.1).abs() <= 1e-6 * expected.1, "{file}: {area} {}", expected.1);
+        assert_agrees_with_tobj(&folder.join(file));
     }
+}
+
+fn assert_agrees_with_tobj(path: &Path) {
+    let (builder, _) = import(path).unwrap();
+    let (count, area) = triangles_and_area(&builder);
+    let options = tobj::LoadOptions { triangulate: true, ignore_lines: true, ..Default::default() };
+    let (models, _) = tobj::load_obj(path, &options).unwrap();
+    let mut expected = (0, 0.0);
+    for tobj::Model { mesh, .. } in &models {
+        let corner = |i: &u32| Vec3::from_slice(&mesh.positions[3 * *i as usize..]).as_dvec3();
+        for triangle in mesh.indices.chunks_exact(3) {
+            let [a, b, c] = [&triangle[0], &triangle[1], &triangle[2]].map(corner);
+            expected = (expected.0 + 1, expected.1 + 0.5 * (b - a).cross(c - a).length());
+        }
+    }
+    let file = path.display();
+    assert_eq!(count, expected.0, "{file}");
+    assert!((area - expected.1).abs() <= 1e-6 * expected.1, "{file}: {area} {}", expected.1);
 }
 
 #[test]
 fn the_tessellated_box_keeps_the_vertices_of_its_file() {
-    let Some(folder) = shared::folder("scenes/course-cornell") else { return };
+    let Some(folder) = shared::path_or_skip("scenes/course-cornell") else { return };
     let path = folder.join("cornell-tessellated.obj");
     let text = std::fs::read_to_string(&path).unwrap();
     let numbers = |line: &str| Vec3::from_iter_of(line);
@@ -112,20 +123,19 @@ fn texts(path: &Path) -> Vec<String> {
 }
 
 #[test]
-fn the_quilted_box_has_a_normal_map_and_not_its_height_map() {
-    let Some(folder) = shared::folder("scenes/quilted-box") else { return };
-    let path = folder.join("quilted-box.obj");
+fn a_normal_map_is_told_from_a_height_map() {
+    let path = own("room.obj");
     let (builder, _) = import(&path).unwrap();
-    let quilt = material(&builder, "quilt");
+    let tiles = material(&builder, "tiles");
     let texture =
         |texture: Option<lumel_scene::TextureRef>| &builder.textures[texture.unwrap().texture.index()];
-    assert!(texture(quilt.albedo_texture).name.ends_with("quilt_color.jpg"));
-    assert_eq!(texture(quilt.albedo_texture).bytes().unwrap().1, Encoding::Srgb);
-    assert!(texture(quilt.normal_texture).name.ends_with("quilt_normal.png"));
-    assert_eq!(texture(quilt.normal_texture).bytes().unwrap().1, Encoding::Linear);
+    assert!(texture(tiles.albedo_texture).name.ends_with("tiles-color.png"));
+    assert_eq!(texture(tiles.albedo_texture).bytes().unwrap().1, Encoding::Srgb);
+    assert!(texture(tiles.normal_texture).name.ends_with("tiles-normal.png"));
+    assert_eq!(texture(tiles.normal_texture).bytes().unwrap().1, Encoding::Linear);
     assert_eq!(builder.textures.len(), 2);
-    assert_eq!(material(&builder, "light").emission.0, Vec3::splat(15.0));
-    assert_eq!(material(&builder, "light").albedo, Vec3::ZERO);
+    assert_eq!(material(&builder, "lamp").emission.0, Vec3::splat(15.0));
+    assert_eq!(material(&builder, "lamp").albedo, Vec3::ZERO);
     let warnings = texts(&path);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert!(warnings[0].contains("height maps are ignored"), "{warnings:?}");
@@ -133,7 +143,7 @@ fn the_quilted_box_has_a_normal_map_and_not_its_height_map() {
 
 #[test]
 fn the_measured_box_is_as_large_as_measured_and_white_is_white() {
-    let Some(folder) = shared::folder("scenes/cornell-measured") else { return };
+    let Some(folder) = shared::path_or_skip("scenes/cornell-measured") else { return };
     let (scene, warnings) = build(&folder.join("cornell_box.obj")).unwrap();
     assert!((scene.bounds().max - Vec3::new(556.0, 548.8, 559.2)).length() < 1.0, "{:?}", scene.bounds());
     assert!(warnings.iter().any(|w| w.message.contains("albedo")), "white walls are clamped: {warnings:?}");
@@ -141,7 +151,7 @@ fn the_measured_box_is_as_large_as_measured_and_white_is_white() {
 
 #[test]
 fn coordinates_of_the_textured_room_look_up_the_floor_they_should() {
-    let Some(folder) = shared::folder("scenes/course-indirect-test") else { return };
+    let Some(folder) = shared::path_or_skip("scenes/course-indirect-test") else { return };
     let (builder, _) = import(&folder.join("indirect-test_tex.obj")).unwrap();
     let textured = builder.materials.iter().filter(|material| material.albedo_texture.is_some()).count();
     assert_eq!((textured, builder.textures.len()), (1, 1));

@@ -4,6 +4,7 @@
 //! - [`mesh`] and [`scene`]: small scenes whose light is known.
 //! - [`Stage`] and [`Combination`]: one test body for every basis, sampler and estimator.
 //! - [`Estimate`]: a mean with its standard error, and how far from the truth it may be.
+//! - [`shared`]: scenes outside the repository, for the tests and benchmarks that read them.
 //!
 //! A dev-dependency only. Everything here panics with a message when a test is set up wrongly.
 
@@ -12,6 +13,7 @@ pub mod form_factor;
 pub mod mesh;
 mod quadrature;
 pub mod scene;
+pub mod shared;
 mod stage;
 mod statistics;
 

@@ -1,13 +1,15 @@
-//! Marko Dabrovic's Sponza, where the shared scenes are, and its light.
+//! Marko Dabrovic's Sponza, which is read from outside the repository, and a light for it.
 
 use glam::Vec3;
 use lumel::RectLight;
 use lumel_scene::Radiance;
-use std::path::{Path, PathBuf};
+use lumel_testkit::shared;
+use std::path::PathBuf;
 
-/// Where the scene is looked for.
-pub(crate) fn file() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/sponza-dabrovic/sponza.obj")
+/// The scene; the reason if it is not available.
+pub(crate) fn file() -> Result<PathBuf, String> {
+    let path = shared::path("scenes/sponza-dabrovic/sponza.obj");
+    path.ok_or_else(|| format!("Sponza is read from the folder that {} names", shared::VARIABLE))
 }
 
 /// The light of Aalto University's course in its preset of the scene: above the courtyard, facing down.

@@ -20,19 +20,18 @@ pub(crate) enum Detail {
 ///
 /// Every material has one albedo, the mean of its texture, so that all renderers see the same; and a front only.
 pub(crate) fn open(name: &str, detail: Detail) -> Scene {
-    let sponza = sponza::file();
     let fine = matches!(detail, Detail::Fine);
     let (file, options) = match name {
         "cornell-box" => {
-            ("cornell-box", OpenOptions { subdivide: fine.then_some(1), ..OpenOptions::default() })
+            (name.into(), OpenOptions { subdivide: fine.then_some(1), ..OpenOptions::default() })
         }
         "sponza" => {
             let max_edge = Some(if fine { 0.25 } else { 3.0 });
-            (sponza.to_str().unwrap(), OpenOptions { max_edge, ..OpenOptions::default() })
+            (sponza::file().unwrap(), OpenOptions { max_edge, ..OpenOptions::default() })
         }
         _ => panic!("there is no scene {name} to compare renderers in"),
     };
-    let mut scene = lumel::open(file, &options).unwrap().builder;
+    let mut scene = lumel::open(&file.to_string_lossy(), &options).unwrap().builder;
     let textures = &scene.textures;
     for material in &mut scene.materials {
         if let Some(texture) = material.albedo_texture.take() {

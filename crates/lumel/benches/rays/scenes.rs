@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use lumel::{Light, OpenOptions, RectLight, Scene};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 #[path = "../common/sponza.rs"]
@@ -22,15 +23,13 @@ pub(crate) const NAMES: [&str; 3] = ["cornell-box", "atrium", "sponza"];
 
 /// Opens a scene; says why when there is none.
 pub(crate) fn open(name: &'static str) -> Result<TestScene, String> {
-    let file = sponza::file();
     let (from, max_edge, pitch) = match name {
         // 40,064 triangles. The box is 0.56 m wide: its pitch is to it what 4 cm are to a room of 8 m.
-        "cornell-box" => ("cornell-box", Some(0.015), 0.0028),
-        "sponza" if !file.is_file() => return Err(format!("there is no {}", file.display())),
-        "sponza" => (file.to_str().unwrap_or_default(), None, 0.04),
-        other => (other, None, 0.04),
+        "cornell-box" => (PathBuf::from(name), Some(0.015), 0.0028),
+        "sponza" => (sponza::file()?, None, 0.04),
+        other => (PathBuf::from(other), None, 0.04),
     };
-    let opened = lumel::open(from, &OpenOptions { max_edge, ..OpenOptions::default() });
+    let opened = lumel::open(&from.to_string_lossy(), &OpenOptions { max_edge, ..OpenOptions::default() });
     let scene = opened.map_err(|e| e.to_string())?.builder.build().map_err(|e| e.to_string())?.0;
     let own = scene
         .lights()

@@ -1,21 +1,10 @@
 use crate::scenes::{light_on, plain};
 use glam::Vec3;
 use lumel_export::{RadFile, ReadError, position_md5};
+use lumel_testkit::shared;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 const COURSE_MD5: &str = "8be9aa68f5980b7a40a64073493a861b";
-
-/// The course's files, when they lie beside the repository.
-fn course() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/course-cornell");
-    if !folder.is_dir() {
-        assert!(std::env::var_os("CI").is_none(), "CI must have {}", folder.display());
-        println!("skipped: the course's files are not here");
-        return None;
-    }
-    Some(folder)
-}
 
 #[test]
 fn light_on_a_scene_survives() {
@@ -38,8 +27,28 @@ fn light_on_a_scene_survives() {
 }
 
 #[test]
+fn a_file_is_the_length_of_the_md5_the_md5_and_little_endian_numbers() {
+    let positions = [Vec3::new(0.0, 0.5, -1.0), Vec3::new(1.25, 2.0, -0.0)];
+    // Computed by Python's hashlib over `struct.pack("<6f", 0, 0.5, -1, 1.25, 2, -0.0)`.
+    let md5 = "9f641ed3893aebac32cb57f8a1de62fa";
+    assert_eq!(position_md5(&positions), md5);
+    let mut bytes = b"\x20\0\0\0".to_vec();
+    bytes.extend_from_slice(md5.as_bytes());
+    // 1, 0.5, 0 and -2, 0, 0.25.
+    bytes.extend_from_slice(b"\0\0\x80\x3f\0\0\0\x3f\0\0\0\0\0\0\0\xc0\0\0\0\0\0\0\x80\x3e");
+    let folder = tempfile::tempdir().unwrap();
+    let [given, written] = ["given.rad", "written.rad"].map(|name| folder.path().join(name));
+    fs::write(&given, &bytes).unwrap();
+    let rad = RadFile::read(&given).unwrap();
+    assert_eq!(rad.position_md5, md5);
+    assert_eq!(rad.values, [Vec3::new(1.0, 0.5, 0.0), Vec3::new(-2.0, 0.0, 0.25)]);
+    rad.write(&written).unwrap();
+    assert_eq!(fs::read(&written).unwrap(), bytes);
+}
+
+#[test]
 fn course_files_are_written_again_byte_for_byte() {
-    let Some(course) = course() else { return };
+    let Some(course) = shared::path_or_skip("scenes/course-cornell") else { return };
     let folder = tempfile::tempdir().unwrap();
     for name in ["cornell-2bounces.rad", "student2013-0bounces.rad", "student2013-2bounces.rad"] {
         let rad = RadFile::read(&course.join(name)).unwrap();
@@ -52,7 +61,7 @@ fn course_files_are_written_again_byte_for_byte() {
 
 #[test]
 fn the_md5_of_the_course_mesh_is_that_in_its_solutions() {
-    let Some(course) = course() else { return };
+    let Some(course) = shared::path_or_skip("scenes/course-cornell") else { return };
     let text = fs::read_to_string(course.join("cornell-tessellated.obj")).unwrap();
     let coordinates = text.lines().filter_map(|line| line.strip_prefix("v "));
     let positions: Vec<Vec3> = coordinates

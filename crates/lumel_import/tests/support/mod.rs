@@ -1,21 +1,14 @@
-//! The folder of test data beside the repository, and helpers to look at what was loaded.
+//! The scenes of this folder, and helpers to look at what was loaded.
 
 #![allow(dead_code, reason = "not every test uses all of it")]
-#![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 use lumel_import::{ImportError, ImportOptions, load};
 use lumel_scene::{Scene, SceneBuilder, Warnings};
 use std::path::{Path, PathBuf};
 
-/// A folder of the shared test data. Where it is absent, says so and returns `None`; under CI that is a failure.
-pub(crate) fn folder(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared").join(name);
-    if path.is_dir() {
-        return Some(path);
-    }
-    assert!(std::env::var_os("CI").is_none(), "test data is missing: {}", path.display());
-    println!("skipped: no test data at {}", path.display());
-    None
+/// A scene of the repository.
+pub(crate) fn own(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes").join(file)
 }
 
 /// Loads a file with default options.
