@@ -70,3 +70,12 @@ pub struct SurfacePoint {
     /// Where on the triangle.
     pub bary: Barycentrics,
 }
+
+/// The side of a triangle that a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceSide {
+    /// Its corners run counter-clockwise.
+    Front,
+    /// Its corners run clockwise.
+    Back,
+}

@@ -1,6 +1,6 @@
 //! Which corners around a vertex belong together.
 
-use crate::builder::{Face, ObjectMesh};
+use crate::mesh::{Face, ObjectMesh};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -73,21 +73,27 @@ fn vertex_of(faces: &[Face], corner: u32) -> u32 {
 
 /// Gives every group of corners at a vertex a vertex of its own.
 ///
-/// The first group keeps the vertex, the others get copies at the end, so that the order of the file is kept.
-pub(crate) fn split_vertices(mesh: &mut ObjectMesh, groups: &[u32]) {
+/// The first group keeps the vertex, the others get copies at the end, so that the order of the file is kept. Returns
+/// which vertex each copy is one of.
+pub(crate) fn split_vertices(mesh: &mut ObjectMesh, groups: &[u32]) -> Vec<u32> {
     let mut group_at: Vec<Option<u32>> = vec![None; mesh.positions.len()];
-    let mut copies: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut copy_of: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut copied = Vec::new();
     for (corner, &group) in groups.iter().enumerate() {
         let vertex = mesh.faces[corner / 3].vertices[corner % 3];
         if *group_at[vertex as usize].get_or_insert(group) == group {
             continue;
         }
-        let copy = *copies.entry((vertex, group)).or_insert_with(|| mesh_copy(mesh, vertex));
+        let copy = *copy_of.entry((vertex, group)).or_insert_with(|| {
+            copied.push(vertex);
+            copy_vertex(mesh, vertex)
+        });
         mesh.faces[corner / 3].vertices[corner % 3] = copy;
     }
+    copied
 }
 
-fn mesh_copy(mesh: &mut ObjectMesh, vertex: u32) -> u32 {
+fn copy_vertex(mesh: &mut ObjectMesh, vertex: u32) -> u32 {
     fn again<T: Copy>(list: &mut Vec<T>, index: u32) {
         if let Some(&value) = list.get(index as usize) {
             list.push(value);

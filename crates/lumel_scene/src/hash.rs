@@ -1,6 +1,7 @@
 //! Recognising a scene.
 
-use crate::{Light, Material, Radiance, Scene, Texture, TriId};
+use crate::face_list::FaceList;
+use crate::{Light, Material, Radiance, Texture};
 use std::fmt;
 
 /// What a solution must agree with to belong to a scene.
@@ -19,8 +20,8 @@ pub(crate) struct SurfacesHash(Bytes);
 
 impl SurfacesHash {
     /// That of a scene, whatever its lights.
-    pub(crate) fn of(scene: &Scene) -> Self {
-        Self(surfaces(scene))
+    pub(crate) fn of(faces: &FaceList, materials: &[Material], textures: &[Texture]) -> Self {
+        Self(surfaces(faces, materials, textures))
     }
 
     /// The hash of the lighting under these lights.
@@ -37,12 +38,12 @@ impl fmt::Display for SceneHash {
     }
 }
 
-pub(crate) fn geometry(scene: &Scene) -> blake3::Hash {
+pub(crate) fn geometry(faces: &FaceList) -> blake3::Hash {
     let mut bytes = Bytes::default();
-    for v in scene.positions().iter().chain(scene.normals()) {
+    for v in faces.positions.iter().chain(&faces.normals) {
         bytes.floats(v.to_array());
     }
-    for triangle in scene.triangles() {
+    for triangle in &faces.triangles {
         for index in triangle {
             bytes.push(&index.to_le_bytes());
         }
@@ -50,23 +51,23 @@ pub(crate) fn geometry(scene: &Scene) -> blake3::Hash {
     bytes.finish()
 }
 
-fn surfaces(scene: &Scene) -> Bytes {
+fn surfaces(faces: &FaceList, materials: &[Material], textures: &[Texture]) -> Bytes {
     let mut bytes = Bytes::default();
-    for tri in 0..scene.triangle_count() {
-        bytes.push(&scene.material_id(TriId(tri as u32)).0.to_le_bytes());
+    for material in &faces.materials {
+        bytes.push(&material.0.to_le_bytes());
     }
-    for material in scene.materials() {
+    for material in materials {
         // Debug output is a complete and stable rendering of these plain numbers; names do not matter.
         let anonymous = Material { name: String::new(), ..material.clone() };
         bytes.push(format!("{anonymous:?}").as_bytes());
     }
-    for texture in scene.textures() {
+    for texture in textures {
         push_texture(&mut bytes, texture);
     }
-    for uv in scene.uvs() {
+    for uv in &faces.uvs {
         bytes.floats(uv.to_array());
     }
-    for tint in scene.tints() {
+    for tint in &faces.tints {
         bytes.floats(tint.to_array());
     }
     bytes
@@ -120,7 +121,7 @@ impl Bytes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builder::tests::quad;
+    use crate::testing::quad;
     use crate::{Light, Material, MaterialId, Radiance, RectLight, SceneBuilder};
     use glam::Vec3;
 

@@ -1,31 +1,51 @@
 //! Units, meshes, materials, lights and the immutable [`Scene`] of the lumel baker.
 //!
-//! Importers and generators fill a [`SceneBuilder`]; [`SceneBuilder::build`] checks it, splits vertices where lighting is discontinuous and returns a [`Scene`] that never changes again.
-//! Metres, right-handed, +Y up, linear Rec. 709.
+//! Importers and generators fill a [`SceneBuilder`]; [`SceneBuilder::build`] checks it, splits vertices where lighting
+//! is discontinuous and returns a [`Scene`] that never changes again. [`Scene::input_mesh`] leads back to the vertices
+//! that were given. Metres, right-handed, +Y up, linear Rec. 709.
 
 mod address;
+mod bounds;
+mod build;
 mod builder;
 mod camera;
+mod check;
 mod corners;
+mod creases;
+mod error;
+mod face_list;
 mod hash;
+mod input_mesh;
 mod light;
 mod material;
+mod mesh;
 mod normals;
 mod offset;
+mod runs;
+mod sanitize;
 mod scene;
 mod tessellate;
+#[cfg(test)]
+mod testing;
 mod texture;
+mod triangle;
 mod units;
+mod vertex_map;
 mod warning;
 
-pub use address::{Barycentrics, MaterialId, ObjectId, SurfacePoint, TextureId, TriId};
-pub use builder::{Face, MAX_TRIANGLES, ObjectMesh, SceneBuilder, SceneError, Smoothing};
+pub use address::{Barycentrics, FaceSide, MaterialId, ObjectId, SurfacePoint, TextureId, TriId};
+pub use bounds::Bounds;
+pub use builder::SceneBuilder;
 pub use camera::Camera;
+pub use error::{MAX_TRIANGLES, SceneError};
 pub use hash::SceneHash;
+pub use input_mesh::InputMesh;
 pub use light::{DirectionalLight, Light, PointLight, RectLight, SpotLight};
 pub use material::{MAX_ALBEDO, Material, Sides, TextureRef, UvTransform};
+pub use mesh::{Face, ObjectMesh, Smoothing};
 pub use offset::offset_along;
-pub use scene::{Bounds, FaceSide, Scene};
+pub use scene::Scene;
 pub use texture::{Encoding, Texture, Wrap};
 pub use units::{Albedo, Irradiance, Radiance, Radiosity, luminance};
+pub use vertex_map::{Share, VertexMap};
 pub use warning::{Warning, Warnings};

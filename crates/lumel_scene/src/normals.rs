@@ -1,8 +1,8 @@
 //! Normals for vertices that have none.
 
-use crate::Warnings;
-use crate::builder::{ObjectMesh, Smoothing};
 use crate::corners::{Corners, split_vertices};
+use crate::mesh::{ObjectMesh, Smoothing};
+use crate::{Warnings, triangle};
 use glam::{DVec3, Vec3};
 
 /// Cosine of the 40° beyond which [`Smoothing::Crease`] makes an edge sharp.
@@ -11,27 +11,18 @@ const CREASE_COS: f32 = 0.766_044_4;
 /// Faces within about 1° of each other count as one plane: quads in files are rounded to a few digits.
 const COPLANAR_COS: f32 = 0.999_85;
 
-/// Unit normals of the faces from their winding. Faces must have an area.
-pub(crate) fn face_normals(mesh: &ObjectMesh) -> Vec<Vec3> {
-    let normal = |face| {
-        let [a, b, c] = mesh.corners(face).map(|p: Vec3| p.as_dvec3());
-        (b - a).cross(c - a).normalize_or(DVec3::Y).as_vec3()
-    };
-    mesh.faces.iter().map(normal).collect()
-}
-
 /// Normalises the given normals and makes the missing ones, splitting vertices at creases.
 ///
 /// A made normal is the mean of its group's face normals weighted by the angle at the corner (Thürmer and Wüthrich
-/// 1998), which does not depend on how the surface is triangulated.
-pub(crate) fn fill_missing(mesh: &mut ObjectMesh, warnings: &mut Warnings) {
+/// 1998), which does not depend on how the surface is triangulated. Returns which vertex each added one is a copy of.
+pub(crate) fn fill_missing(mesh: &mut ObjectMesh, warnings: &mut Warnings) -> Vec<u32> {
     let given = given_normals(mesh, warnings);
     let used = mesh.faces.iter().flat_map(|f| f.vertices);
     if used.into_iter().all(|v| given[v as usize].is_some()) {
         mesh.normals = given.into_iter().map(Option::unwrap_or_default).collect();
-        return;
+        return Vec::new();
     }
-    let face_normals = face_normals(mesh);
+    let face_normals = mesh.face_normals();
     let faces = mesh.faces.clone();
     let smooth = |a: usize, b: usize| {
         let cos = face_normals[a].dot(face_normals[b]);
@@ -42,16 +33,17 @@ pub(crate) fn fill_missing(mesh: &mut ObjectMesh, warnings: &mut Warnings) {
         }
     };
     let groups = Corners::by_position(mesh).groups(&faces, smooth);
+    let angle = |corner: usize| triangle::angle(mesh.corners(&faces[corner / 3]), corner % 3);
     let mut sums = vec![DVec3::ZERO; groups.len()];
     for (corner, &group) in groups.iter().enumerate() {
-        sums[group as usize] += face_normals[corner / 3].as_dvec3() * corner_angle(mesh, corner);
+        sums[group as usize] += face_normals[corner / 3].as_dvec3() * angle(corner);
     }
     mesh.normals = given.iter().map(|n| n.unwrap_or_default()).collect();
     // A given normal joins all corners of its vertex; the others part where their groups do.
     let given_group = |corner: usize| given[faces[corner / 3].vertices[corner % 3] as usize].is_some();
     let parted: Vec<u32> =
         (0..groups.len()).map(|c| if given_group(c) { u32::MAX } else { groups[c] }).collect();
-    split_vertices(mesh, &parted);
+    let copies = split_vertices(mesh, &parted);
     for (corner, &group) in parted.iter().enumerate() {
         if group != u32::MAX {
             let vertex = mesh.faces[corner / 3].vertices[corner % 3];
@@ -59,6 +51,7 @@ pub(crate) fn fill_missing(mesh: &mut ObjectMesh, warnings: &mut Warnings) {
             mesh.normals[vertex as usize] = made.unwrap_or(face_normals[corner / 3]);
         }
     }
+    copies
 }
 
 /// The file's normals, unit length; `None` where there is none that can be used.
@@ -81,17 +74,10 @@ fn given_normals(mesh: &ObjectMesh, warnings: &mut Warnings) -> Vec<Option<Vec3>
     given
 }
 
-fn corner_angle(mesh: &ObjectMesh, corner: usize) -> f64 {
-    let p = mesh.corners(&mesh.faces[corner / 3]).map(|p: Vec3| p.as_dvec3());
-    let k = corner % 3;
-    let (a, b) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-    a.cross(b).length().atan2(a.dot(b))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builder::Face;
+    use crate::mesh::Face;
     use crate::{Material, MaterialId, SceneBuilder};
 
     fn cube(smoothing: Smoothing) -> ObjectMesh {

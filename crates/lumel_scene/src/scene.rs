@@ -1,50 +1,16 @@
 //! The immutable scene that everything else reads.
 
-use crate::builder::{ObjectMesh, SceneBuilder, check_lights};
+use crate::bounds::Bounds;
+use crate::builder::SceneBuilder;
+use crate::face_list::FaceList;
 use crate::hash::{self, SurfacesHash};
 use crate::material::sound;
 use crate::{
-    Albedo, Barycentrics, Camera, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance, SceneError,
-    SceneHash, SurfacePoint, Texture, TextureRef, TriId,
+    Albedo, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance,
+    SceneError, SceneHash, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
 };
 use glam::{Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
-
-/// An axis-aligned box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Smallest coordinates.
-    pub min: Vec3,
-    /// Largest coordinates.
-    pub max: Vec3,
-}
-
-impl Bounds {
-    /// The smallest box around some points; inverted when there are none.
-    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
-        let empty = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
-        points.into_iter().fold(empty, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
-    }
-
-    /// The middle.
-    pub fn center(&self) -> Vec3 {
-        0.5 * (self.min + self.max)
-    }
-
-    /// Length from corner to corner, metres.
-    pub fn diagonal(&self) -> f32 {
-        (self.max - self.min).length()
-    }
-}
-
-/// The side of a triangle that a ray meets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FaceSide {
-    /// Its corners run counter-clockwise.
-    Front,
-    /// Its corners run clockwise.
-    Back,
-}
 
 /// Surfaces and lights in world space; never changes after it is built.
 ///
@@ -76,78 +42,6 @@ struct Unlit {
     surfaces_hash: OnceLock<SurfacesHash>,
 }
 
-/// Triangles and vertices of all objects in one list.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct FaceList {
-    pub(crate) positions: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    uvs: Vec<Vec2>,
-    tints: Vec<Vec3>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-    materials: Vec<MaterialId>,
-    objects: Vec<ObjectId>,
-    /// Triangles up to here are met by rays.
-    traced: usize,
-    /// The triangle on the other side, or itself if there is none.
-    other_side: Vec<TriId>,
-    object_names: Vec<String>,
-}
-
-impl FaceList {
-    /// Adds an object without the vertices that no face uses.
-    pub(crate) fn append(&mut self, id: ObjectId, mesh: ObjectMesh) {
-        self.object_names.push(mesh.name);
-        let mut used = vec![false; mesh.positions.len()];
-        for vertex in mesh.faces.iter().flat_map(|f| f.vertices) {
-            used[vertex as usize] = true;
-        }
-        let mut new_index = vec![u32::MAX; used.len()];
-        for old in (0..used.len()).filter(|&v| used[v]) {
-            new_index[old] = self.positions.len() as u32;
-            self.positions.push(mesh.positions[old]);
-            self.normals.push(mesh.normals[old]);
-            self.uvs.push(mesh.uvs.get(old).copied().unwrap_or_default());
-            self.tints.push(mesh.tints.get(old).copied().unwrap_or(Vec3::ONE));
-        }
-        for face in mesh.faces {
-            self.triangles.push(face.vertices.map(|v| new_index[v as usize]));
-            self.materials.push(face.material);
-            self.objects.push(id);
-        }
-    }
-
-    /// Gives every triangle of a two-sided material a partner for its back.
-    pub(crate) fn add_back_sides(&mut self, two_sided: &[bool]) {
-        self.traced = self.triangles.len();
-        self.other_side = (0..self.traced as u32).map(TriId).collect();
-        let mut back_vertex = vec![u32::MAX; self.positions.len()];
-        for tri in 0..self.traced {
-            if !two_sided[self.materials[tri].index()] {
-                continue;
-            }
-            let [a, b, c] = self.triangles[tri].map(|front| {
-                if back_vertex[front as usize] == u32::MAX {
-                    back_vertex[front as usize] = self.positions.len() as u32;
-                    self.copy_vertex_for_back(front as usize);
-                }
-                back_vertex[front as usize]
-            });
-            self.other_side[tri] = TriId(self.triangles.len() as u32);
-            self.other_side.push(TriId(tri as u32));
-            self.triangles.push([b, a, c]);
-            self.materials.push(self.materials[tri]);
-            self.objects.push(self.objects[tri]);
-        }
-    }
-
-    fn copy_vertex_for_back(&mut self, front: usize) {
-        self.positions.push(self.positions[front]);
-        self.normals.push(-self.normals[front]);
-        self.uvs.push(self.uvs[front]);
-        self.tints.push(self.tints[front]);
-    }
-}
-
 impl Scene {
     pub(crate) fn new(builder: SceneBuilder, mut faces: FaceList) -> Self {
         let unlit = Unlit {
@@ -173,7 +67,7 @@ impl Scene {
     /// # Errors
     /// Lights that [`SceneBuilder::build`] would refuse.
     pub fn relit(&self, lights: Vec<Light>) -> Result<Self, SceneError> {
-        check_lights(&lights, self.unlit.textures.len())?;
+        check::lights(&lights, self.unlit.textures.len())?;
         Ok(Self { unlit: Arc::clone(&self.unlit), lights, hash: OnceLock::new() })
     }
 
@@ -191,6 +85,11 @@ impl Scene {
             material.albedo = sound(albedo);
         }
         Self { unlit: Arc::new(unlit), lights: self.lights.clone(), hash: OnceLock::new() }
+    }
+
+    /// Triangles and vertices, and where they come from.
+    pub(crate) fn faces(&self) -> &FaceList {
+        &self.unlit.faces
     }
 
     /// Whether the two are one scene, [relit](Self::relit) or not: the same surfaces and materials.
@@ -280,14 +179,18 @@ impl Scene {
 
     /// Hashes that tell this scene from others.
     pub fn hash(&self) -> SceneHash {
-        let surfaces = || self.unlit.surfaces_hash.get_or_init(|| SurfacesHash::of(self));
+        let surfaces = || {
+            self.unlit
+                .surfaces_hash
+                .get_or_init(|| SurfacesHash::of(&self.unlit.faces, self.materials(), self.textures()))
+        };
         let lighting = || surfaces().lit_by(&self.lights, self.sky());
         *self.hash.get_or_init(|| SceneHash { geometry: self.geometry_hash(), lighting: lighting() })
     }
 
     /// [`SceneHash::geometry`] alone: textures are not looked at.
     pub fn geometry_hash(&self) -> blake3::Hash {
-        *self.unlit.geometry_hash.get_or_init(|| hash::geometry(self))
+        *self.unlit.geometry_hash.get_or_init(|| hash::geometry(&self.unlit.faces))
     }
 
     /// Vertex indices of a triangle.
@@ -321,14 +224,12 @@ impl Scene {
 
     /// Unit normal from the winding of a triangle, computed in f64.
     pub fn geometric_normal(&self, tri: TriId) -> Vec3 {
-        let [a, b, c] = self.triangle_positions(tri).map(|p| p.as_dvec3());
-        (b - a).cross(c - a).normalize_or(glam::DVec3::Y).as_vec3()
+        triangle::normal(self.triangle_positions(tri))
     }
 
     /// Area of a triangle, m², computed in f64.
     pub fn area(&self, tri: TriId) -> f32 {
-        let [a, b, c] = self.triangle_positions(tri).map(|p| p.as_dvec3());
-        (0.5 * (b - a).cross(c - a).length()) as f32
+        triangle::area(self.triangle_positions(tri)) as f32
     }
 
     /// Position of a surface point.

@@ -1,6 +1,7 @@
 //! Uniform tessellation.
 
-use crate::builder::{Face, ObjectMesh};
+use crate::mesh::{Face, ObjectMesh};
+use crate::triangle::area;
 use crate::{SceneBuilder, SceneError, Warnings, normals};
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -135,11 +136,6 @@ impl Rule {
         let finite = |&v: &u32| object.positions.get(v as usize).is_some_and(|p| p.is_finite());
         face.vertices.iter().all(finite) && area(object.corners(face)) > self.smallest_area
     }
-}
-
-fn area(corners: [Vec3; 3]) -> f64 {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
-    0.5 * (b - a).cross(c - a).length()
 }
 
 /// Squared length; the same bits from both ends. In f64, where squares of f32 neither overflow nor vanish.

@@ -1,0 +1,122 @@
+//! Triangles and vertices as the scene stores them.
+
+use crate::mesh::ObjectMesh;
+use crate::runs::Runs;
+use crate::{MaterialId, ObjectId, TriId};
+use glam::{Vec2, Vec3};
+
+/// Triangles and vertices of all objects in one list.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FaceList {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) uvs: Vec<Vec2>,
+    pub(crate) tints: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) materials: Vec<MaterialId>,
+    pub(crate) objects: Vec<ObjectId>,
+    /// Triangles up to here are met by rays.
+    pub(crate) traced: usize,
+    /// The triangle on the other side, or itself if there is none.
+    pub(crate) other_side: Vec<TriId>,
+    pub(crate) object_names: Vec<String>,
+    /// Where each object comes from.
+    pub(crate) origins: Vec<Origin>,
+}
+
+impl FaceList {
+    /// Adds an object without the vertices that no face uses.
+    pub(crate) fn append(&mut self, mesh: ObjectMesh, given: Given) {
+        let id = ObjectId(self.object_names.len() as u32);
+        self.object_names.push(mesh.name);
+        let mut origin = Origin {
+            first_vertex: self.positions.len() as u32,
+            vertices: Runs::default(),
+            vertex_count: given.vertex_count,
+            first_triangle: self.triangles.len() as u32,
+            faces: given.faces,
+            face_count: given.face_count,
+        };
+        let mut used = vec![false; mesh.positions.len()];
+        for vertex in mesh.faces.iter().flat_map(|f| f.vertices) {
+            used[vertex as usize] = true;
+        }
+        let mut new_index = vec![u32::MAX; used.len()];
+        for old in (0..used.len()).filter(|&v| used[v]) {
+            new_index[old] = self.positions.len() as u32;
+            origin.vertices.extend([given.vertices[old]]);
+            self.positions.push(mesh.positions[old]);
+            self.normals.push(mesh.normals[old]);
+            self.uvs.push(mesh.uvs.get(old).copied().unwrap_or_default());
+            self.tints.push(mesh.tints.get(old).copied().unwrap_or(Vec3::ONE));
+        }
+        for face in mesh.faces {
+            self.triangles.push(face.vertices.map(|v| new_index[v as usize]));
+            self.materials.push(face.material);
+            self.objects.push(id);
+        }
+        self.origins.push(origin);
+    }
+
+    /// Gives every triangle of a two-sided material a partner for its back.
+    pub(crate) fn add_back_sides(&mut self, two_sided: &[bool]) {
+        self.traced = self.triangles.len();
+        self.other_side = (0..self.traced as u32).map(TriId).collect();
+        let mut back_vertex = vec![u32::MAX; self.positions.len()];
+        for tri in 0..self.traced {
+            if !two_sided[self.materials[tri].index()] {
+                continue;
+            }
+            let [a, b, c] = self.triangles[tri].map(|front| {
+                if back_vertex[front as usize] == u32::MAX {
+                    back_vertex[front as usize] = self.positions.len() as u32;
+                    self.copy_vertex_for_back(front as usize);
+                }
+                back_vertex[front as usize]
+            });
+            self.other_side[tri] = TriId(self.triangles.len() as u32);
+            self.other_side.push(TriId(tri as u32));
+            self.triangles.push([b, a, c]);
+            self.materials.push(self.materials[tri]);
+            self.objects.push(self.objects[tri]);
+        }
+    }
+
+    fn copy_vertex_for_back(&mut self, front: usize) {
+        self.positions.push(self.positions[front]);
+        self.normals.push(-self.normals[front]);
+        self.uvs.push(self.uvs[front]);
+        self.tints.push(self.tints[front]);
+    }
+}
+
+/// The vertices and faces of an object as they were given, and what became of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Given {
+    /// How many vertices were given.
+    pub(crate) vertex_count: u32,
+    /// The given vertex that each vertex of the mesh is, or is a copy of.
+    pub(crate) vertices: Vec<u32>,
+    /// How many faces were given.
+    pub(crate) face_count: u32,
+    /// The given face that each face of the mesh is.
+    pub(crate) faces: Runs,
+}
+
+/// Where the vertices and triangles of an object come from; back sides excepted, which follow from
+/// [`FaceList::other_side`].
+///
+/// A few bytes for each gap in the order that was given: a dropped face, an unused vertex, a vertex split at a crease.
+#[derive(Clone, Debug)]
+pub(crate) struct Origin {
+    pub(crate) first_vertex: u32,
+    /// The given vertices that the vertices from `first_vertex` on stand for.
+    pub(crate) vertices: Runs,
+    /// How many vertices were given.
+    pub(crate) vertex_count: u32,
+    pub(crate) first_triangle: u32,
+    /// The given faces that the triangles from `first_triangle` on are; ascending.
+    pub(crate) faces: Runs,
+    /// How many faces were given.
+    pub(crate) face_count: u32,
+}

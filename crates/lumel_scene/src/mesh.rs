@@ -1,0 +1,56 @@
+//! The meshes that a scene is built from.
+
+use crate::{MaterialId, triangle};
+use glam::{Vec2, Vec3};
+
+/// Which faces share a normal at a vertex that has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Smoothing {
+    /// Only faces in one plane.
+    Flat,
+    /// Faces of the same group.
+    Group(u32),
+    /// Faces that turn by less than 40° at their common edge.
+    #[default]
+    Crease,
+}
+
+/// A triangle of an [`ObjectMesh`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face {
+    /// Indices into the object's vertices, counter-clockwise seen from the front.
+    pub vertices: [u32; 3],
+    /// Index into the builder's materials.
+    pub material: MaterialId,
+    /// How missing normals are made.
+    pub smoothing: Smoothing,
+}
+
+/// A named mesh in world space.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjectMesh {
+    /// The name messages use.
+    pub name: String,
+    /// Vertex positions, metres.
+    pub positions: Vec<Vec3>,
+    /// Vertex normals: empty, or one per position. Zero stands for "none given"; any length is accepted.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, `v` down: empty, or one per position.
+    pub uvs: Vec<Vec2>,
+    /// Linear vertex colours that multiply the albedo: empty, or one per position.
+    pub tints: Vec<Vec3>,
+    /// The triangles.
+    pub faces: Vec<Face>,
+}
+
+impl ObjectMesh {
+    /// The corners' positions of a face.
+    pub fn corners(&self, face: &Face) -> [Vec3; 3] {
+        face.vertices.map(|v| self.positions[v as usize])
+    }
+
+    /// Unit normals of the faces from their winding. Faces must have an area.
+    pub(crate) fn face_normals(&self) -> Vec<Vec3> {
+        self.faces.iter().map(|face| triangle::normal(self.corners(face))).collect()
+    }
+}

@@ -1,0 +1,71 @@
+//! What can be mended in a scene is mended, with a warning.
+
+use crate::material::sound;
+use crate::mesh::ObjectMesh;
+use crate::runs::Runs;
+use crate::{MAX_ALBEDO, Material, Radiance, Texture, Warnings, triangle};
+use glam::{Vec2, Vec3};
+
+/// Drops the triangles of an object that have no area above `smallest_area` (m²) or positions that are not finite, and
+/// makes its attributes finite. Returns which of the faces are kept.
+pub(crate) fn object(mesh: &mut ObjectMesh, smallest_area: f64, warnings: &mut Warnings) -> Runs {
+    let positions = &mesh.positions;
+    let (mut n_infinite, mut n_flat) = (0, 0);
+    let mut kept = Runs::default();
+    let mut numbers = 0..;
+    mesh.faces.retain(|face| {
+        let corners = face.vertices.map(|v| positions[v as usize]);
+        let is_finite = corners.iter().all(|p| p.is_finite());
+        let has_area = is_finite && triangle::area(corners) > smallest_area;
+        n_infinite += usize::from(!is_finite);
+        n_flat += usize::from(is_finite && !has_area);
+        kept.extend(numbers.next().filter(|_| has_area));
+        has_area
+    });
+    let subject = format!("object \"{}\"", mesh.name);
+    if n_infinite > 0 {
+        warnings.push(
+            &subject,
+            format!("{n_infinite} triangles dropped: their positions are not finite numbers"),
+        );
+    }
+    if n_flat > 0 {
+        warnings.push(&subject, format!("{n_flat} triangles dropped: they have no area"));
+    }
+    for uv in &mut mesh.uvs {
+        *uv = if uv.is_finite() { *uv } else { Vec2::ZERO };
+    }
+    for tint in &mut mesh.tints {
+        *tint = if tint.is_finite() { tint.max(Vec3::ZERO) } else { Vec3::ONE };
+    }
+    kept
+}
+
+/// Makes colours finite and not negative. Warns of albedos that [`Scene::albedo`](crate::Scene::albedo) clamps.
+pub(crate) fn materials(materials: &mut [Material], textures: &[Texture], warnings: &mut Warnings) {
+    let mut clamped: Vec<&str> = Vec::new();
+    let mut highest: f32 = 0.0;
+    for material in materials {
+        let subject = format!("material \"{}\"", material.name);
+        if !material.albedo.is_finite() || !material.emission.0.is_finite() {
+            warnings.push(&subject, "colour is not a finite number: black is used instead");
+        }
+        material.albedo = sound(material.albedo);
+        material.emission = Radiance(sound(material.emission.0));
+        let texture = material.albedo_texture.map_or(Vec3::ONE, |t| textures[t.texture.index()].max());
+        let brightest = (material.albedo * texture).max_element();
+        if brightest > MAX_ALBEDO {
+            highest = highest.max(brightest);
+            clamped.push(&material.name);
+        }
+    }
+    // One warning for all: exporters leave white as the default of every material.
+    if let [first, others @ ..] = clamped.as_slice() {
+        let subject = match others {
+            [] => format!("material \"{first}\""),
+            [second] => format!("materials \"{first}\" and \"{second}\""),
+            [second, rest @ ..] => format!("materials \"{first}\", \"{second}\" and {} more", rest.len()),
+        };
+        warnings.push(subject, format!("albedo of up to {highest:.3} is clamped to {MAX_ALBEDO}"));
+    }
+}
