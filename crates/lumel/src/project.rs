@@ -169,12 +169,12 @@ pub enum ProjectError {
         /// What went wrong.
         source: std::io::Error,
     },
-    /// It says something that makes no sense.
+    /// Its content is not valid.
     #[error("{}: {message}", .path.display())]
     Invalid {
         /// The file.
         path: PathBuf,
-        /// What makes no sense.
+        /// What is wrong with it.
         message: String,
     },
     /// It cannot be written.
@@ -219,8 +219,12 @@ impl Project {
         Ok(write_atomically(path, |out| out.write_all(text.as_bytes()))?)
     }
 
-    /// What the types allow but makes no sense.
+    /// What is wrong although the types allow it.
     fn problem(&self) -> Option<String> {
+        let patches = self.slots.iter().map(|slot| &slot.bake).chain([&self.bake]);
+        if let Some(error) = patches.map(SettingsPatch::validate).find_map(Result::err) {
+            return Some(error.to_string());
+        }
         if self.scene.is_some() == self.builtin.is_some() {
             return Some("name either a mesh file by `scene` or a built-in scene by `builtin`".into());
         }
@@ -404,6 +408,27 @@ mod tests {
             let text = format!("builtin = \"furnace\"\n[[material]]\nname = \"wall\"\nalbedo = {albedo}\n");
             let error = read_text(&text).unwrap_err();
             assert_eq!(error, "FILE: the albedo of material \"wall\" must lie between 0 and 1");
+        }
+    }
+
+    #[test]
+    fn every_setting_can_stand_in_a_project_and_is_checked_there() {
+        let complete = SettingsPatch::complete(&Settings::default());
+        let text =
+            written(&Project { builtin: Some("furnace".into()), bake: complete, ..Project::default() });
+        for setting in crate::setting::ALL {
+            let name = setting.about().name;
+            assert!(text.lines().any(|line| line.starts_with(&format!("{name} = "))), "{name} in\n{text}");
+            let error = read_text(&format!("builtin = \"furnace\"\n[bake]\n{name} = {{}}\n")).unwrap_err();
+            assert!(error.contains(name), "{error}");
+        }
+        for table in [
+            "[bake]",
+            "[[slot]]\nnumber = 1\ncamera = { position = [0, 0, 1], target = [0, 0, 0] }\n[slot.bake]",
+        ] {
+            let error =
+                read_text(&format!("builtin = \"furnace\"\n{table}\ndirect_samples = 0\n")).unwrap_err();
+            assert_eq!(error, "FILE: direct_samples is 0 but must be a whole number from 1 to 16777216");
         }
     }
 

@@ -5,8 +5,8 @@ use crate::console::Console;
 use crate::failure::{hinted, with_hint};
 use glam::Vec3;
 use lumel::{
-    EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings, SettingsPatch,
-    SolverKind, TargetError, Warnings,
+    EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings, SettingsError,
+    SettingsPatch, Warnings,
 };
 use lumel_scene::{Radiance, TriId};
 use std::path::{Path, PathBuf};
@@ -83,22 +83,14 @@ pub(crate) fn settings(
     args: &SettingsArgs,
     scene: &SceneArgs,
 ) -> anyhow::Result<Settings> {
-    let settings = project.overridden_by(args.patch()).settings();
-    // The command line refuses them by itself, project files do not.
-    if !(settings.remainder > 0.0 && settings.remainder < 1.0) {
-        let problem = format!("`remainder` must lie between 0 and 1, not at {}", settings.remainder);
-        return Err(in_scene(anyhow::Error::msg(problem), scene));
-    }
-    if settings.direct_samples == 0 || settings.indirect_samples == 0 {
-        let problem = "there must be at least one direct and one indirect sample";
-        return Err(in_scene(anyhow::Error::msg(problem), scene));
-    }
-    if settings.target_error != TargetError::Off && settings.solver == SolverKind::Neumann {
-        return Err(hinted(
-            "a target error needs stored rays, which the solver \"neumann\" does not have".to_owned(),
-            "leave out --target-error, or take --solver cached".to_owned(),
-        ));
-    }
+    let settings = project.overridden_by(args.patch.clone()).settings();
+    settings.validate().map_err(|error| match error {
+        SettingsError::Conflict { .. } => {
+            let hint = error.remedy();
+            with_hint(error, hint)
+        }
+        error => in_scene(error, scene),
+    })?;
     Ok(settings)
 }
 

@@ -2,11 +2,9 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
-use lumel::{BounceLimit, Camera, RectLight};
+use lumel::{Camera, RectLight};
 use lumel_render_cpu::{MAX_PIXELS, Show, ToneMapper};
 use lumel_scene::Radiance;
-use serde::de::DeserializeOwned;
-use serde_json::Value;
 use std::ops::RangeInclusive;
 
 use crate::spec::Spec;
@@ -17,16 +15,6 @@ const LIGHT_EXAMPLE: &str = "rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,1
 const CAMERA_EXAMPLE: &str = "position=0,1,3 target=0,1,0 fov=50";
 /// Vertical field of view where none is given, degrees.
 const FOV_DEG: f32 = 60.0;
-
-/// A value by one of its names, which are those of settings files.
-pub(crate) fn named<T>(names: &[(&'static str, &'static str)]) -> impl TypedValueParser<Value = T> + use<T>
-where
-    T: DeserializeOwned + Clone + Send + Sync + 'static,
-{
-    let values: Vec<PossibleValue> =
-        names.iter().map(|(name, help)| PossibleValue::new(*name).help(*help)).collect();
-    PossibleValuesParser::new(values).try_map(|name| serde_json::from_value(Value::String(name)))
-}
 
 /// What a picture can show.
 pub(crate) fn named_show() -> impl TypedValueParser<Value = Show> {
@@ -89,12 +77,6 @@ pub(crate) fn length(text: &str) -> Result<f32, String> {
     if length > 0.0 { Ok(length) } else { Err("a length must be above zero".to_owned()) }
 }
 
-/// A share: above 0, below 1.
-pub(crate) fn share(text: &str) -> Result<f32, String> {
-    let share = number(text)?;
-    if share > 0.0 && share < 1.0 { Ok(share) } else { Err("it must lie between 0 and 1".to_owned()) }
-}
-
 /// The largest error that is allowed: zero or more.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
@@ -106,17 +88,6 @@ pub(crate) fn count(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, 
     move |text| {
         let number = text.trim().parse::<u32>().ok().filter(|n| range.contains(n));
         number.ok_or_else(|| format!("it must be a whole number from {} to {}", range.start(), range.end()))
-    }
-}
-
-/// The largest number of bounces; no scene needs a tenth of them.
-const MAX_BOUNCES: u32 = 10_000;
-
-/// A number of bounces or `all`.
-pub(crate) fn bounces(text: &str) -> Result<BounceLimit, String> {
-    match text.parse()? {
-        BounceLimit::Count(n) if n > MAX_BOUNCES => Err(format!("the limit is {MAX_BOUNCES}; try \"all\"")),
-        limit => Ok(limit),
     }
 }
 
@@ -252,8 +223,7 @@ mod tests {
         }
         assert_eq!(count(1..=8)("8"), Ok(8));
         assert!(count(1..=8)("0").is_err() && count(1..=8)("9").is_err() && count(1..=8)("1.5").is_err());
-        assert!(bounces("99999").is_err() && bounces("all") == Ok(BounceLimit::All));
-        assert!(length("0").is_err() && length("NaN").is_err() && share("1").is_err());
+        assert!(length("0").is_err() && length("NaN").is_err());
         assert!(range("1,0").is_err() && range("0,1") == Ok([0.0, 1.0]));
         assert!(tolerance("nan").is_err() && tolerance("-1").is_err() && tolerance("1e-3") == Ok(1e-3));
     }

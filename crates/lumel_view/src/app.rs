@@ -7,7 +7,7 @@ use crate::input::{self, Command};
 use crate::notice::Level;
 use crate::panels;
 use crate::pick::Pick;
-use crate::prefs::{MAX_BOUNCES, Prefs, ViewPrefs};
+use crate::prefs::{Prefs, ViewPrefs};
 use crate::rhythm::{AT_ONCE, Rhythm};
 use crate::selection::Selection;
 use crate::session::{Hand, Session, Surroundings};
@@ -270,7 +270,7 @@ impl App {
 
     /// Shows the bounce before or after the one that is shown.
     fn step_bounce(&mut self, step: i64) {
-        let last = (self.session.light.bounce_count() as i64 - 1).clamp(0, i64::from(MAX_BOUNCES).max(400));
+        let last = (self.session.light.bounce_count() as i64 - 1).max(0);
         let shown = match self.prefs.view.selection {
             Selection::Range(first, to) => i64::from(if step < 0 { first } else { to }),
             Selection::All | Selection::Indirect if step < 0 => last + 1,

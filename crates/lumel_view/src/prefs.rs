@@ -239,8 +239,7 @@ impl Prefs {
         if !self.view.range.iter().all(|x| x.is_finite()) || self.view.range[0] >= self.view.range[1] {
             self.view.range = default.view.range;
         }
-        self.settings.direct_samples = self.settings.direct_samples.clamp(1, MAX_DIRECT);
-        self.settings.indirect_samples = self.settings.indirect_samples.clamp(1, MAX_INDIRECT);
+        self.settings = self.settings.mended();
         self
     }
 
@@ -255,15 +254,6 @@ impl Prefs {
 /// The range of the flying speed, relative to the scene.
 pub const SPEED: [f32; 2] = [0.01, 100.0];
 
-/// The most direct samples that the slider offers.
-pub const MAX_DIRECT: u32 = 4096;
-
-/// The most hemisphere samples that the slider offers.
-pub const MAX_INDIRECT: u32 = 65536;
-
-/// The most bounces that the slider offers.
-pub const MAX_BOUNCES: u32 = 16;
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -277,7 +267,7 @@ mod tests {
         let good = prefs.checked();
         assert_eq!((good.speed, good.look_speed, good.view.range), (1.0, 0.25, [0.0, 1.0]));
         assert_eq!(good.view.tone(), ToneMapper::default());
-        assert_eq!(good.settings.indirect_samples, 1);
+        assert_eq!(good.settings, Settings::default());
         assert_eq!(Prefs { version: 0, speed: 3.0, ..Prefs::default() }.checked(), Prefs::default());
     }
 

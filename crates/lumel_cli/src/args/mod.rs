@@ -1,5 +1,6 @@
 //! The command line. Its doc comments are the help texts and the manual.
 
+mod settings;
 mod shared;
 
 use crate::parse::{self, CameraChoice};
@@ -8,7 +9,8 @@ use clap_complete::Shell;
 use glam::Vec3;
 use lumel::SolutionSelection;
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
-pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, SettingsArgs, ThreadArgs};
+pub(crate) use settings::SettingsArgs;
+pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, ThreadArgs};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -224,7 +226,7 @@ pub(crate) struct MeasureArgs {
 
     /// Take the bounces and settings of this solution instead of solving.
     #[arg(long, value_name = "FILE.npz")]
-    #[arg(conflicts_with_all = ["basis", "bounces", "remainder", "tail", "preset", "no_emissive"])]
+    #[arg(conflicts_with_all = ["basis", "bounces", "remainder", "tail", "preset", "emitters", "no_emissive"])]
     pub(crate) solution: Option<PathBuf>,
 
     #[command(flatten)]

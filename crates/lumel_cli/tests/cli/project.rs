@@ -78,7 +78,9 @@ fn mistakes_in_projects_are_found() {
     refused("seed = 5", "remainder = nan", "remainder");
     refused("seed = 5", "seed = ", "bad.lumel.toml");
     refused("max_edge = 0.3", "sky = [nan, 0, 0]", "sky");
-    refused("direct_samples = 4", "direct_samples = 0", "at least one");
+    refused("direct_samples = 4", "direct_samples = 0", "direct_samples is 0 but must be");
+    refused("direct_samples = 4", "direct_samples = -1", "direct_samples");
+    refused("seed = 5", "bounces = 10001", "bad.lumel.toml");
     refused("u = [0.2, 0.0, 0.0]", "u = [0.0, 0.0, 0.2]", "light 0");
     assert!(!place.path("a.npz").exists());
 }

@@ -13,6 +13,7 @@ mod menu;
 mod operator;
 mod overlay;
 mod scene;
+mod settings;
 mod solve;
 mod status;
 

@@ -177,8 +177,8 @@ fn until_converged_adds_bounces_until_little_is_missing() {
     let Some(mut window) = Window::room() else { return };
     window.check("Until converged");
     assert_eq!(window.session().settings.bounces, BounceLimit::All);
-    assert!(window.has(Role::SpinButton, "Bounces") && !window.has(Role::Slider, "Bounces"));
-    window.find(Role::SpinButton, "Bounces").set_value_accesskit(2.0);
+    assert!(window.has(Role::SpinButton, "Remainder") && !window.has(Role::Slider, "Bounces"));
+    window.find(Role::SpinButton, "Remainder").set_value_accesskit(2.0);
     window.run_steps(2);
     assert!((window.session().settings.remainder - 0.02).abs() < 1e-6);
     window.solve();
