@@ -4,6 +4,9 @@ mod arm;
 mod bench;
 mod embree;
 mod instructions;
+mod licences;
+mod manifests;
+mod metadata;
 mod system;
 mod tidy;
 mod tools;
@@ -19,7 +22,8 @@ usage: cargo x COMMAND [ARGUMENTS]
   test [ARGUMENTS]   set up what the tests need, then run all of them; arguments go to `cargo test`
   arm [ARGUMENTS]    run the tests of the ray tracer as compiled for 64-bit ARM, in an emulator (needs qemu-user)
   ci                 what has to pass before a change lands: fmt, clippy, test, doc, tidy
-  tidy               check file lengths, the crate graph, licences, unfinished marks and where pi is used
+  tidy               check file lengths, the crate graph, manifests, licences, unfinished marks and where pi is used
+  licences FILE      write the licences of all packages that the programs contain
   bench [ARGUMENTS]  measure ray tracing and solving: `rays` and `bake`; arguments go to them, as does --help
   bench rays         measure ray tracing against Embree 4, which it fetches from PyPI
   bench bake         measure solves
@@ -53,6 +57,7 @@ fn dispatch() -> Result<()> {
         "arm" => arm::test(&rest),
         "ci" => ci(),
         "tidy" => tidy::tidy(),
+        "licences" => licences::write(&rest),
         "bench" => bench::bench(&rest),
         _ => bail!("unknown command \"{command}\"\n\n{USAGE}"),
     }

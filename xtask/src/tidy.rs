@@ -1,9 +1,9 @@
 //! Rules that no compiler checks.
 
-use crate::{cargo, root};
+use crate::metadata::{packages, shipped};
+use crate::{manifests, metadata, root};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A file longer than this has more than one concept in it.
@@ -60,15 +60,14 @@ const LICENCES: &[&str] = &[
 /// Licences of what only tests use.
 const TEST_LICENCES: &[&str] = &["MPL-2.0"];
 
-/// Members of the workspace that are for ourselves.
-const FOR_OURSELVES: &[&str] = &["lumel_testkit", "xtask"];
-
 pub(crate) fn tidy() -> Result<()> {
     let mut problems = Vec::new();
     check_sources(&mut problems)?;
-    let metadata = metadata()?;
+    let metadata = metadata::read()?;
     check_crate_graph(&metadata, &mut problems);
     check_licences(&metadata, &mut problems);
+    manifests::check(&metadata, &mut problems);
+    check_changelog(&mut problems)?;
     if !problems.is_empty() {
         bail!("tidy found {} problems:\n  {}", problems.len(), problems.join("\n  "));
     }
@@ -77,7 +76,7 @@ pub(crate) fn tidy() -> Result<()> {
 
 fn check_sources(problems: &mut Vec<String>) -> Result<()> {
     for file in sources(&root())? {
-        let name = file.strip_prefix(root()).unwrap_or(&file).to_string_lossy().into_owned();
+        let name = file.strip_prefix(root()).unwrap_or(&file).to_string_lossy().replace('\\', "/");
         let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {name}"))?;
         let n_lines = text.lines().count();
         if n_lines > MAX_LINES {
@@ -137,16 +136,13 @@ fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-fn metadata() -> Result<Value> {
-    let output = cargo(&["metadata", "--format-version", "1", "--locked"]).output()?;
-    if !output.status.success() {
-        bail!("cargo metadata failed: {}", String::from_utf8_lossy(&output.stderr));
+/// Changes that users notice have a place to be told.
+fn check_changelog(problems: &mut Vec<String>) -> Result<()> {
+    let text = std::fs::read_to_string(root().join("CHANGELOG.md")).context("cannot read CHANGELOG.md")?;
+    if !text.lines().any(|line| line == "## [Unreleased]") {
+        problems.push("CHANGELOG.md has no section \"## [Unreleased]\"".to_owned());
     }
-    Ok(serde_json::from_slice(&output.stdout)?)
-}
-
-fn packages(metadata: &Value) -> impl Iterator<Item = &Value> {
-    metadata["packages"].as_array().into_iter().flatten()
+    Ok(())
 }
 
 fn check_crate_graph(metadata: &Value, problems: &mut Vec<String>) {
@@ -179,30 +175,6 @@ fn check_licences(metadata: &Value, problems: &mut Vec<String>) {
             problems.push(format!("{name} has the licence \"{licence}\", which is not in our list"));
         }
     }
-}
-
-/// Ids of the packages that our programs and libraries are built from, on any system.
-fn shipped(metadata: &Value) -> BTreeSet<&str> {
-    let nodes: BTreeMap<&str, &Value> = metadata["resolve"]["nodes"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(|node| Some((node["id"].as_str()?, node)))
-        .collect();
-    let ours = packages(metadata).filter(|p| p["source"].is_null());
-    let ours = ours.filter(|p| !p["name"].as_str().is_some_and(|name| FOR_OURSELVES.contains(&name)));
-    let mut open: Vec<&str> = ours.filter_map(|p| p["id"].as_str()).collect();
-    let mut found = BTreeSet::new();
-    while let Some(id) = open.pop() {
-        if found.insert(id) {
-            let dependencies = nodes.get(id).and_then(|node| node["deps"].as_array()).into_iter().flatten();
-            let is_built_in = |dependency: &&Value| {
-                dependency["dep_kinds"].as_array().into_iter().flatten().any(|kind| kind["kind"] != "dev")
-            };
-            open.extend(dependencies.filter(is_built_in).filter_map(|dependency| dependency["pkg"].as_str()));
-        }
-    }
-    found
 }
 
 /// Whether an SPDX expression can be met with allowed licences. `/` is an old way to write OR.
@@ -244,7 +216,6 @@ fn one(words: &mut Words<'_>, allowed: &impl Fn(&str) -> bool) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
     fn licence_expressions_are_met_by_the_licences_of_the_list() {
@@ -273,27 +244,6 @@ mod tests {
         ] {
             assert!(!met(bad), "{bad}");
         }
-    }
-
-    #[test]
-    fn what_only_tests_use_is_not_shipped() {
-        let package = |name: &str, source: Value| json!({"id": name, "name": name, "source": source});
-        let dep = |name: &str, kinds: &[Value]| {
-            let kinds: Vec<Value> = kinds.iter().map(|kind| json!({"kind": kind})).collect();
-            json!({"pkg": name, "dep_kinds": kinds})
-        };
-        let metadata = json!({
-            "packages": [package("lumel", Value::Null), package("xtask", Value::Null), package("a", json!("registry"))],
-            "resolve": {"nodes": [
-                {"id": "lumel", "deps": [
-                    dep("a", &[Value::Null]), dep("t", &[json!("dev")]), dep("b", &[json!("dev"), json!("build")]),
-                ]},
-                {"id": "a", "deps": [dep("c", &[Value::Null])]},
-                {"id": "t", "deps": [dep("u", &[Value::Null])]},
-                {"id": "xtask", "deps": [dep("v", &[Value::Null])]},
-            ]},
-        });
-        assert_eq!(Vec::from_iter(shipped(&metadata)), ["a", "b", "c", "lumel"]);
     }
 
     #[test]

@@ -16,38 +16,50 @@ pub(crate) fn provide(tests: &mut Command) -> Result<()> {
         Some(python) => {
             tests.env("LUMEL_PYTHON", python);
         }
-        None => missing("Python 3 with the package numpy", "python3 -m pip install numpy")?,
+        None => missing("Python 3 with the package numpy", "`python3 -m pip install numpy`")?,
     }
     match gltf_validator() {
         Some(modules) => {
             tests.env("NODE_PATH", modules);
         }
-        None => missing("Node.js with the package gltf-validator", "apt-get install nodejs npm")?,
+        None => missing(
+            "Node.js with the package gltf-validator",
+            "`apt-get install nodejs npm`, or get them from https://nodejs.org",
+        )?,
     }
     Ok(())
 }
 
 fn missing(what: &str, remedy: &str) -> Result<()> {
     if std::env::var_os("CI").is_some() {
-        bail!("some tests need {what}, and CI must not skip them; try `{remedy}`");
+        bail!("some tests need {what}, and CI must not skip them; try {remedy}");
     }
-    say(&format!("skipped: some tests need {what}; try `{remedy}`"));
+    say(&format!("skipped: some tests need {what}; try {remedy}"));
     Ok(())
 }
 
 /// A Python with NumPy: the system's, or one in a virtual environment.
 fn python_with_numpy() -> Option<PathBuf> {
-    let system = PathBuf::from("python3");
     let environment = root().join("target/python");
-    let local = environment.join("bin/python");
+    let local = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let has_numpy = |python: &Path| succeeds(Command::new(python).args(["-c", "import numpy"]));
-    if let Some(python) = [&system, &local].into_iter().find(|python| has_numpy(python)) {
+    let of_system = PYTHONS.map(PathBuf::from);
+    if let Some(python) = of_system.iter().chain([&local]).find(|python| has_numpy(python)) {
         return Some(python.clone());
     }
-    let made = succeeds(Command::new(&system).args(["-m", "venv"]).arg(&environment))
+    // A Python that is too old, or a stand-in that only opens a shop, makes no environment.
+    let mut environments =
+        of_system.iter().map(|python| succeeds(Command::new(python).args(["-m", "venv"]).arg(&environment)));
+    let made = environments.any(|made| made)
         && succeeds(Command::new(&local).args(["-m", "pip", "install", "--quiet", "numpy"]));
     made.then_some(local)
 }
+
+/// What Python 3 is called: `python` where it comes from python.org for Windows.
+const PYTHONS: [&str; 2] = ["python3", "python"];
+
+/// Node's package manager, which is a script on Windows.
+const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 
 /// The folder of Node.js modules that has the validator.
 fn gltf_validator() -> Option<PathBuf> {
@@ -58,7 +70,7 @@ fn gltf_validator() -> Option<PathBuf> {
     if succeeds(&mut probe) {
         return Some(modules);
     }
-    let mut install = Command::new("npm");
+    let mut install = Command::new(NPM);
     install.args(["install", "--silent", "--no-save", "--prefix"]).arg(&folder).arg("gltf-validator");
     (std::fs::create_dir_all(&folder).is_ok() && succeeds(&mut install) && succeeds(&mut probe))
         .then_some(modules)

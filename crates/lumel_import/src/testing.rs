@@ -1,7 +1,7 @@
 //! Helpers of the unit tests.
 
 use crate::{ImportError, ImportOptions, Imported, load};
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use tempfile::TempDir;
 
 /// A folder with the given files.
@@ -38,7 +38,8 @@ pub(crate) fn load_with_warnings(files: &[(&str, &[u8])]) -> (Imported, Vec<Stri
 
 fn without_folder(text: &str, folder: &Path) -> String {
     let canonical = folder.canonicalize().unwrap();
-    text.replace(&format!("{}/", canonical.display()), "").replace(&format!("{}/", folder.display()), "")
+    let start = |folder: &Path| format!("{}{MAIN_SEPARATOR}", folder.display());
+    text.replace(&start(&canonical), "").replace(&start(folder), "")
 }
 
 /// A PNG of one colour.

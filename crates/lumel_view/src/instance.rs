@@ -1,7 +1,5 @@
 //! Whether a window can be opened here at all.
 
-use anyhow::bail;
-
 /// What to do when no window can be opened.
 pub const WINDOW_HINT: &str = "on Debian a window needs libvulkan1, libxcursor1, libxi6, libxkbcommon-x11-0 and a Vulkan \
                                driver such as mesa-vulkan-drivers; --screenshot FILE needs no window";
@@ -25,7 +23,7 @@ pub fn check_display() -> anyhow::Result<()> {
         return Ok(());
     }
     if !set("DISPLAY") {
-        bail!(
+        anyhow::bail!(
             "there is no display: neither DISPLAY nor WAYLAND_DISPLAY is set\n  hint: start it on a desktop or under \
              xvfb-run, or draw a picture with --screenshot FILE"
         );
@@ -33,7 +31,7 @@ pub fn check_display() -> anyhow::Result<()> {
     let missing: Vec<&str> =
         LIBRARIES.iter().filter(|(library, _)| !is_installed(library)).map(|(_, package)| *package).collect();
     if !missing.is_empty() {
-        bail!(
+        anyhow::bail!(
             "a window needs libraries that are not installed\n  hint: on Debian, apt-get install {}",
             missing.join(" ")
         );

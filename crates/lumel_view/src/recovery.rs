@@ -2,7 +2,10 @@
 //!
 //! After each bounce, and when the window is closed, the bounces so far are written as a solution
 //! (`NAME.checkpoint.npz`, which `lumel bake --resume` takes too) with a note of what they belong to
-//! (`NAME.recovery.json`). The next start offers to go on. Both are removed once the work is saved or given up.
+//! (`NAME.recovery.json`). The next start offers to resume it. Both are removed once the work is saved or discarded.
+//!
+//! Each process that keeps unsaved work locks a file of its own there for as long as it runs (`process-ID.lock`): no
+//! other start offers its work.
 
 use crate::camera::FlyCamera;
 use crate::document::{OpenRequest, error_text};
@@ -10,12 +13,15 @@ use glam::Vec3;
 use lumel::{LightEntry, OpenOptions, PathPolicy, Settings, SlotEntry, Solution};
 use lumel_export::write_atomically;
 use serde::{Deserialize, Serialize};
-use std::fs;
-use std::io::Write;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 const NOTE_END: &str = ".recovery.json";
 const CHECKPOINT_END: &str = ".checkpoint.npz";
+const LOCK_START: &str = "process-";
+const LOCK_END: &str = ".lock";
 
 /// What unsaved work belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,6 +79,7 @@ impl Recovery {
     /// Unsaved work that other processes left behind, the newest first.
     pub fn left_behind(folder: &Path) -> Vec<(Self, Note)> {
         let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+        let running = other_processes(folder);
         let mut found: Vec<_> = entries
             .flatten()
             .filter_map(|entry| {
@@ -81,7 +88,7 @@ impl Recovery {
                 let recovery = Self { folder: folder.to_owned(), name };
                 let note = recovery.note()?;
                 let modified = entry.metadata().and_then(|m| m.modified()).ok();
-                (!is_running(note.process)).then_some((modified, (recovery, note)))
+                (!running.contains(&note.process)).then_some((modified, (recovery, note)))
             })
             .collect();
         found.sort_by_key(|(modified, _)| std::cmp::Reverse(*modified));
@@ -107,7 +114,9 @@ impl Recovery {
     /// # Errors
     /// What went wrong, with the file.
     pub fn write(&self, note: &Note, solution: Option<&Solution>) -> Result<(), String> {
-        fs::create_dir_all(&self.folder).map_err(|e| format!("{e}: {}", self.folder.display()))?;
+        let in_folder = |e: io::Error| format!("{e}: {}", self.folder.display());
+        fs::create_dir_all(&self.folder).map_err(in_folder)?;
+        lock(&self.folder).map_err(in_folder)?;
         if let Some(solution) = solution {
             solution.save(&self.checkpoint()).map_err(|e| error_text(&e))?;
         }
@@ -153,9 +162,45 @@ fn bounces(n: usize) -> String {
     }
 }
 
-/// Whether a process still runs, as far as this system tells.
-fn is_running(process: u32) -> bool {
-    process != std::process::id() && Path::new("/proc").join(process.to_string()).exists()
+/// The file that a process locks while it runs.
+fn lock_file(folder: &Path, process: u32) -> PathBuf {
+    folder.join(format!("{LOCK_START}{process}{LOCK_END}"))
+}
+
+/// Locks the file of this process in a folder, until the process ends; does nothing if that was done before.
+///
+/// A file system without locks is no error: work there is offered while its process runs.
+fn lock(folder: &Path) -> io::Result<()> {
+    static LOCKS: Mutex<Vec<(PathBuf, File)>> = Mutex::new(Vec::new());
+    let mut locks = LOCKS.lock().unwrap_or_else(PoisonError::into_inner);
+    if !locks.iter().any(|(locked, _)| locked == folder) {
+        let file = File::create(lock_file(folder, std::process::id()))?;
+        let _ = file.try_lock();
+        locks.push((folder.to_owned(), file));
+    }
+    Ok(())
+}
+
+/// Other processes that keep work in a folder and still run. Removes the lock files of those that do not.
+fn other_processes(folder: &Path) -> Vec<u32> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut running = Vec::new();
+    for entry in entries {
+        let file = entry.file_name().to_string_lossy().into_owned();
+        let process = file.strip_prefix(LOCK_START).and_then(|rest| rest.strip_suffix(LOCK_END));
+        let Some(process) = process.and_then(|process| process.parse().ok()) else { continue };
+        let Ok(lock) = File::open(entry.path()) else { continue };
+        if process == std::process::id() {
+            continue;
+        }
+        if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
+            running.push(process);
+        } else {
+            // One that cannot be removed does no harm.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+    running
 }
 
 #[cfg(test)]
@@ -207,12 +252,28 @@ mod tests {
     }
 
     #[test]
-    fn work_of_a_running_process_and_damaged_notes_are_left_alone() {
+    fn work_of_a_running_process_and_damaged_notes_are_not_offered() {
         let folder = tempfile::tempdir().unwrap();
-        let parent = std::os::unix::process::parent_id();
         let recovery = Recovery { folder: folder.path().to_owned(), name: "unsaved-2".into() };
-        recovery.write(&Note { process: parent, ..note() }, None).unwrap();
+        // What the other process holds.
+        let path = lock_file(folder.path(), note().process);
+        let lock = File::create(&path).unwrap();
+        lock.lock().unwrap();
+        recovery.write(&note(), None).unwrap();
         fs::write(folder.path().join("x.recovery.json"), "{\"scene\": 3").unwrap();
         assert_eq!(Recovery::left_behind(folder.path()), []);
+        // It ends.
+        drop(lock);
+        assert_eq!(Recovery::left_behind(folder.path()), [(recovery, note())]);
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn work_of_this_process_is_locked_for_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let recovery = Recovery::of_this_process(folder.path());
+        recovery.write(&note(), None).unwrap();
+        let seen_by_others = File::open(lock_file(folder.path(), std::process::id())).unwrap();
+        assert!(matches!(seen_by_others.try_lock(), Err(TryLockError::WouldBlock)));
     }
 }

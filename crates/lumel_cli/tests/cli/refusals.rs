@@ -1,5 +1,4 @@
-use crate::common::{LUMEL, Place, run};
-use std::process::{Command, Stdio};
+use crate::common::{Place, run};
 
 #[test]
 fn outputs_are_checked_before_the_bake() {
@@ -108,11 +107,12 @@ fn an_unknown_scene_lists_those_there_are() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_device_is_an_error_and_a_closed_pipe_is_none() {
+    use std::process::{Command, Stdio};
     let place = Place::new();
     for command in ["info furnace", "completions bash", "man", "--help", "bake --help"] {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let start = |stdout: Stdio| {
-            let mut lumel = Command::new(LUMEL);
+            let mut lumel = Command::new(crate::common::LUMEL);
             lumel.current_dir(place.folder()).args(command.split(' ')).stdout(stdout).stderr(Stdio::null());
             lumel.spawn().unwrap()
         };

@@ -6,9 +6,11 @@ use eframe::App as _;
 use eframe::egui::{Key, Modifiers};
 use std::path::Path;
 
+/// The files of unsaved work; the lock of the process stays as long as this program runs.
 fn left_behind(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder.join("unsaved")).into_iter().flatten().flatten();
-    let mut names: Vec<_> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    let names = entries.map(|e| e.file_name().to_string_lossy().into_owned());
+    let mut names: Vec<_> = names.filter(|name| !name.ends_with(".lock")).collect();
     names.sort();
     names
 }

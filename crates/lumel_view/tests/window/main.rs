@@ -1,5 +1,7 @@
 //! The program in a real window: keys and mouse go through the X server, as a user's do.
 
+// The window is opened on an X server, which other systems do not have.
+#![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(clippy::print_stdout, reason = "tests say why they are skipped")]
 
