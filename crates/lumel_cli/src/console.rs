@@ -1,6 +1,7 @@
 //! Everything that is printed: results on stdout, the rest on stderr.
 
 use crate::failure;
+use crate::outcome::{FAILED, Outcome};
 use anyhow::Context;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
@@ -48,6 +49,11 @@ impl Console {
     /// How many warnings there were.
     pub(crate) fn warning_count(&self) -> usize {
         self.n_warnings.load(Ordering::Relaxed)
+    }
+
+    /// How a command ends that is done; warnings count only if `strict`.
+    pub(crate) fn outcome(&self, strict: bool) -> Outcome {
+        if strict && self.warning_count() > 0 { Outcome::Objected } else { Outcome::Done }
     }
 
     /// Something good to know.
@@ -113,8 +119,8 @@ pub(crate) fn print_bytes(bytes: &[u8]) -> anyhow::Result<()> {
 /// Prints clap's help, version or usage error. Returns the exit code.
 pub(crate) fn print_usage(message: &clap::Error) -> u8 {
     match message.print() {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => crate::FAILED,
-        _ if message.use_stderr() => crate::FAILED,
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => FAILED,
+        _ if message.use_stderr() => FAILED,
         _ => 0,
     }
 }

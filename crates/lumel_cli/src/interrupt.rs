@@ -1,7 +1,7 @@
 //! Ctrl-C and requests to terminate.
 
-use crate::Outcome;
 use crate::console::Console;
+use crate::outcome::Outcome;
 use anyhow::Context;
 use lumel::Control;
 use std::sync::Arc;

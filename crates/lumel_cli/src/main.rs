@@ -10,6 +10,7 @@ mod console;
 mod failure;
 mod interrupt;
 mod load;
+mod outcome;
 mod outputs;
 mod parse;
 mod picture;
@@ -23,33 +24,10 @@ mod spec;
 use crate::console::Console;
 use args::{Cli, Command};
 use clap::Parser;
+use outcome::{FAILED, Outcome};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 use std::sync::Arc;
-
-/// How a command ended that did not fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Outcome {
-    /// All is well.
-    Done,
-    /// Done, but with what the user asked to be told of: warnings, or a difference above a limit.
-    Objected,
-    /// Stopped by the user.
-    Cancelled,
-}
-
-/// Exit code of a command that failed.
-const FAILED: u8 = 2;
-
-impl Outcome {
-    fn exit_code(self) -> u8 {
-        match self {
-            Self::Done => 0,
-            Self::Objected => 1,
-            Self::Cancelled => 130,
-        }
-    }
-}
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {

@@ -1,12 +1,12 @@
 //! `lumel bake`
 
 use super::summary::{Step, Summary, Written};
-use crate::Outcome;
 use crate::args::BakeArgs;
 use crate::checkpoint::{self, Checkpoint};
 use crate::console::{self, Console};
 use crate::failure::with_hint;
 use crate::load::{self, Loaded};
+use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
 use crate::session::{Session, SolveLog, thread_pool};
 use anyhow::bail;
@@ -25,7 +25,7 @@ pub(crate) fn run(args: &BakeArgs, console: &Arc<Console>) -> anyhow::Result<Out
         Baked::Done(mut summary) => {
             summary.seconds.total = session.started.elapsed().as_secs_f64();
             console::print(&if args.json { summary.json()? } else { summary.text() })?;
-            Ok(super::outcome(console, args.run.strict))
+            Ok(console.outcome(args.run.strict))
         }
         Baked::Stopped(message) => {
             console.note(&message);

@@ -1,9 +1,9 @@
 //! `lumel compare`
 
-use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::console::{self, Console};
 use crate::failure::hinted;
+use crate::outcome::Outcome;
 use crate::report::significant;
 use anyhow::Context;
 use lumel::{Difference, LightFile, Percentiles};

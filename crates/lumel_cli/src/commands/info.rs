@@ -1,9 +1,9 @@
 //! `lumel info`
 
-use crate::Outcome;
 use crate::args::InfoArgs;
 use crate::console::{self, Console};
 use crate::load::{self, Loaded};
+use crate::outcome::Outcome;
 use crate::scene_report::SceneReport;
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
 //! `lumel man` and `lumel completions`: from the same definition as the command line.
 
-use crate::Outcome;
 use crate::args::Cli;
 use crate::console;
 use crate::failure::hinted;
+use crate::outcome::Outcome;
 use anyhow::Context;
 use clap::CommandFactory;
 use clap_complete::Shell;

@@ -1,10 +1,10 @@
 //! `lumel measure`
 
-use crate::Outcome;
 use crate::args::MeasureArgs;
 use crate::console::{self, Console};
 use crate::failure::{hinted, with_hint};
 use crate::load::{self, Loaded};
+use crate::outcome::Outcome;
 use crate::outputs;
 use crate::points::Points;
 use crate::report;
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &MeasureArgs, console: &Arc<Console>) -> anyhow::Result<
         (Some(output), false) => written(output, &points)?,
         (None, false) => table(&points, &measured),
     })?;
-    Ok(super::outcome(console, args.run.strict))
+    Ok(console.outcome(args.run.strict))
 }
 
 fn check_output(args: &MeasureArgs, output: &Path) -> anyhow::Result<()> {

@@ -9,9 +9,9 @@ mod render;
 mod summary;
 mod view;
 
-use crate::Outcome;
 use crate::args::Command;
 use crate::console::Console;
+use crate::outcome::Outcome;
 use std::sync::Arc;
 
 /// Runs a command.
@@ -26,9 +26,4 @@ pub(crate) fn run(command: &Command, console: &Arc<Console>) -> anyhow::Result<O
         Command::Completions { shell } => man::completions(*shell),
         Command::Man { dir } => man::run(dir.as_deref()),
     }
-}
-
-/// The outcome of a command that is done.
-fn outcome(console: &Console, strict: bool) -> Outcome {
-    if strict && console.warning_count() > 0 { Outcome::Objected } else { Outcome::Done }
 }

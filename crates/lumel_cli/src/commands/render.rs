@@ -1,10 +1,10 @@
 //! `lumel render`
 
-use crate::Outcome;
 use crate::args::{ProgressMode, RenderArgs};
 use crate::console::{self, Console};
 use crate::failure::hinted;
 use crate::load::{self, Loaded};
+use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
 use crate::parse::CameraChoice;
 use crate::picture::{self, Subject};
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Arc<Console>) -> anyhow::Result<O
         return Ok(Outcome::Cancelled);
     };
     console::print(&summary(args, &picture)?)?;
-    Ok(super::outcome(console, args.strict))
+    Ok(console.outcome(args.strict))
 }
 
 /// How to show it. Options that would have no effect are refused.

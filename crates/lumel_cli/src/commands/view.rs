@@ -1,7 +1,7 @@
 //! `lumel view`
 
-use crate::Outcome;
 use crate::failure::{hinted, with_hint};
+use crate::outcome::Outcome;
 use anyhow::Context;
 use std::env;
 use std::ffi::OsString;
@@ -42,7 +42,7 @@ fn become_program(command: &mut Command) -> io::Error {
 #[cfg(not(unix))]
 fn become_program(command: &mut Command) -> io::Error {
     match command.status() {
-        Ok(status) => std::process::exit(status.code().unwrap_or(crate::FAILED.into())),
+        Ok(status) => std::process::exit(status.code().unwrap_or(crate::outcome::FAILED.into())),
         Err(error) => error,
     }
 }
