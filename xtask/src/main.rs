@@ -3,6 +3,7 @@
 mod arm;
 mod bench;
 mod embree;
+mod fuzz;
 mod instructions;
 mod licences;
 mod manifests;
@@ -24,6 +25,8 @@ usage: cargo x COMMAND [ARGUMENTS]
   ci                 what has to pass before a change lands: fmt, clippy, test, doc, tidy
   tidy               check file lengths, the crate graph, manifests, licences, unfinished marks and where pi is used
   licences FILE      write the licences of all packages that the programs contain
+  fuzz TARGET [SECONDS]
+                     feed a reader inputs that a fuzzer makes up, for ten minutes (needs cargo-fuzz and a C++ compiler)
   bench [ARGUMENTS]  measure ray tracing and solving: `rays` and `bake`; arguments go to them, as does --help
   bench rays         measure ray tracing against Embree 4, which it fetches from PyPI
   bench bake         measure solves
@@ -58,6 +61,7 @@ fn dispatch() -> Result<()> {
         "ci" => ci(),
         "tidy" => tidy::tidy(),
         "licences" => licences::write(&rest),
+        "fuzz" => fuzz::fuzz(&rest),
         "bench" => bench::bench(&rest),
         _ => bail!("unknown command \"{command}\"\n\n{USAGE}"),
     }

@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Members of the workspace that are for ourselves.
-const FOR_OURSELVES: &[&str] = &["lumel_testkit", "xtask"];
+pub(crate) const FOR_OURSELVES: &[&str] = &["lumel_testkit", "lumel_fuzz", "xtask"];
 
 /// All packages of the lock file and how they depend on each other, for any system.
 pub(crate) fn read() -> Result<Value> {

@@ -1,6 +1,6 @@
 //! Rules that no compiler checks.
 
-use crate::metadata::{packages, shipped};
+use crate::metadata::{FOR_OURSELVES, packages, shipped};
 use crate::{manifests, metadata, root};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -150,7 +150,7 @@ fn check_crate_graph(metadata: &Value, problems: &mut Vec<String>) {
     for package in packages(metadata).filter(|p| p["source"].is_null()) {
         let name = package["name"].as_str().unwrap_or_default();
         let Some(own) = rank(name) else {
-            if name.starts_with("lumel") && name != "lumel_testkit" {
+            if name.starts_with("lumel") && !FOR_OURSELVES.contains(&name) {
                 problems.push(format!("crate {name} has no place in the order of crates"));
             }
             continue;

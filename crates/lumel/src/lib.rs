@@ -26,6 +26,7 @@ mod open;
 mod project;
 mod samples;
 mod settings;
+pub mod spec;
 mod target;
 
 pub use baker::{Baker, ResumeError};

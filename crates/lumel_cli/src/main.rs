@@ -19,7 +19,6 @@ mod progress;
 mod report;
 mod scene_report;
 mod session;
-mod spec;
 
 use crate::console::Console;
 use args::{Cli, Command};

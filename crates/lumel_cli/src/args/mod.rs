@@ -7,7 +7,7 @@ use crate::parse::{self, CameraChoice};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use glam::Vec3;
-use lumel::SolutionSelection;
+use lumel::{SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, ThreadArgs};
@@ -206,12 +206,12 @@ pub(crate) struct MeasureArgs {
     pub(crate) scene: SceneArgs,
 
     /// A point, metres; on a surface or above it. Give a --normal for each.
-    #[arg(long = "point", value_name = "X,Y,Z", value_parser = parse::vector, allow_hyphen_values = true)]
+    #[arg(long = "point", value_name = "X,Y,Z", value_parser = spec::vector, allow_hyphen_values = true)]
     #[arg(help_heading = "Points", required_unless_present = "points_file")]
     pub(crate) points: Vec<Vec3>,
 
     /// The direction a point looks in, of any length; the first is that of the first point.
-    #[arg(long = "normal", value_name = "X,Y,Z", value_parser = parse::direction, allow_hyphen_values = true)]
+    #[arg(long = "normal", value_name = "X,Y,Z", value_parser = spec::direction, allow_hyphen_values = true)]
     #[arg(help_heading = "Points", requires = "points")]
     pub(crate) normals: Vec<Vec3>,
 

@@ -4,7 +4,7 @@ use crate::console::Messages;
 use crate::parse;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use lumel::{OpenOptions, PathPolicy, RectLight};
+use lumel::{OpenOptions, PathPolicy, RectLight, spec};
 
 /// The largest number of threads; machines with more cores than that are not built.
 const MAX_THREADS: u32 = 1024;
@@ -18,13 +18,13 @@ pub(crate) struct SceneArgs {
 
     /// A rectangle light 'rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b', any number of times.
     ///
-    /// u and v are half of its edges, metres, at a right angle; light leaves on the u × v side. radiance is in
+    /// u and v are half of its edges, metres, perpendicular; light leaves on the u × v side. radiance is in
     /// W/(m² sr). The lights given here replace those of the scene or project; emissive surfaces and sky stay.
     #[arg(long = "light", value_name = "LIGHT", value_parser = parse::light, help_heading = "Scene")]
     pub(crate) lights: Vec<RectLight>,
 
     /// Radiance from outside the scene in all directions, W/(m² sr); replaces that of the scene.
-    #[arg(long, value_name = "R,G,B", value_parser = parse::color, help_heading = "Scene")]
+    #[arg(long, value_name = "R,G,B", value_parser = spec::color, help_heading = "Scene")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) sky: Option<Vec3>,
 

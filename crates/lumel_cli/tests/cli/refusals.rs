@@ -82,7 +82,7 @@ fn lights_that_make_no_sense_say_why() {
     refused("rect center=0,0,x u=1,0,0 v=0,0,1 radiance=1,1,1", "center: \"x\" is not a number");
     refused("rect center=0,0,0 u=nan,0,0 v=0,0,1 radiance=1,1,1", "u: nan is not a finite number");
     refused("rect center=0,0,0 u=1,0,0 v=0,0,0 radiance=1,1,1", "v: it has no direction");
-    refused("rect center=0,0,0 u=1,0,0 v=1,0,1 radiance=1,1,1", "right angle");
+    refused("rect center=0,0,0 u=1,0,0 v=1,0,1 radiance=1,1,1", "perpendicular");
     refused("rect center=0,0,0 u=1,0,0 v=0,0,1 radiance=1,1,1 color=1", "\"color\"");
 }
 

@@ -1,0 +1,198 @@
+//! Lights and cameras written as text: `key=value` words, as on the command line. Every number is finite.
+
+use glam::Vec3;
+use lumel_scene::{Camera, Radiance, RectLight};
+
+/// Vertical field of view of a camera without one, degrees.
+const FOV_DEG: f32 = 60.0;
+/// The cosine up to which two half-edges count as perpendicular; the tolerance of scenes, see
+/// [`SceneError::BadLight`](lumel_scene::SceneError::BadLight).
+const RIGHT_ANGLE_COS: f32 = 1e-3;
+
+/// What is wrong with a text.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct SpecError(String);
+
+/// A rectangle light: `rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b`, in any order after the shape.
+///
+/// `u` and `v` are half of its edges, metres; light leaves on the `u × v` side. `radiance` is in W·m⁻²·sr⁻¹.
+///
+/// ```
+/// let light = lumel::spec::light("rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10")?;
+/// assert_eq!(light.area(), 1.0);
+/// # Ok::<(), lumel::spec::SpecError>(())
+/// ```
+///
+/// # Errors
+/// Another shape, an unknown, missing or repeated key, a value of the wrong kind, and half-edges that are not
+/// perpendicular.
+pub fn light(text: &str) -> Result<RectLight, SpecError> {
+    let text = text.trim();
+    let (shape, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    if shape != "rect" {
+        return problem(format!("the first word must be the shape of the light, \"rect\", not \"{shape}\""));
+    }
+    let words = Words::parse(rest, &["center", "u", "v", "radiance"])?;
+    let light = RectLight {
+        center: words.require("center", vector)?,
+        u: words.require("u", direction)?,
+        v: words.require("v", direction)?,
+        radiance: Radiance(words.require("radiance", color)?),
+        texture: None,
+    };
+    // Not `a > b`: overflowing lengths give NaN, and such edges are no better.
+    let perpendicular = light.u.dot(light.v).abs() <= RIGHT_ANGLE_COS * light.u.length() * light.v.length();
+    if perpendicular { Ok(light) } else { problem("u and v must be perpendicular") }
+}
+
+/// A camera: `position=x,y,z target=x,y,z fov=deg up=x,y,z`, in any order, the last two optional.
+///
+/// # Errors
+/// An unknown, missing or repeated key, a value of the wrong kind, a target that is the position, and a field of view
+/// outside 0 to 179 degrees.
+pub fn camera(text: &str) -> Result<Camera, SpecError> {
+    let words = Words::parse(text, &["position", "target", "fov", "up"])?;
+    let position = words.require("position", vector)?;
+    let target = words.require("target", vector)?;
+    let fov_deg = words.optional("fov", number)?.unwrap_or(FOV_DEG);
+    let up = words.optional("up", direction)?.unwrap_or(Vec3::Y);
+    if position == target {
+        return problem("position and target are the same point");
+    }
+    if !(fov_deg > 0.0 && fov_deg < 179.0) {
+        return problem(format!("fov is {fov_deg} degrees; it must be between 0 and 179"));
+    }
+    Ok(Camera { up, ..Camera::looking_at("command line", position, target, fov_deg.to_radians()) })
+}
+
+/// A finite number.
+///
+/// # Errors
+/// Any other text.
+pub fn number(text: &str) -> Result<f32, SpecError> {
+    let text = text.trim();
+    match text.parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => problem(format!("{text} is not a finite number")),
+        Err(_) => problem(format!("\"{text}\" is not a number")),
+    }
+}
+
+/// Three finite numbers: `x,y,z`.
+///
+/// # Errors
+/// Any other text.
+pub fn vector(text: &str) -> Result<Vec3, SpecError> {
+    let numbers = text.split(',').map(number).collect::<Result<Vec<f32>, SpecError>>()?;
+    match numbers[..] {
+        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => problem(format!("three numbers x,y,z are needed, not {}", numbers.len())),
+    }
+}
+
+/// Three finite numbers, none of them negative: `r,g,b`.
+///
+/// # Errors
+/// Any other text.
+pub fn color(text: &str) -> Result<Vec3, SpecError> {
+    let color = vector(text)?;
+    if color.min_element() < 0.0 { problem("light cannot be negative") } else { Ok(color) }
+}
+
+/// A vector that has a direction; it need not be a unit vector.
+///
+/// # Errors
+/// Any other text, zero included.
+pub fn direction(text: &str) -> Result<Vec3, SpecError> {
+    let vector = vector(text)?;
+    if vector.try_normalize().is_some() { Ok(vector) } else { problem("it has no direction") }
+}
+
+fn problem<T>(message: impl Into<String>) -> Result<T, SpecError> {
+    Err(SpecError(message.into()))
+}
+
+/// Words of the form `key=value`, each key once.
+struct Words<'a> {
+    pairs: Vec<(&'a str, &'a str)>,
+}
+
+impl<'a> Words<'a> {
+    /// Splits a text into words with known keys.
+    fn parse(text: &'a str, keys: &[&str]) -> Result<Self, SpecError> {
+        let mut pairs: Vec<(&str, &str)> = Vec::new();
+        for word in text.split_whitespace() {
+            let Some((key, value)) = word.split_once('=') else {
+                return problem(format!(
+                    "\"{word}\" is not of the form key=value; write numbers without spaces between them"
+                ));
+            };
+            if !keys.contains(&key) {
+                return problem(format!("there is no key \"{key}\"; the keys are {}", keys.join(", ")));
+            }
+            if pairs.iter().any(|(known, _)| *known == key) {
+                return problem(format!("{key} is given twice"));
+            }
+            pairs.push((key, value));
+        }
+        Ok(Self { pairs })
+    }
+
+    /// The value of a key that must be there.
+    fn require<T>(&self, key: &str, parse: fn(&str) -> Result<T, SpecError>) -> Result<T, SpecError> {
+        self.optional(key, parse)?.ok_or_else(|| SpecError(format!("{key} is missing")))
+    }
+
+    /// The value of a key that may be absent.
+    fn optional<T>(
+        &self,
+        key: &str,
+        parse: fn(&str) -> Result<T, SpecError>,
+    ) -> Result<Option<T>, SpecError> {
+        let value = self.pairs.iter().find(|(known, _)| *known == key);
+        value.map(|(_, value)| parse(value).map_err(|error| SpecError(format!("{key}: {error}")))).transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIGHT: &str = "rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10";
+
+    #[test]
+    fn vectors_are_three_finite_numbers() {
+        assert_eq!(vector("1, -2,.5e1"), Ok(Vec3::new(1.0, -2.0, 5.0)));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,nan,2", "inf,0,0", "1e99,0,0"] {
+            assert!(vector(bad).is_err(), "{bad}");
+        }
+        assert!(color("1,1,-0.1").is_err() && direction("0,0,0").is_err());
+    }
+
+    #[test]
+    fn lights_say_which_key_is_wrong() {
+        let good = light(LIGHT).unwrap();
+        assert_eq!((good.center, good.area()), (Vec3::new(0.0, 2.0, 0.0), 1.0));
+        let problem = |text: &str| light(text).unwrap_err().to_string();
+        assert!(problem("disk center=0,0,0").contains("\"disk\""));
+        assert!(
+            problem("rect center=0,0 u=1,0,0 v=0,0,1 radiance=1,1,1").starts_with("center: three numbers")
+        );
+        assert!(problem("rect center=0,0,0 u=1,0,0 v=0,0,1").starts_with("radiance is missing"));
+        assert!(problem("rect centre=0,0,0").starts_with("there is no key \"centre\""));
+        assert!(problem("rect u=1,0,0 u=1,0,0").starts_with("u is given twice"));
+        assert!(problem("rect center=0, 0,0").contains("without spaces"));
+        assert!(problem("rect center=0,0,0 u=1,0,0 v=1,0,1 radiance=1,1,1").starts_with("u and v must"));
+        assert!(problem("rect center=0,0,0 u=1,0,0 v=0,0,1 radiance=-1,1,1").starts_with("radiance: light"));
+    }
+
+    #[test]
+    fn cameras_need_a_position_and_a_target_apart_from_it() {
+        let view = camera("position=0,1,3 target=0,1,0 fov=50").unwrap();
+        assert_eq!((view.forward, view.up), (Vec3::new(0.0, 0.0, -3.0), Vec3::Y));
+        for bad in ["position=0,0,0", "position=0,0,0 target=0,0,0", "position=0,0,0 target=1,0,0 fov=180"] {
+            assert!(camera(bad).is_err(), "{bad}");
+        }
+    }
+}
