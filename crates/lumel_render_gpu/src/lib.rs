@@ -14,7 +14,6 @@ mod draw;
 mod error;
 mod frame;
 mod gpu;
-mod half;
 mod lamps;
 mod layout;
 mod light;

@@ -1,6 +1,7 @@
 //! Smaller and smaller copies of a texture, averaged in linear light.
 
-use crate::half::f16_bits;
+use crate::shaders::MAX_F16;
+use half::f16;
 use lumel_render_cpu::srgb_byte;
 use lumel_scene::{Encoding, Texture};
 use std::sync::LazyLock;
@@ -124,10 +125,16 @@ fn encode(texels: &[[f32; 3]], encoding: Option<Encoding>) -> Vec<u8> {
             texels.iter().flat_map(|&texel| with_alpha(bytes(texel), u8::MAX)).collect()
         }
         None => {
-            let halves = texels.iter().flat_map(|texel| with_alpha(texel.map(f16_bits), f16_bits(1.0)));
-            halves.flat_map(u16::to_ne_bytes).collect()
+            let halves = texels.iter().flat_map(|texel| with_alpha(texel.map(finite_f16), f16::ONE));
+            halves.flat_map(f16::to_ne_bytes).collect()
         }
     }
+}
+
+/// The nearest 16-bit float from 0 to 65504: an infinity would spread over its neighbours when it is filtered.
+fn finite_f16(value: f32) -> f16 {
+    // NaN becomes zero.
+    f16::from_f32(if value > 0.0 { value.min(MAX_F16) } else { 0.0 })
 }
 
 fn with_alpha<T>([r, g, b]: [T; 3], alpha: T) -> [T; 4] {
@@ -183,7 +190,13 @@ mod tests {
     fn float_textures_keep_numbers_above_one() {
         let texture = Texture::from_floats("t", 2, 1, vec![[1.0, 0.0, 8.0], [3.0, 0.0, 0.0]]).unwrap();
         let small = &Pyramid::new(&texture, 8192).levels[1];
-        let expected = [2.0, 0.0, 4.0, 1.0].map(f16_bits).map(u16::to_ne_bytes);
+        let expected = [2.0, 0.0, 4.0, 1.0].map(f16::from_f32).map(f16::to_ne_bytes);
         assert_eq!(small.bytes, expected.as_flattened());
+    }
+
+    #[test]
+    fn numbers_that_16_bit_floats_do_not_hold_become_the_nearest_one() {
+        let halves = [-1.0, f32::NAN, 65_519.0, 65_520.0, 1e9, f32::INFINITY].map(finite_f16);
+        assert_eq!(halves.map(f16::to_f32), [0.0, 0.0, 65_504.0, 65_504.0, 65_504.0, 65_504.0]);
     }
 }
