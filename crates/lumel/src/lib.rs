@@ -18,20 +18,21 @@
 mod baker;
 mod dark;
 mod difference;
-mod estimate;
 mod light_file;
 mod measure;
 mod method;
 mod open;
+mod progress;
 mod project;
+mod reading;
 mod samples;
 mod settings;
 pub mod spec;
 mod target;
+mod workload;
 
 pub use baker::{Baker, ResumeError};
 pub use difference::{Difference, Percentiles};
-pub use estimate::{Position, Remainder, Workload};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use lumel_accel::{Bvh, RayTracer};
 pub use lumel_export::{RadFile, Solution, SolutionSelection};
@@ -44,11 +45,14 @@ pub use lumel_transport::{Control, EmitterSampling, LightSampling};
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
 pub use open::{OpenError, OpenOptions, Opened, open};
+pub use progress::{Progress, Tracker};
 pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError, SlotEntry};
+pub use reading::Reading;
 pub use settings::{
     BasisKind, BounceLimit, Memory, Preset, Settings, SettingsError, SettingsPatch, Share, SolverKind, Tail,
     TargetError,
 };
+pub use workload::Remainder;
 
 /// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.
 pub mod setting {

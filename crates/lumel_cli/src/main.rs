@@ -5,6 +5,7 @@
 
 mod args;
 mod checkpoint;
+mod clock;
 mod commands;
 mod console;
 mod failure;

@@ -1,16 +1,17 @@
 //! What the program is doing, for people and for programs.
 
 use crate::args::ProgressMode;
+use crate::clock::Clock;
 use crate::console::Console;
 use crate::interrupt::Interrupt;
 use crate::report;
 use indicatif::{ProgressBar, ProgressStyle};
-use lumel::{Accuracy, Position, Remainder, Step, Workload};
+use lumel::{Accuracy, Reading, Step, Tracker};
 use serde_json::{Value, json};
 use std::io::{self, IsTerminal};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Steps of a bar: enough to move smoothly.
 const BAR_STEPS: u64 = 1000;
@@ -32,30 +33,30 @@ struct Shared {
     display: Display,
     console: Arc<Console>,
     interrupt: Interrupt,
-    started: Instant,
+    clock: Clock,
     state: Mutex<State>,
     ended: Condvar,
 }
 
 /// What is going on.
+#[derive(Default)]
 struct State {
     ended: bool,
     phase: String,
-    step: Option<Step>,
-    since: Instant,
-    elements_before: u64,
-    rays_before: u64,
-    workload: Option<Workload>,
-    remainders: Vec<Remainder>,
-    /// What the last round of samples has reached.
-    accuracy: Option<Accuracy>,
+    /// Follows the solve, while the phase is one of its steps.
+    tracker: Option<Arc<Mutex<Tracker>>>,
     /// The last phase that was told of by its name alone.
     told: Option<String>,
 }
 
 impl Progress {
     /// Begins to show progress.
-    pub(crate) fn start(mode: ProgressMode, console: &Arc<Console>, interrupt: &Interrupt) -> Self {
+    pub(crate) fn start(
+        mode: ProgressMode,
+        console: &Arc<Console>,
+        interrupt: &Interrupt,
+        clock: Clock,
+    ) -> Self {
         let (display, interval) = match mode {
             ProgressMode::None => return Self { shared: None, ticker: None },
             ProgressMode::Auto if io::stderr().is_terminal() => {
@@ -67,25 +68,12 @@ impl Progress {
         if let Display::Bar(bar) = &display {
             console.set_bar(Some(bar.clone()));
         }
-        let now = Instant::now();
-        let state = State {
-            ended: false,
-            phase: String::new(),
-            step: None,
-            since: now,
-            elements_before: 0,
-            rays_before: 0,
-            workload: None,
-            remainders: Vec::new(),
-            accuracy: None,
-            told: None,
-        };
         let shared = Arc::new(Shared {
             display,
             console: Arc::clone(console),
             interrupt: interrupt.clone(),
-            started: now,
-            state: Mutex::new(state),
+            clock,
+            state: Mutex::default(),
             ended: Condvar::new(),
         });
         let ticking = Arc::clone(&shared);
@@ -95,25 +83,18 @@ impl Progress {
         Self { shared: Some(shared), ticker: ticker.ok() }
     }
 
-    /// Something that is no step of the solve begins: "build".
+    /// Something that is no step of a solve begins: "build".
     pub(crate) fn phase(&self, name: &str) {
         if let Some(shared) = &self.shared {
             shared.enter(name.to_owned(), None);
         }
     }
 
-    /// How much the solve has to do.
-    pub(crate) fn expect(&self, workload: Workload) {
+    /// A step of a solve begins, which the tracker knows of.
+    pub(crate) fn step_started(&self, step: Step, tracker: &Arc<Mutex<Tracker>>) {
         if let Some(shared) = &self.shared {
-            shared.lock().workload = Some(workload);
-        }
-    }
-
-    /// A step of the solve begins.
-    pub(crate) fn step_started(&self, step: Step) {
-        if let Some(shared) = &self.shared {
-            let name = shared.lock().name_of(step);
-            shared.enter(name, Some(step));
+            let progress = lock(tracker).progress(shared.reading());
+            shared.enter(name_of(step, &progress), Some(Arc::clone(tracker)));
         }
     }
 
@@ -126,10 +107,6 @@ impl Progress {
         accuracy: Option<Accuracy>,
     ) {
         let Some(shared) = &self.shared else { return };
-        if let (Step::Bounce(after), Some(share)) = (step, remainder) {
-            shared.lock().remainders.push(Remainder { after, share });
-        }
-        shared.lock().accuracy = accuracy;
         if matches!(shared.display, Display::Json) {
             let mut event = json!({ "event": "step_done", "seconds": seconds, "remainder": remainder });
             add_step(&mut event, step);
@@ -185,51 +162,43 @@ fn add_step(event: &mut Value, step: Step) {
     }
 }
 
-impl State {
-    fn name_of(&self, step: Step) -> String {
-        match step {
-            Step::Probe => "looking inside geometry".to_owned(),
-            Step::Bounce(0) => "direct light".to_owned(),
-            Step::Bounce(bounce) => {
-                let last = self.workload.as_ref().and_then(|work| work.last_bounce(&self.remainders));
-                match last.filter(|&last| last >= bounce) {
-                    Some(last) => format!("bounce {bounce} of {last}"),
-                    None => format!("bounce {bounce}"),
-                }
+fn name_of(step: Step, progress: &lumel::Progress) -> String {
+    match step {
+        Step::Probe => "looking inside geometry".to_owned(),
+        Step::Bounce(0) => "direct light".to_owned(),
+        Step::Bounce(bounce) => match progress.last_bounce.filter(|&last| last >= bounce) {
+            Some(last) => format!("bounce {bounce} of {last}"),
+            None => format!("bounce {bounce}"),
+        },
+        Step::FinalGather => "final gather".to_owned(),
+        Step::Round(round) => match &progress.accuracy {
+            Some(Accuracy { share, target, .. }) => {
+                let (share, target) = (report::percent(*share), report::percent(target.error));
+                format!("round {}, {share} of values within {target} so far", round + 1)
             }
-            Step::FinalGather => "final gather".to_owned(),
-            Step::Round(round) => match &self.accuracy {
-                Some(Accuracy { share, target, .. }) => {
-                    let (share, target) = (report::percent(*share), report::percent(target.error));
-                    format!("round {}, {share} of values within {target} so far", round + 1)
-                }
-                None => format!("round {}", round + 1),
-            },
-        }
+            None => format!("round {}", round + 1),
+        },
     }
 }
 
 /// What is shown at one moment.
 struct Moment {
     phase: String,
-    step: Option<Step>,
-    share: Option<f64>,
-    mrays_per_second: Option<f64>,
-    seconds_left: Option<f64>,
+    solve: lumel::Progress,
 }
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 
-    fn enter(&self, phase: String, step: Option<Step>) {
-        let control = self.interrupt.control();
+    fn reading(&self) -> Reading {
+        Reading::new(self.interrupt.control(), self.clock.seconds())
+    }
+
+    fn enter(&self, phase: String, tracker: Option<Arc<Mutex<Tracker>>>) {
         let mut state = self.lock();
-        state.phase = phase;
-        state.step = step;
-        state.since = Instant::now();
-        (state.elements_before, state.rays_before) = (control.elements(), control.rays());
+        (state.phase, state.tracker) = (phase, tracker);
         drop(state);
         if matches!(self.display, Display::Json) {
             self.show();
@@ -253,20 +222,9 @@ impl Shared {
     }
 
     fn moment(&self) -> Moment {
-        let control = self.interrupt.control();
         let state = self.lock();
-        let seconds = state.since.elapsed().as_secs_f64();
-        let elements = control.elements().saturating_sub(state.elements_before);
-        let rays = control.rays().saturating_sub(state.rays_before);
-        let position = state.step.map(|step| Position { step, seconds, elements, rays });
-        let work = state.workload.as_ref().zip(position);
-        Moment {
-            phase: state.phase.clone(),
-            step: state.step,
-            share: work.as_ref().and_then(|(work, at)| work.share_known(at)),
-            mrays_per_second: state.step.map(|_| 1e-6 * rays as f64 / seconds.max(1e-6)),
-            seconds_left: work.as_ref().and_then(|(work, at)| work.seconds_left(at, &state.remainders)),
-        }
+        let solve = state.tracker.as_ref().map(|tracker| lock(tracker).progress(self.reading()));
+        Moment { phase: state.phase.clone(), solve: solve.unwrap_or_default() }
     }
 
     fn show(&self) {
@@ -274,12 +232,12 @@ impl Shared {
         match &self.display {
             Display::Bar(bar) => {
                 bar.set_prefix(moment.phase.clone());
-                bar.set_position((moment.share.unwrap_or(0.0) * BAR_STEPS as f64) as u64);
+                bar.set_position((moment.solve.step_share.unwrap_or(0.0) * BAR_STEPS as f64) as u64);
                 bar.set_message(moment.details().join(", "));
                 bar.tick();
             }
             Display::Lines => {
-                let share = moment.share.map(|share| format!("{:.0} %", 100.0 * share));
+                let share = moment.solve.step_share.map(|share| format!("{:.0} %", 100.0 * share));
                 let details: Vec<String> = share.into_iter().chain(moment.details()).collect();
                 if details.is_empty() {
                     // There is nothing new to say about it.
@@ -294,12 +252,13 @@ impl Shared {
                 let mut event = json!({
                     "event": "progress",
                     "phase": moment.phase,
-                    "share": moment.share,
-                    "mrays_per_second": moment.mrays_per_second,
-                    "seconds": self.started.elapsed().as_secs_f64(),
-                    "seconds_left": moment.seconds_left,
+                    "share": moment.solve.step_share,
+                    "share_of_solve": moment.solve.share,
+                    "mrays_per_second": moment.mrays_per_second(),
+                    "seconds": self.clock.seconds(),
+                    "seconds_left": moment.solve.seconds_left,
                 });
-                if let Some(step) = moment.step {
+                if let Some(step) = moment.solve.step {
                     add_step(&mut event, step);
                 }
                 self.console.event(&event);
@@ -309,9 +268,17 @@ impl Shared {
 }
 
 impl Moment {
+    fn mrays_per_second(&self) -> Option<f64> {
+        self.solve.rays_per_second.map(|rays| 1e-6 * rays)
+    }
+
     fn details(&self) -> Vec<String> {
-        let speed = self.mrays_per_second.map(|speed| format!("{speed:.2} Mrays/s"));
-        let left = self.seconds_left.map(|left| format!("{} left", report::duration(left)));
+        let speed = self.mrays_per_second().map(|speed| format!("{speed:.2} Mrays/s"));
+        let left = self.solve.seconds_left.map(|left| format!("{} left", report::duration(left)));
         speed.into_iter().chain(left).collect()
     }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -2,15 +2,15 @@
 
 use crate::args::{ProgressMode, ThreadArgs};
 use crate::checkpoint::Checkpoint;
+use crate::clock::Clock;
 use crate::console::Console;
 use crate::failure::with_hint;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use anyhow::Context;
-use lumel::{Baker, Observer, SolveError, SolveState, Step, Workload};
+use lumel::{Baker, Observer, Reading, SolveError, SolveState, Step, Tracker};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The threads that everything runs on.
 pub(crate) fn thread_pool(args: &ThreadArgs) -> anyhow::Result<ThreadPool> {
@@ -22,12 +22,12 @@ pub(crate) fn thread_pool(args: &ThreadArgs) -> anyhow::Result<ThreadPool> {
 pub(crate) struct Session {
     /// Where messages go.
     pub(crate) console: Arc<Console>,
-    /// What the user wants to be stopped.
+    /// Whether the user wants it to stop.
     pub(crate) interrupt: Interrupt,
-    /// What is shown meanwhile.
+    /// What is displayed meanwhile.
     pub(crate) progress: Progress,
-    /// When it began.
-    pub(crate) started: Instant,
+    /// Its time.
+    pub(crate) clock: Clock,
 }
 
 /// What a solve did.
@@ -43,18 +43,18 @@ pub(crate) struct SolveLog {
 impl Session {
     /// Begins.
     pub(crate) fn start(mode: ProgressMode, console: &Arc<Console>) -> anyhow::Result<Self> {
-        let started = Instant::now();
+        let clock = Clock::start();
         let interrupt = Interrupt::listen(console)?;
-        let progress = Progress::start(mode, console, &interrupt);
-        Ok(Self { console: Arc::clone(console), interrupt, progress, started })
+        let progress = Progress::start(mode, console, &interrupt, clock);
+        Ok(Self { console: Arc::clone(console), interrupt, progress, clock })
     }
 
     /// Runs something under a name. Returns its result and its seconds.
     pub(crate) fn timed<T>(&self, phase: &str, run: impl FnOnce() -> T) -> (T, f64) {
         self.progress.phase(phase);
-        let begun = Instant::now();
+        let begun = self.clock.seconds();
         let result = run();
-        (result, begun.elapsed().as_secs_f64())
+        (result, self.clock.seconds() - begun)
     }
 
     /// Solves, going on from `state`. `Ok(None)` when it was cancelled.
@@ -64,21 +64,20 @@ impl Session {
         state: &mut SolveState,
         checkpoint: Option<&Checkpoint>,
     ) -> anyhow::Result<Option<SolveLog>> {
-        self.progress.expect(Workload::new(baker));
-        let watch = Watch { baker, progress: &self.progress, checkpoint, notes: Mutex::default() };
-        let begun = Instant::now();
+        let tracker = Arc::new(Mutex::new(Tracker::new(baker, state)));
+        let watch = Watch { session: self, baker, checkpoint, tracker, checkpoint_seconds: Mutex::default() };
+        let begun = self.clock.seconds();
         let result = {
             let _heeding = self.interrupt.heed();
             baker.run(state, self.interrupt.control(), &watch)
         };
-        let all_seconds = begun.elapsed().as_secs_f64();
-        let notes = watch.notes.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let seconds = self.clock.seconds() - begun;
+        let checkpoint_seconds = *lock(&watch.checkpoint_seconds);
         match result {
-            Ok(()) => Ok(Some(SolveLog {
-                seconds: all_seconds - notes.checkpoint_seconds,
-                steps: notes.steps,
-                checkpoint_seconds: notes.checkpoint_seconds,
-            })),
+            Ok(()) => {
+                let steps = lock(&watch.tracker).steps().to_vec();
+                Ok(Some(SolveLog { steps, seconds: seconds - checkpoint_seconds, checkpoint_seconds }))
+            }
             Err(SolveError::Cancelled(_)) => Ok(None),
             Err(error @ SolveError::Memory { needed, .. }) => {
                 let hint = format!("allow more, with --memory {}MiB", needed.div_ceil(1 << 20));
@@ -91,44 +90,39 @@ impl Session {
 
 /// Follows a solve.
 struct Watch<'a> {
+    session: &'a Session,
     baker: &'a Baker,
-    progress: &'a Progress,
     checkpoint: Option<&'a Checkpoint>,
-    notes: Mutex<Notes>,
+    tracker: Arc<Mutex<Tracker>>,
+    checkpoint_seconds: Mutex<f64>,
 }
 
-#[derive(Default)]
-struct Notes {
-    begun: Option<Instant>,
-    steps: Vec<(Step, f64)>,
-    checkpoint_seconds: f64,
+impl Watch<'_> {
+    fn reading(&self) -> Reading {
+        Reading::new(self.session.interrupt.control(), self.session.clock.seconds())
+    }
 }
 
 impl Observer for Watch<'_> {
     fn step_started(&self, step: Step) {
-        self.lock().begun = Some(Instant::now());
-        self.progress.step_started(step);
+        lock(&self.tracker).step_started(step, self.reading());
+        self.session.progress.step_started(step, &self.tracker);
     }
 
     fn step_done(&self, step: Step, state: &SolveState) {
-        let seconds = {
-            let mut notes = self.lock();
-            let seconds = notes.begun.take().map_or(0.0, |begun| begun.elapsed().as_secs_f64());
-            notes.steps.push((step, seconds));
-            seconds
-        };
+        let now = self.reading();
+        let remainder = self.baker.remainder(state);
         let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
-        self.progress.step_done(step, seconds, self.baker.remainder(state), accuracy);
+        let seconds = lock(&self.tracker).step_done(step, remainder, accuracy, now);
+        self.session.progress.step_done(step, seconds, remainder, accuracy);
         if let (Some(checkpoint), Step::Bounce(_) | Step::Round(_)) = (self.checkpoint, step) {
-            let begun = Instant::now();
+            let begun = self.session.clock.seconds();
             checkpoint.save(self.baker, state);
-            self.lock().checkpoint_seconds += begun.elapsed().as_secs_f64();
+            *lock(&self.checkpoint_seconds) += self.session.clock.seconds() - begun;
         }
     }
 }
 
-impl Watch<'_> {
-    fn lock(&self) -> std::sync::MutexGuard<'_, Notes> {
-        self.notes.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -7,8 +7,7 @@ use crate::selection::{Light, VertexValues};
 use crate::spread::Neighbours;
 use glam::Vec3;
 use lumel::{
-    Accuracy, Baker, Control, Observer, Position, Remainder, Scene, Settings, Snapshot, SolveState, Step,
-    Workload,
+    Baker, Control, Observer, Progress, Reading, Scene, Settings, Snapshot, SolveState, Step, Tracker,
 };
 use lumel_basis::Field;
 use lumel_scene::luminance;
@@ -131,8 +130,6 @@ pub struct Published {
     pub light: Light,
     /// One for each finished bounce.
     pub stats: Vec<BounceStats>,
-    /// What the last round has reached, where there is a target error.
-    pub accuracy: Option<Accuracy>,
     /// Changes with the light.
     pub generation: u64,
     /// Why the last checkpoint could not be written, if it could not.
@@ -145,20 +142,6 @@ pub struct Job {
     shared: Arc<Shared>,
     settings: Settings,
     thread: Option<JoinHandle<()>>,
-    begun: Instant,
-}
-
-/// How far a job is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Share of the current step that is done, as far as it can be told.
-    pub share: Option<f32>,
-    /// Rays per second of the current step.
-    pub rays_per_second: f64,
-    /// Seconds until all is done, as far as it can be told.
-    pub seconds_left: Option<f64>,
-    /// Seconds since the start.
-    pub seconds: f64,
 }
 
 /// Keeps the state of a solve somewhere after each bounce.
@@ -167,18 +150,11 @@ pub type Keep = Box<dyn Fn(&Baker, &SolveState) -> Result<(), String> + Send + S
 struct Shared {
     published: Mutex<Published>,
     solved: Mutex<Option<Arc<Solved>>>,
-    pace: Mutex<Pace>,
+    /// When the job began.
+    begun: Instant,
+    /// Follows the solve, once there is one.
+    tracker: Mutex<Option<Tracker>>,
     wakes: Wakes,
-}
-
-/// What the estimate of the time left is made from.
-#[derive(Default)]
-struct Pace {
-    workload: Option<Workload>,
-    step: Option<(Step, Instant)>,
-    elements: u64,
-    rays: u64,
-    remainders: Vec<Remainder>,
 }
 
 impl Job {
@@ -189,14 +165,14 @@ impl Job {
             phase: Phase::Preparing,
             light: Light::new(),
             stats: Vec::new(),
-            accuracy: None,
             generation: 0,
             checkpoint_problem: None,
         };
         let shared = Arc::new(Shared {
             published: Mutex::new(published),
             solved: Mutex::default(),
-            pace: Mutex::default(),
+            begun: Instant::now(),
+            tracker: Mutex::default(),
             wakes,
         });
         let settings = task.settings.clone();
@@ -209,7 +185,7 @@ impl Job {
                 shared.publish_phase(Phase::Ended(ending));
             })
         };
-        Self { control, shared, settings, thread: Some(thread), begun: Instant::now() }
+        Self { control, shared, settings, thread: Some(thread) }
     }
 
     /// Asks it to stop.
@@ -246,11 +222,6 @@ impl Job {
         (published.generation, published.phase.clone())
     }
 
-    /// What the last round has reached, where there is a target error.
-    pub fn accuracy(&self) -> Option<Accuracy> {
-        lock(&self.shared.published).accuracy
-    }
-
     /// How it ended; `None` while it runs.
     pub fn ending(&self) -> Option<Ending> {
         match &lock(&self.shared.published).phase {
@@ -264,23 +235,15 @@ impl Job {
         lock(&self.shared.solved).clone()
     }
 
-    /// How far it is.
+    /// How far its solve is.
     pub fn progress(&self) -> Progress {
-        let pace = lock(&self.shared.pace);
-        let seconds = self.begun.elapsed().as_secs_f64();
-        let mut progress = Progress { share: Some(0.0), rays_per_second: 0.0, seconds_left: None, seconds };
-        if let (Some(workload), Some((step, since))) = (&pace.workload, pace.step) {
-            let at = Position {
-                step,
-                seconds: since.elapsed().as_secs_f64(),
-                elements: self.control.elements() - pace.elements,
-                rays: self.control.rays() - pace.rays,
-            };
-            progress.share = workload.share_known(&at).map(|share| share as f32);
-            progress.rays_per_second = at.rays as f64 / at.seconds.max(1e-3);
-            progress.seconds_left = workload.seconds_left(&at, &pace.remainders);
-        }
-        progress
+        let now = self.shared.reading(&self.control);
+        lock(&self.shared.tracker).as_ref().map_or_else(Progress::default, |tracker| tracker.progress(now))
+    }
+
+    /// Seconds since it began.
+    pub fn seconds(&self) -> f64 {
+        self.shared.begun.elapsed().as_secs_f64()
     }
 }
 
@@ -299,6 +262,11 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Shared {
+    /// Time and counters now.
+    fn reading(&self, control: &Control) -> Reading {
+        Reading::new(control, self.begun.elapsed().as_secs_f64())
+    }
+
     fn publish_light(&self, change: impl FnOnce(&mut Published)) {
         self.change_light(change);
         (self.wakes.event)();
@@ -336,7 +304,6 @@ fn run(task: &Task, work: Work, control: &Control, shared: &Shared, keep: &Keep)
 
 fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
     let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
-    lock(&shared.pace).workload = Some(Workload::new(&baker));
     let mut state = match start {
         Start::Anew => SolveState::new(),
         Start::From(state) => state,
@@ -345,6 +312,7 @@ fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &K
             Err(error) => return Ending::Failed(error.to_string()),
         },
     };
+    *lock(&shared.tracker) = Some(Tracker::new(&baker, &state));
     let watch = Watch::new(task, &baker, control, shared, keep);
     watch.resumed(&state);
     let result = std::thread::scope(|scope| {
@@ -436,10 +404,6 @@ impl<'a> Watch<'a> {
     fn publish_bounce(&self, state: &SolveState, seconds: f64) {
         let Some((values, stats)) = self.last_bounce(state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
-        if let Some(share) = stats.unfinished {
-            let after = state.bounces.len() as u32 - 1;
-            lock(&self.shared.pace).remainders.push(Remainder { after, share });
-        }
         self.shared.publish_light(|p| {
             p.light.bounces.push(values);
             p.light.current = None;
@@ -468,10 +432,9 @@ impl<'a> Watch<'a> {
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         let errors = state.errors.as_ref();
         let standard_error = errors.map(|e| Arc::new(self.baker.at_vertices(&e.standard_error)));
-        let accuracy = errors.map(|errors| errors.accuracy);
         self.shared.publish_light(|p| {
             p.light = Light { bounces, tail, valid, standard_error, ..Light::new() };
-            (p.stats, p.accuracy) = (stats, accuracy);
+            p.stats = stats;
         });
     }
 
@@ -517,6 +480,11 @@ impl<'a> Watch<'a> {
         (self.shared.wakes.glimpse)();
     }
 
+    fn track<T>(&self, tell: impl FnOnce(&mut Tracker, Reading) -> T) -> Option<T> {
+        let now = self.shared.reading(self.control);
+        lock(&self.shared.tracker).as_mut().map(|tracker| tell(tracker, now))
+    }
+
     fn hand_over(&self, change: impl FnOnce(&mut Mail)) {
         change(&mut lock(&self.mail));
         self.arrived.notify_all();
@@ -538,11 +506,7 @@ impl Drop for Closing<'_> {
 
 impl Observer for Watch<'_> {
     fn step_started(&self, step: Step) {
-        {
-            let mut pace = lock(&self.shared.pace);
-            pace.step = Some((step, Instant::now()));
-            (pace.elements, pace.rays) = (self.control.elements(), self.control.rays());
-        }
+        self.track(|tracker, now| tracker.step_started(step, now));
         // Before there is any light one waits for it; later the light so far stays in sight.
         let first =
             if matches!(step, Step::Bounce(0) | Step::Round(0)) { FIRST_SNAPSHOT } else { SNAPSHOT_PERIOD };
@@ -556,11 +520,11 @@ impl Observer for Watch<'_> {
     }
 
     fn step_done(&self, step: Step, state: &SolveState) {
-        let since = lock(&self.shared.pace).step;
+        let remainder = self.baker.remainder(state);
+        let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
+        let seconds = self.track(|tracker, now| tracker.step_done(step, remainder, accuracy, now));
         match step {
-            Step::Bounce(_) => {
-                self.publish_bounce(state, since.map_or(0.0, |(_, since)| since.elapsed().as_secs_f64()));
-            }
+            Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
             Step::Round(_) => self.publish_round(state),
             Step::Probe | Step::FinalGather => return,
         }

@@ -23,8 +23,10 @@ pub(crate) struct SettingsArgs {
 
 impl Args for SettingsArgs {
     fn augment_args(command: Command) -> Command {
-        let options = setting::ALL.iter().map(|setting| option(*setting));
-        command.arg(preset()).args(options).arg(no_emissive())
+        setting::ALL.iter().fold(command.arg(preset()), |command, setting| {
+            let command = command.arg(option(*setting));
+            if setting.about().name == EMITTERS.about.name { command.arg(no_emissive()) } else { command }
+        })
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -86,7 +88,7 @@ fn preset() -> Arg {
     let help = |preset: Preset, choice: &Choice| {
         let settings = preset.settings();
         let values = by_preset().map(|s| format!("{} {}", s.about().flag(), s.text(&settings)));
-        format!("{}: {}", choice.help, values.collect::<Vec<_>>().join(", "))
+        format!("{} ({})", choice.help, values.collect::<Vec<_>>().join(", "))
     };
     let values = Preset::ALL.into_iter().zip(Preset::choices());
     let parser = names(values.map(|(preset, choice)| possible(choice, help(preset, choice))))

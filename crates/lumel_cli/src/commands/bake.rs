@@ -23,7 +23,7 @@ pub(crate) fn run(args: &BakeArgs, console: &Arc<Console>) -> anyhow::Result<Out
     session.progress.finish();
     match result? {
         Baked::Done(mut summary) => {
-            summary.seconds.total = session.started.elapsed().as_secs_f64();
+            summary.seconds.total = session.clock.seconds();
             console::print(&if args.json { summary.json()? } else { summary.text() })?;
             Ok(console.outcome(args.run.strict))
         }

@@ -4,7 +4,7 @@ use crate::app::App;
 use crate::solver::Phase;
 use crate::theme;
 use eframe::egui::{self, ProgressBar, RichText, Ui};
-use lumel::{Accuracy, BounceLimit, Ended, Settings};
+use lumel::{Accuracy, Ended, Settings};
 
 pub(crate) fn status(app: &mut App, ui: &mut Ui) {
     ui.horizontal(|ui| {
@@ -61,31 +61,32 @@ fn state(app: &App) -> (String, egui::Color32) {
 fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
     let Some(job) = app.session.job() else { return };
     let progress = job.progress();
-    match progress.share {
+    match progress.step_share {
         Some(share) => {
-            ui.add(ProgressBar::new(share).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT));
+            ui.add(
+                ProgressBar::new(share as f32).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT),
+            );
         }
         None => drop(ui.spinner()),
     }
-    let of = match app.session.settings.bounces {
-        BounceLimit::Count(n) => format!(" of {n}"),
-        BounceLimit::All => String::new(),
-    };
     let mut text = match phase {
         Phase::Preparing => "Preparing".to_owned(),
         Phase::Probing => "Finding vertices inside geometry".to_owned(),
         Phase::Bounce(0) => "Direct light".to_owned(),
-        Phase::Bounce(k) => format!("Bounce {k}{of}"),
+        Phase::Bounce(k) => match progress.last_bounce.filter(|last| last >= k) {
+            Some(last) => format!("Bounce {k} of {last}"),
+            None => format!("Bounce {k}"),
+        },
         Phase::FinalGather => "Final gather".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::StandardError => "Measuring the standard error".to_owned(),
         Phase::Ended(_) => String::new(),
     };
-    if let Some(accuracy) = job.accuracy() {
+    if let Some(accuracy) = progress.accuracy {
         text += &format!("  |  {}", within(&accuracy, job.settings()));
     }
-    if progress.rays_per_second > 0.0 {
-        text += &format!("  |  {:.2} Mrays/s", progress.rays_per_second / 1e6);
+    if let Some(rays) = progress.rays_per_second.filter(|&rays| rays > 0.0) {
+        text += &format!("  |  {:.2} Mrays/s", rays / 1e6);
     }
     if let Some(seconds) = progress.seconds_left {
         text += &format!("  |  {} left", duration(seconds));

@@ -375,7 +375,7 @@ impl Session {
         }
         if let (Some(solved), Some(computed)) = (running.job.solved(), &mut self.computed) {
             computed.complete = done;
-            computed.seconds = Some(running.job.progress().seconds);
+            computed.seconds = Some(running.job.seconds());
             computed.solved = Some(solved);
         }
         if running.kind == Kind::Follow {
@@ -392,7 +392,7 @@ impl Session {
             (_, Then::Restart) => self.start_solve(Start::Anew),
             (_, Then::GoOn) => self.solve(),
             (Ending::Done, Then::Rest) => {
-                let seconds = running.job.progress().seconds;
+                let seconds = running.job.seconds();
                 let bounces = self.light.bounce_count().saturating_sub(1);
                 let text = format!("Solved: direct light and {bounces} bounces in {seconds:.1} s");
                 self.notices.push(Level::Info, text);

@@ -44,7 +44,7 @@ fn enter_starts_and_escape_stops_at_once() {
 #[test]
 fn the_stop_button_stops_at_once() {
     stops_in_time(|window| {
-        window.wait_until("the progress", |app| app.session.job().unwrap().progress().share > Some(0.0));
+        window.wait_until("the progress", |app| app.session.job().unwrap().progress().step_share > Some(0.0));
         assert!(window.reads("Bounce 1 of 2"));
         let at = window.find(Role::Button, "Stop").rect().center();
         window.drag_at(at);
@@ -133,13 +133,13 @@ fn a_stopped_solve_goes_on_with_the_same_bits() {
 fn enter_does_nothing_in_mid_solve() {
     let Some(mut window) = Window::room() else { return };
     window.solve_for_long();
-    let seconds = window.session().job().unwrap().progress().seconds;
+    let seconds = window.session().job().unwrap().seconds();
     window.press(Key::Enter);
     window.run_steps(5);
     assert!(window.told("A solve is running already"));
     let session = window.session();
     assert_eq!((session.light.bounces.len(), session.phase()), (1, Some(Phase::Bounce(1))));
-    assert!(session.job().unwrap().progress().seconds > seconds, "the same job");
+    assert!(session.job().unwrap().seconds() > seconds, "the same job");
 }
 
 #[test]

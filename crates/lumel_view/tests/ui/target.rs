@@ -14,7 +14,8 @@ fn stopped(window: &mut Window) {
     settings.target_error = TargetError::At("0.1%".parse().unwrap());
     settings.indirect_samples = 8192;
     window.press(Key::Enter);
-    window.wait_until("a round", |app| app.session.job().is_some_and(|job| job.accuracy().is_some()));
+    window
+        .wait_until("a round", |app| app.session.job().is_some_and(|job| job.progress().accuracy.is_some()));
     window.run_steps(1);
     assert!(window.reads("of values within 0.1 %"), "{}", window.texts());
     window.press(Key::Escape);

@@ -1,13 +1,17 @@
-//! How long a solve will still take.
+//! How much a solve has to do, and how long it will still take.
 
 use crate::Baker;
 use crate::method::Method;
+use crate::reading::Reading;
 use crate::settings::{BasisKind, BounceLimit, Settings};
 use lumel_solve::Step;
 
-/// How much there is to do.
+/// Below this share of a step that is done, its speed says little.
+const MIN_SHARE: f64 = 0.02;
+
+/// How much a solve has to do.
 #[derive(Clone, Debug)]
-pub struct Workload {
+pub(crate) struct Workload {
     /// Elements measured per bounce.
     elements: u64,
     rays: RaysPerElement,
@@ -15,47 +19,34 @@ pub struct Workload {
     remainder: f64,
 }
 
-/// Hemisphere rays of an element by step.
+/// Hemisphere rays per element, by step.
 #[derive(Clone, Copy, Debug)]
 struct RaysPerElement {
     /// In the first bounce.
     first: f64,
-    /// In each bounce after it.
+    /// In each later bounce.
     later: f64,
-    /// At the end.
+    /// In the final gather.
     gathered: f64,
 }
 
-/// How far the solve is.
-#[derive(Clone, Copy, Debug)]
-pub struct Position {
-    /// What is being measured.
-    pub step: Step,
-    /// Seconds since it began.
-    pub seconds: f64,
-    /// Elements measured since then.
-    pub elements: u64,
-    /// Rays traced since then.
-    pub rays: u64,
-}
-
 /// What is still missing after a bounce.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder {
     /// The bounce.
     pub after: u32,
-    /// Share of all light.
+    /// Share of all light that later bounces would bring.
     pub share: f64,
 }
 
 impl Workload {
-    /// That of a baker.
-    pub fn new(baker: &Baker) -> Self {
+    /// What a baker has to do.
+    pub(crate) fn new(baker: &Baker) -> Self {
         Self::of(baker.elements_per_step(), baker.settings(), baker.method())
     }
 
-    fn of(elements: u64, settings: &Settings, method: Method) -> Self {
-        // Per triangle half as many, of which there are twice as many as vertices.
+    pub(crate) fn of(elements: u64, settings: &Settings, method: Method) -> Self {
+        // A mesh has about twice as many triangles as vertices; each gets half the rays of a vertex.
         let share = if settings.basis == BasisKind::Vertex { 1.0 } else { 0.5 };
         let all = share * f64::from(settings.indirect_samples);
         let rays = match method {
@@ -70,8 +61,8 @@ impl Workload {
         Self { elements, rays, limit: settings.bounces, remainder: f64::from(settings.remainder) }
     }
 
-    /// The last bounce, as far as it is known: from the remainders after the bounces so far.
-    pub fn last_bounce(&self, remainders: &[Remainder]) -> Option<u32> {
+    /// The last bounce that will be computed, as far as it can be foreseen from the remainders so far.
+    pub(crate) fn last_bounce(&self, remainders: &[Remainder]) -> Option<u32> {
         match self.limit {
             BounceLimit::Count(n) => Some(n),
             BounceLimit::All => {
@@ -84,24 +75,18 @@ impl Workload {
         }
     }
 
-    /// Share of the current step that is done.
-    pub fn share(&self, at: &Position) -> f64 {
-        (at.elements as f64 / self.elements.max(1) as f64).min(1.0)
+    /// Share of a step that is done; `None` for a round, which has as many solves as it takes.
+    pub(crate) fn step_share(&self, step: Step, elements: u64) -> Option<f64> {
+        (!matches!(step, Step::Round(_))).then(|| (elements as f64 / self.elements.max(1) as f64).min(1.0))
     }
 
-    /// [`share`](Self::share), where it can be told: not of a round, whose solves are as many as it takes.
-    pub fn share_known(&self, at: &Position) -> Option<f64> {
-        (!matches!(at.step, Step::Round(_))).then(|| self.share(at))
-    }
-
-    /// Seconds until the end of the solve; `None` while nobody can tell, as with rounds until an error is reached.
+    /// Seconds until the end of the solve, where `done` was done of the current step; `None` while it is unknown, as
+    /// with rounds for a target error.
     ///
-    /// Bounces to come are taken to trace rays as fast as the current step.
-    pub fn seconds_left(&self, at: &Position, remainders: &[Remainder]) -> Option<f64> {
-        let share = self.share(at);
-        if share < 0.02 || at.rays == 0 || matches!(at.step, Step::Round(_)) {
-            return None;
-        }
+    /// Assumes that later bounces trace rays as fast as the current step.
+    pub(crate) fn seconds_left(&self, step: Step, done: Reading, remainders: &[Remainder]) -> Option<f64> {
+        let share =
+            self.step_share(step, done.elements).filter(|&share| share >= MIN_SHARE && done.rays > 0)?;
         let last = self.last_bounce(remainders)?;
         let RaysPerElement { first, later, gathered } = self.rays;
         let bounces_after = |bounce: u32| match last.saturating_sub(bounce) {
@@ -109,13 +94,13 @@ impl Workload {
             n if bounce == 0 => first + f64::from(n - 1) * later,
             n => f64::from(n) * later,
         };
-        let to_come = match at.step {
+        let to_come = match step {
             Step::Probe => first + bounces_after(0) + gathered,
             Step::Bounce(bounce) => bounces_after(bounce) + gathered,
             Step::FinalGather | Step::Round(_) => 0.0,
         };
-        let this_step = at.seconds * (1.0 - share) / share;
-        Some(this_step + self.elements as f64 * to_come * at.seconds / at.rays as f64)
+        let this_step = done.seconds * (1.0 - share) / share;
+        Some(this_step + self.elements as f64 * to_come * done.seconds / done.rays as f64)
     }
 }
 
@@ -133,23 +118,24 @@ mod tests {
     fn bounces_on_stored_rays_cost_nothing() {
         let settings =
             Settings { bounces: BounceLimit::Count(5), indirect_samples: 100, ..Settings::default() };
-        let at = |step| Position { step, seconds: 2.0, elements: 500, rays: 50_000 };
+        let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
         let cached = Workload::of(1000, &settings, Method::Cached { memory: Memory(1) });
-        assert_eq!(cached.seconds_left(&at(Step::Bounce(1)), &[]), Some(2.0));
-        assert_eq!(cached.seconds_left(&at(Step::Bounce(0)), &[]), Some(2.0 + 4.0));
+        assert_eq!(cached.seconds_left(Step::Bounce(1), done, &[]), Some(2.0));
+        assert_eq!(cached.seconds_left(Step::Bounce(0), done, &[]), Some(2.0 + 4.0));
         let method = Method::FinalGather { stored: 50, memory: Memory(1) };
         let gathers = Workload::of(1000, &settings, method);
-        assert_eq!(gathers.seconds_left(&at(Step::Bounce(0)), &[]), Some(2.0 + 2.0 + 4.0));
-        assert_eq!(gathers.seconds_left(&at(Step::FinalGather), &[]), Some(2.0));
+        assert_eq!(gathers.seconds_left(Step::Bounce(0), done, &[]), Some(2.0 + 2.0 + 4.0));
+        assert_eq!(gathers.seconds_left(Step::FinalGather, done, &[]), Some(2.0));
     }
 
     #[test]
     fn bounces_to_come_take_as_long_as_their_rays() {
         let work = workload(BounceLimit::Count(3));
-        let at = Position { step: Step::Bounce(1), seconds: 2.0, elements: 500, rays: 50_000 };
+        let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
         // Half of bounce 1, then bounces 2 and 3 at 25000 rays a second.
-        assert_eq!(work.seconds_left(&at, &[]), Some(2.0 + 2.0 * 4.0));
-        assert_eq!(work.seconds_left(&Position { elements: 1, ..at }, &[]), None);
+        assert_eq!(work.seconds_left(Step::Bounce(1), done, &[]), Some(2.0 + 2.0 * 4.0));
+        assert_eq!(work.seconds_left(Step::Bounce(1), Reading { elements: 1, ..done }, &[]), None);
+        assert_eq!(work.seconds_left(Step::Round(1), done, &[]), None);
     }
 
     #[test]

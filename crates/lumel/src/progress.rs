@@ -1,0 +1,192 @@
+//! How far a solve is: what programs and windows display.
+
+use crate::Baker;
+use crate::reading::Reading;
+use crate::workload::{Remainder, Workload};
+use lumel_solve::{Accuracy, SolveState, Step};
+
+/// Follows a solve and foresees its end.
+///
+/// An [`Observer`](crate::Observer) tells it of every step, with the time; whoever displays progress asks it at any
+/// time in between.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    workload: Workload,
+    /// When the first step began.
+    started: Option<Reading>,
+    /// The last step that began.
+    current: Option<Current>,
+    remainders: Vec<Remainder>,
+    accuracy: Option<Accuracy>,
+    steps: Vec<(Step, f64)>,
+}
+
+/// A step.
+#[derive(Clone, Copy, Debug)]
+struct Current {
+    step: Step,
+    started: Reading,
+    /// When it was done; the next step may begin later, after a checkpoint.
+    done: Option<Reading>,
+}
+
+/// How far a solve is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// What is being computed, or was last; `None` before the first step.
+    pub step: Option<Step>,
+    /// Share of the step that is done; `None` for a round of a target error, which has as many solves as it takes.
+    pub step_share: Option<f64>,
+    /// Share of the whole solve that is done, by time; `None` while [`seconds_left`](Self::seconds_left) is.
+    pub share: Option<f64>,
+    /// Seconds until the solve ends, if later bounces trace rays as fast as this step; `None` while it is unknown.
+    pub seconds_left: Option<f64>,
+    /// Rays per second in this step.
+    pub rays_per_second: Option<f64>,
+    /// The last bounce that will be computed, as far as it is known.
+    pub last_bounce: Option<u32>,
+    /// What was missing after the last finished bounce, if it could be told.
+    pub remainder: Option<Remainder>,
+    /// What the last round has reached, where there is a target error.
+    pub accuracy: Option<Accuracy>,
+}
+
+impl Tracker {
+    /// For a solve that begins with `state`.
+    pub fn new(baker: &Baker, state: &SolveState) -> Self {
+        let after = |n: usize| {
+            let bounces = state.bounces[..n].to_vec();
+            let share = baker.remainder(&SolveState { bounces, ..SolveState::new() })?;
+            Some(Remainder { after: n as u32 - 1, share })
+        };
+        // The end is foreseen from the last two.
+        let n = state.bounces.len();
+        let remainders = (n.saturating_sub(1).max(1)..=n).filter_map(after).collect();
+        Self { remainders, ..Self::of(Workload::new(baker)) }
+    }
+
+    fn of(workload: Workload) -> Self {
+        Self {
+            workload,
+            started: None,
+            current: None,
+            remainders: Vec::new(),
+            accuracy: None,
+            steps: Vec::new(),
+        }
+    }
+
+    /// A step begins.
+    pub fn step_started(&mut self, step: Step, now: Reading) {
+        self.started.get_or_insert(now);
+        self.current = Some(Current { step, started: now, done: None });
+    }
+
+    /// A step is done. `remainder` is [`Baker::remainder`] of its state, `accuracy` that of the state's errors.
+    ///
+    /// Returns the seconds it took.
+    pub fn step_done(
+        &mut self,
+        step: Step,
+        remainder: Option<f64>,
+        accuracy: Option<Accuracy>,
+        now: Reading,
+    ) -> f64 {
+        let mut seconds = 0.0;
+        if let Some(current) = self.current.as_mut().filter(|current| current.step == step) {
+            current.done = Some(now);
+            seconds = now.since(current.started).seconds;
+        }
+        self.steps.push((step, seconds));
+        if let (Step::Bounce(after), Some(share)) = (step, remainder) {
+            self.remainders.push(Remainder { after, share });
+        }
+        self.accuracy = accuracy;
+        seconds
+    }
+
+    /// The finished steps, and how many seconds each took.
+    pub fn steps(&self) -> &[(Step, f64)] {
+        &self.steps
+    }
+
+    /// How far the solve is.
+    pub fn progress(&self, now: Reading) -> Progress {
+        let fixed = Progress {
+            last_bounce: self.workload.last_bounce(&self.remainders),
+            remainder: self.remainders.last().copied(),
+            accuracy: self.accuracy,
+            ..Progress::default()
+        };
+        let Some(Current { step, started, done }) = self.current else { return fixed };
+        let done = done.unwrap_or(now).since(started);
+        let seconds_left = self.workload.seconds_left(step, done, &self.remainders);
+        let elapsed = self.started.map_or(0.0, |started| now.since(started).seconds);
+        Progress {
+            step: Some(step),
+            step_share: self.workload.step_share(step, done.elements),
+            share: seconds_left.map(|left| elapsed / (elapsed + left)),
+            seconds_left,
+            // A clock may not have moved yet.
+            rays_per_second: Some(done.rays as f64 / done.seconds.max(1e-6)),
+            ..fixed
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BounceLimit, Settings};
+
+    fn tracker(bounces: BounceLimit) -> Tracker {
+        let settings = Settings { bounces, indirect_samples: 100, ..Settings::default() };
+        Tracker::of(Workload::of(1000, &settings, crate::Method::Neumann))
+    }
+
+    fn at(seconds: f64, elements: u64, rays: u64) -> Reading {
+        Reading { seconds, elements, rays }
+    }
+
+    #[test]
+    fn progress_is_that_of_the_current_step_and_of_the_whole() {
+        let mut tracker = tracker(BounceLimit::Count(2));
+        // The clock and the counters were used before.
+        tracker.step_started(Step::Bounce(0), at(100.0, 70, 7));
+        assert_eq!(tracker.progress(at(100.0, 70, 7)).step_share, Some(0.0));
+        assert_eq!(tracker.step_done(Step::Bounce(0), None, None, at(102.0, 1070, 2007)), 2.0);
+        // A checkpoint is written; the step is done and no slower for it.
+        let between = tracker.progress(at(103.0, 1070, 2007));
+        assert_eq!((between.step_share, between.rays_per_second), (Some(1.0), Some(1000.0)));
+        tracker.step_started(Step::Bounce(1), at(103.0, 1070, 2007));
+        let progress = tracker.progress(at(104.0, 1320, 27_007));
+        assert_eq!((progress.step, progress.step_share), (Some(Step::Bounce(1)), Some(0.25)));
+        assert_eq!((progress.rays_per_second, progress.last_bounce), (Some(25_000.0), Some(2)));
+        // Three quarters of this bounce, and another of 100 000 rays: 3 s and 4 s, after 4 s.
+        assert_eq!(progress.seconds_left, Some(7.0));
+        assert_eq!(progress.share, Some(4.0 / 11.0));
+        assert_eq!(tracker.steps(), [(Step::Bounce(0), 2.0)]);
+    }
+
+    #[test]
+    fn the_last_bounce_is_foreseen_from_remainders() {
+        let mut tracker = tracker(BounceLimit::All);
+        for (bounce, share) in [(1, 0.5), (2, 0.25)] {
+            tracker.step_started(Step::Bounce(bounce), Reading::default());
+            tracker.step_done(Step::Bounce(bounce), Some(share), None, Reading::default());
+        }
+        let progress = tracker.progress(Reading::default());
+        // It halves each time: eight more until a thousandth.
+        assert_eq!(progress.last_bounce, Some(2 + 8));
+        assert_eq!(progress.remainder, Some(Remainder { after: 2, share: 0.25 }));
+    }
+
+    #[test]
+    fn a_round_has_no_share_and_no_end_in_sight() {
+        let mut tracker = tracker(BounceLimit::Count(2));
+        tracker.step_started(Step::Round(0), Reading::default());
+        let progress = tracker.progress(at(1.0, 500, 1000));
+        assert_eq!((progress.step_share, progress.share, progress.seconds_left), (None, None, None));
+        assert_eq!(progress.rays_per_second, Some(1000.0));
+    }
+}
