@@ -1,10 +1,10 @@
-//! How all bounces are solved, and with how much memory.
+//! How bounces are solved, and how much memory that takes.
 
 use crate::settings::{Memory, SolverKind};
 use lumel_solve::{REPLICATES, Target};
 use std::fmt;
 
-/// How a certain scene is solved with certain settings.
+/// How settings solve a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// All rays are stored.
@@ -12,32 +12,32 @@ pub enum Method {
         /// The memory they take.
         memory: Memory,
     },
-    /// All rays would take too much memory: the bounces are solved with some that are stored, then all light is
-    /// gathered once more with as many as were asked for.
+    /// Not all rays fit into memory: fewer are stored to solve the bounces, then a final gather traces as many as the
+    /// settings ask for.
     FinalGather {
         /// Rays per vertex that are stored.
         stored: u32,
         /// The memory they take.
         memory: Memory,
     },
-    /// Every bounce traces rays of its own.
+    /// Every bounce traces new rays.
     Neumann,
-    /// Independent solves on stored rays, with more samples where their spread is too large.
+    /// Independent solves on stored rays, which get more samples where their spread is too large.
     Replicates {
-        /// Where they end.
+        /// What they are to reach.
         target: Target,
-        /// Rays per vertex that each stores at first.
+        /// Rays per vertex that each stores in the first round.
         rays: u32,
-        /// The memory that those of all take.
+        /// The memory that the rays of all of them take in the first round.
         memory: Memory,
     },
 }
 
-/// Fewer stored rays than this per element would carry more noise from bounce to bounce than a final gather smooths.
+/// With fewer stored rays per element, noise would grow from bounce to bounce by more than a final gather smooths.
 const MIN_STORED: u32 = 16;
 
 impl Method {
-    /// Chooses: `bytes(rays)` is the memory of so many rays per element.
+    /// Chooses for `wanted` rays per element; `bytes(rays)` is the memory that so many per element take.
     pub(crate) fn new(kind: SolverKind, limit: Memory, wanted: u32, bytes: impl Fn(u32) -> u64) -> Self {
         if kind == SolverKind::Neumann {
             return Self::Neumann;
@@ -59,15 +59,15 @@ impl Method {
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Cached { memory } => write!(f, "rays traced once, {memory} of them stored"),
+            Self::Cached { memory } => write!(f, "rays traced once and stored ({memory})"),
             Self::FinalGather { stored, memory } => {
                 write!(f, "{stored} rays per vertex stored ({memory}), then a final gather")
             }
-            Self::Neumann => f.write_str("rays of its own for every bounce"),
+            Self::Neumann => f.write_str("new rays for every bounce"),
             Self::Replicates { rays, memory, .. } => {
                 write!(
                     f,
-                    "{REPLICATES} independent solves, each of {rays} rays per vertex at first ({memory} stored)"
+                    "{REPLICATES} independent solves of {rays} rays per vertex in the first round ({memory})"
                 )
             }
         }

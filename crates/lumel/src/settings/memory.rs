@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
-/// Bytes that stored rays may take.
+/// A size in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "NumberOrText<u64>", into = "u64")]
 pub struct Memory(pub u64);
@@ -30,7 +30,7 @@ impl FromStr for Memory {
         let bytes = number.trim().parse::<f64>().ok().map(|n| n * size as f64);
         match bytes {
             Some(bytes) if bytes.is_finite() && bytes >= 0.0 => Ok(Self(bytes.round() as u64)),
-            _ => Err(format!("\"{text}\" is no size; write for example 500MB or 2GiB")),
+            _ => Err(format!("\"{text}\" is not a size; write for example 500MB or 2GiB")),
         }
     }
 }

@@ -11,7 +11,7 @@ use std::str::FromStr;
 pub struct Share(f32);
 
 impl Share {
-    /// In percent, to four digits: without those of binary fractions.
+    /// In percent, rounded to four decimals, so that no digits of binary fractions show.
     pub fn percent(self) -> f64 {
         (1e6 * f64::from(self.0)).round() / 1e4
     }
@@ -38,7 +38,8 @@ impl FromStr for Share {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         let share = text.strip_suffix('%').map_or_else(|| number(text), |text| Some(number(text)? / 100.0));
         let share = share.and_then(|share| Self::new(share as f32));
-        share.ok_or_else(|| format!("\"{text}\" is no share between 0 and 1; write for example 0.01 or 1%"))
+        share
+            .ok_or_else(|| format!("\"{text}\" is not a share between 0 and 1; write for example 0.01 or 1%"))
     }
 }
 

@@ -32,13 +32,16 @@ pub trait Setting: Sync {
     /// The values by name, if there are only a few.
     fn choices(&self) -> &'static [Choice];
 
+    /// What its value is, in a few words to follow "it must be".
+    fn expected(&self) -> String;
+
     /// A patch that sets it alone.
     ///
     /// # Errors
     /// [`SettingsError::Invalid`] for a text that says no value, or one out of bounds.
     fn parse(&self, text: &str) -> Result<SettingsPatch, SettingsError>;
 
-    /// Its value, in words that [`parse`](Self::parse) understands.
+    /// Its value, rounded where that is shorter, in words that [`parse`](Self::parse) understands.
     fn text(&self, settings: &Settings) -> String;
 
     /// Its value, to be edited.
@@ -68,8 +71,7 @@ pub trait Setting: Sync {
 
 impl<T: Value> Definition<T> {
     fn invalid(&self, value: String) -> SettingsError {
-        let expected = T::expected(self.about.bounds);
-        SettingsError::Invalid { setting: self.about.name, value, expected }
+        SettingsError::Invalid { setting: self.about.name, value, expected: self.expected() }
     }
 
     fn allows(&self, value: &T) -> bool {
@@ -84,6 +86,10 @@ impl<T: Value> Setting for Definition<T> {
 
     fn choices(&self) -> &'static [Choice] {
         T::choices()
+    }
+
+    fn expected(&self) -> String {
+        T::expected(self.about.bounds)
     }
 
     fn parse(&self, text: &str) -> Result<SettingsPatch, SettingsError> {

@@ -1,29 +1,18 @@
 use crate::common::{Place, run};
 
-/// What other programs may rely on.
+/// What other programs may rely on, beside the options of settings.
 const FLAGS: [(&str, &[&str]); 5] = [
     (
         "bake",
         &[
             "-o",
-            "--basis",
-            "--bounces",
-            "--direct-samples",
-            "--indirect-samples",
-            "--sampler",
             "--light",
             "--no-emissive",
             "--max-edge",
             "--preset",
-            "--seed",
             "--threads",
             "--resume",
             "--progress",
-            "--tail",
-            "--remainder",
-            "--target-error",
-            "--target-share",
-            "--light-sampling",
             "--sky",
             "--subdivide",
             "--allow-outside-paths",
@@ -46,7 +35,7 @@ const FLAGS: [(&str, &[&str]); 5] = [
             "--samples",
         ],
     ),
-    ("measure", &["--light", "--point", "--normal", "--points", "-o", "--solution", "--json", "--bounces"]),
+    ("measure", &["--light", "--point", "--normal", "--points", "-o", "--solution", "--json"]),
     ("info", &["--json", "--strict", "--max-edge"]),
     ("compare", &["--json", "--max-error"]),
 ];
@@ -55,12 +44,15 @@ const FLAGS: [(&str, &[&str]); 5] = [
 fn every_flag_is_in_the_help_and_in_the_manual() {
     let place = Place::new();
     run(&mut place.lumel("man .")).done();
+    let settings: Vec<String> =
+        lumel::setting::ALL.iter().map(|s| format!("--{}", s.about().flag())).collect();
     for (command, flags) in FLAGS {
+        let settings = settings.iter().map(String::as_str).filter(|_| ["bake", "measure"].contains(&command));
         let help = run(&mut place.lumel(&format!("{command} --help"))).done().stdout;
         let page = std::fs::read_to_string(place.path(&format!("lumel-{command}.1"))).unwrap();
-        for flag in flags {
+        for flag in flags.iter().copied().chain(settings) {
             let words: Vec<&str> = help.split([' ', ',', '\n']).collect();
-            assert!(words.contains(flag), "{command} {flag}: {help}");
+            assert!(words.contains(&flag), "{command} {flag}: {help}");
             assert!(page.contains(&flag.replace('-', "\\-")), "{command} {flag}");
         }
         assert!(help.contains("Example"), "{help}");

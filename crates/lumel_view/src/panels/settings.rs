@@ -171,8 +171,7 @@ fn percent_of(ui: &mut Ui, about: &About, hint: &str, share: &mut Share) {
 /// A share that is edited in percent.
 fn percent(ui: &mut Ui, about: &About, hint: &str, share: &mut f32) {
     let range = offered(about, 0.0..=1.0);
-    // Without the digits of binary fractions.
-    let before = (1e6 * f64::from(*share)).round() / 1e4;
+    let before = Share::new(*share).map_or(0.0, Share::percent);
     let mut shown = before;
     let drag = DragValue::new(&mut shown)
         .range(100.0 * range.start()..=100.0 * range.end())
