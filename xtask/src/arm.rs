@@ -1,6 +1,7 @@
 //! The tests of the ray tracer, compiled for 64-bit ARM and run by an emulator.
 
-use crate::{cargo, run, succeeds};
+use crate::cargo::cargo;
+use crate::shell::{run, succeeds};
 use anyhow::{Result, bail};
 use std::process::Command;
 

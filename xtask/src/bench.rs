@@ -1,11 +1,12 @@
 //! `cargo x bench`: which benchmark to run, and what it needs beside it.
 
+use crate::cargo::{cargo, executable, root};
+use crate::embree;
 use crate::instructions::instructions;
-use crate::{cargo, embree, root, run, say};
+use crate::shell::{run, say};
 use anyhow::{Context, Result, bail};
-use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::Command;
 
 /// A benchmark of the workspace.
 struct Benchmark {
@@ -96,23 +97,6 @@ impl Benchmark {
         }
         run(&mut command)
     }
-}
-
-/// A benchmark of the package `lumel`, compiled.
-pub(crate) fn executable(name: &str) -> Result<PathBuf> {
-    let mut build = cargo(&["bench", "--package", "lumel", "--bench", name, "--no-run"]);
-    build.arg("--message-format=json").stderr(Stdio::inherit());
-    let output = build.output()?;
-    if !output.status.success() {
-        bail!("the benchmark cannot be compiled");
-    }
-    let messages = String::from_utf8(output.stdout)?;
-    let mut executables = messages.lines().filter_map(|line| {
-        let message: Value = serde_json::from_str(line).ok()?;
-        let is_it = message["target"]["name"] == name;
-        is_it.then(|| message["executable"].as_str().map(PathBuf::from)).flatten()
-    });
-    executables.next_back().with_context(|| format!("cargo names no executable for the benchmark {name}"))
 }
 
 /// Compares lumel with other renderers, by a script that sets up an environment for them.

@@ -1,6 +1,7 @@
 //! Embree 4 for the benchmark of rays, from a wheel of PyPI. Nothing else uses it.
 
-use crate::{root, run};
+use crate::cargo::root;
+use crate::shell::run;
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

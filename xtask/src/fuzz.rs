@@ -1,6 +1,7 @@
 //! Fuzzing of the readers, by `cargo fuzz`.
 
-use crate::{cargo, root, run, succeeds};
+use crate::cargo::{cargo, root};
+use crate::shell::{run, succeeds};
 use anyhow::{Context, Result, bail};
 
 /// How long a target runs where nothing is said, seconds.

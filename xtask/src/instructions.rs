@@ -3,7 +3,9 @@
 //! Counts do not depend on what else the machine does, so they show small regressions. Valgrind 3.19 and earlier know
 //! no AVX-512: what is counted then is the AVX2 path.
 
-use crate::{bench, embree, say};
+use crate::cargo::executable;
+use crate::embree;
+use crate::shell::say;
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 use std::process::Command;
@@ -27,7 +29,7 @@ pub(crate) fn instructions(arguments: &[String]) -> Result<()> {
         bail!("there is no valgrind to count instructions with; try `apt-get install valgrind`");
     };
     let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
-    let program = bench::executable("rays")?;
+    let program = executable("rays")?;
     let library = embree::library();
     let start = |mut command: Command| {
         if let Ok(library) = &library {

@@ -2,20 +2,22 @@
 
 mod arm;
 mod bench;
+mod cargo;
 mod embree;
 mod fuzz;
 mod instructions;
 mod licences;
 mod manifests;
 mod metadata;
+mod shell;
 mod system;
 mod tidy;
 mod tools;
 
-use anyhow::{Context, Result, bail};
-use std::io::Write;
-use std::path::PathBuf;
-use std::process::{Command, ExitCode, Stdio};
+use anyhow::{Result, bail};
+use cargo::cargo;
+use shell::{run, say};
+use std::process::{Command, ExitCode};
 
 const USAGE: &str = "\
 usage: cargo x COMMAND [ARGUMENTS]
@@ -46,11 +48,6 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints a line on stderr; a closed one is no reason to stop.
-fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
-}
-
 fn dispatch() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let command = arguments.next().unwrap_or_default();
@@ -69,31 +66,6 @@ fn dispatch() -> Result<()> {
 
 /// Features of all builds here: with the same ones everywhere, nothing is built twice.
 const FEATURES: [&str; 2] = ["--features", "lumel_view/inspection"];
-
-/// The root of the workspace.
-fn root() -> PathBuf {
-    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    here.parent().map_or(here.clone(), PathBuf::from)
-}
-
-fn cargo(arguments: &[&str]) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(arguments).current_dir(root());
-    command
-}
-
-fn run(command: &mut Command) -> Result<()> {
-    let status = command.status().with_context(|| format!("cannot start {command:?}"))?;
-    if !status.success() {
-        bail!("{command:?} failed: {status}");
-    }
-    Ok(())
-}
-
-/// Runs a program without a word; whether all went well.
-fn succeeds(command: &mut Command) -> bool {
-    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
-}
 
 /// A Cargo command on all crates.
 fn cargo_on_all(command: &str) -> Command {

@@ -1,6 +1,6 @@
 //! What Cargo knows of our packages and of those they are built from.
 
-use crate::cargo;
+use crate::cargo::cargo;
 use anyhow::{Result, bail};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};

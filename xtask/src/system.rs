@@ -1,7 +1,7 @@
 //! Packages of the system that the tests of renderer and viewer need: a Vulkan driver, a display, and what the viewer
 //! loads when it opens a window.
 
-use crate::{say, succeeds};
+use crate::shell::{say, succeeds};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

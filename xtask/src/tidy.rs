@@ -1,7 +1,8 @@
 //! Rules that no compiler checks.
 
+use crate::cargo::root;
 use crate::metadata::{FOR_OURSELVES, packages, shipped};
-use crate::{manifests, metadata, root};
+use crate::{manifests, metadata};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

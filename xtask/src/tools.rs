@@ -1,6 +1,7 @@
 //! Programs that read our files as users do: NumPy and Khronos' glTF validator.
 
-use crate::{root, say, succeeds};
+use crate::cargo::root;
+use crate::shell::{say, succeeds};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;

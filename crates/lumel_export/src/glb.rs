@@ -1,10 +1,12 @@
 //! Lit scenes as binary glTF 2.0.
 
+mod binary;
 mod material;
 mod primitive;
 
 use crate::display::check_irradiance;
 use crate::{ExportError, Exposure, write_atomically};
+use binary::Binary;
 use glam::Vec3;
 use lumel_scene::Scene;
 use material::Materials;
@@ -115,32 +117,6 @@ fn add_meshes(document: &mut Value, binary: &mut Binary, streams: &Streams<'_>) 
     document["scenes"] = json!([{ "name": streams.scene.name(), "nodes": all }]);
     document["nodes"] = nodes.into();
     document["meshes"] = meshes.into();
-}
-
-/// The plan of the binary chunk: what is where, before anything is written.
-#[derive(Default)]
-struct Binary {
-    length: u64,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Binary {
-    /// Reserves space, a multiple of four bytes; returns the index of the view.
-    fn add_view(&mut self, length: u64, mut view: Value) -> usize {
-        view["buffer"] = json!(0);
-        view["byteOffset"] = json!(self.length);
-        view["byteLength"] = json!(length);
-        self.length += length.next_multiple_of(4);
-        self.views.push(view);
-        self.views.len() - 1
-    }
-
-    /// Describes numbers; returns the index of the accessor.
-    fn add_accessor(&mut self, accessor: Value) -> usize {
-        self.accessors.push(accessor);
-        self.accessors.len() - 1
-    }
 }
 
 #[cfg(test)]

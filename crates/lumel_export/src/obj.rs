@@ -1,14 +1,16 @@
 //! Lit meshes as OBJ, for programs that read little else.
 
 mod material;
+mod name;
 
 use crate::display::{check_irradiance, first_places, seen_radiance, srgb};
 use crate::{ExportError, Exposure, write_atomically};
 use glam::Vec3;
 use lumel_scene::{MaterialId, ObjectId, Scene, TriId};
 use material::Materials;
+use name::printable;
 use std::collections::btree_map::{BTreeMap, Entry};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
@@ -121,13 +123,6 @@ fn about(exposure: f32) -> String {
     )
 }
 
-/// A name on a line of its own. A backslash at the end would join the next line.
-fn printable(name: &str) -> String {
-    let text: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let text = text.trim();
-    text.strip_suffix('\\').map_or_else(|| text.to_owned(), |rest| format!("{rest}_"))
-}
-
 /// Triangles by object and material.
 fn faces(scene: &Scene) -> BTreeMap<(ObjectId, MaterialId), Vec<TriId>> {
     let mut faces: BTreeMap<_, Vec<TriId>> = BTreeMap::new();
@@ -202,12 +197,4 @@ fn write_faces(
         }
     }
     Ok(())
-}
-
-/// Creates a folder that may be there already.
-fn create_folder(folder: &Path) -> Result<(), ExportError> {
-    match fs::create_dir(folder) {
-        Err(error) if !folder.is_dir() => Err(ExportError::io(folder, error)),
-        _ => Ok(()),
-    }
 }

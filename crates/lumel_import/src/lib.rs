@@ -1,6 +1,6 @@
 //! Reads OBJ, glTF, PLY and textures into lumel scenes.
 //!
-//! [`load`] picks the reader and returns a [`SceneBuilder`] with what the file holds, together with warnings about
+//! [`load`] picks the reader and returns a [`SceneBuilder`](lumel_scene::SceneBuilder) with what the file holds, together with warnings about
 //! what it went on without: missing textures, unknown materials, polygons without area. Malformed files are errors
 //! that name file, line and object; no input makes this crate panic, wait for ever or allocate much more than the
 //! file's own size.
@@ -10,6 +10,7 @@ mod error;
 mod format;
 mod gltf;
 mod image;
+mod imported;
 mod lines;
 mod mtl;
 mod obj;
@@ -24,25 +25,9 @@ mod text;
 pub use error::ImportError;
 use format::Format;
 pub use image::{TextureError, load_texture};
-use lumel_scene::{SceneBuilder, Warnings};
+pub use imported::{ImportOptions, Imported};
 pub use paths::{PathError, PathPolicy};
 use std::path::{Path, PathBuf};
-
-/// How to read a scene file.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ImportOptions {
-    /// Where files that the scene refers to may lie.
-    pub paths: PathPolicy,
-}
-
-/// What a scene file holds.
-#[derive(Clone, Debug)]
-pub struct Imported {
-    /// The scene, ready to be changed or built.
-    pub scene: SceneBuilder,
-    /// What was left out or replaced.
-    pub warnings: Warnings,
-}
 
 /// Reads a scene file. Its extension tells the format; where it tells nothing, the content does.
 ///
@@ -54,11 +39,6 @@ pub fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportErro
         Format::Gltf => gltf::load(path, options),
         Format::Ply => ply::load(path),
     }
-}
-
-/// The name of the scene in a file.
-pub(crate) fn scene_name(path: &Path) -> String {
-    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// The file that `file` refers to by `reference`, if the policy allows it.

@@ -1,6 +1,6 @@
 //! Why a picture cannot be drawn.
 
-use crate::resolution::{MAX_PIXELS, MAX_SAMPLES};
+use crate::limits::{MAX_PIXELS, MAX_SAMPLES};
 
 /// Why a picture cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

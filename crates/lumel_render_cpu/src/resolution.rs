@@ -1,12 +1,7 @@
 //! The size of a picture and the number of its samples.
 
 use crate::PictureError;
-
-/// The largest number of pixels of a picture: 8K UHD (7680 × 4320) fits.
-pub const MAX_PIXELS: u64 = 1 << 25;
-
-/// The largest number of samples per pixel.
-pub const MAX_SAMPLES: u32 = 1 << 16;
+use crate::limits::{MAX_PIXELS, MAX_SAMPLES};
 
 /// Pixels, and rays through each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

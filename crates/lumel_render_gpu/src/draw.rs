@@ -6,20 +6,19 @@ use crate::layout::View;
 use crate::memory::buffer;
 use crate::model::Model;
 use crate::overlay::Hidden;
-use crate::pipelines::{Detail, Key, Layer, Quantity, Value};
+use crate::pipelines::{Detail, Key, Layer, Pipelines, Quantity, Value};
 use crate::shaders::MAX_F16;
-use crate::{Frame, LightBuffer, Lit, Look, Renderer, Target};
+use crate::{Frame, Gpu, LightBuffer, Lit, Look, Target};
 
 /// Draws a frame on a target.
-pub(crate) fn draw(renderer: &Renderer, target: &Target, frame: &Frame<'_>) {
-    let gpu = renderer.gpu();
+pub(crate) fn draw(gpu: &Gpu, pipelines: &Pipelines, target: &Target, frame: &Frame<'_>) {
     let shown = Shown::of(&frame.look);
-    let view = View::new(frame.camera, frame.model.near, target.size(), &shown);
+    let view = View::new(frame.camera, frame.model.near, target.size(), shown.exposure);
     if let Some(view) = &view {
         gpu.queue().write_buffer(&target.view_values, 0, bytemuck::bytes_of(view));
     }
     gpu.queue().write_buffer(&target.tone_values, 0, bytemuck::bytes_of(&shown.tone));
-    let draw = Draw { renderer, target, frame };
+    let draw = Draw { gpu, pipelines, target, frame };
     // What a camera without a view sees is nothing.
     let sees = view.is_some();
     let marks = sees && draw.has_marks();
@@ -38,18 +37,19 @@ pub(crate) fn draw(renderer: &Renderer, target: &Target, frame: &Frame<'_>) {
 }
 
 struct Draw<'a> {
-    renderer: &'a Renderer,
+    gpu: &'a Gpu,
+    pipelines: &'a Pipelines,
     target: &'a Target,
     frame: &'a Frame<'a>,
 }
 
 impl Draw<'_> {
     fn pipeline(&self, key: Key) -> wgpu::RenderPipeline {
-        self.renderer.pipelines().get(self.renderer.gpu().device(), key)
+        self.pipelines.get(self.gpu.device(), key)
     }
 
     fn shows_edges(&self) -> bool {
-        self.frame.wireframe && self.renderer.gpu().draws_wireframes()
+        self.frame.wireframe && self.gpu.draws_wireframes()
     }
 
     fn has_marks(&self) -> bool {
@@ -180,7 +180,7 @@ impl Draw<'_> {
         }
         let values: Vec<LampInstance> = lamps.iter().map(|(values, _)| *values).collect();
         let bytes = bytemuck::cast_slice(&values);
-        let buffer = buffer(self.renderer.gpu(), "lamps", wgpu::BufferUsages::VERTEX, bytes);
+        let buffer = buffer(self.gpu, "lamps", wgpu::BufferUsages::VERTEX, bytes);
         pass.set_pipeline(&self.pipeline(Key::Lamp(self.target.samples())));
         pass.set_vertex_buffer(0, buffer.slice(..));
         for (i, (_, texture)) in (0..).zip(&lamps) {
@@ -216,7 +216,7 @@ impl Draw<'_> {
     }
 
     fn overlay(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (layer, group) = self.target.overlay(self.renderer.gpu(), &self.renderer.pipelines().layouts);
+        let (layer, group) = self.target.overlay(self.gpu, &self.pipelines.layouts);
         self.marks(encoder, layer);
         let mut pass = self.screen(encoder, "composite", wgpu::LoadOp::Load);
         pass.set_pipeline(&self.pipeline(Key::Composite));

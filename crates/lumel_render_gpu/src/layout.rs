@@ -1,6 +1,5 @@
 //! Numbers as the shaders read them: the order and padding of the structs of the same names in `shaders/`.
 
-use crate::display::Shown;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use lumel_scene::{Camera, Material, TextureRef, UvTransform};
@@ -52,8 +51,8 @@ const CLOSER_PIXELS: f32 = 4.0;
 const CLOSEST: f32 = 0.02;
 
 impl View {
-    /// `None` for a camera without a view, by the rules of [`lumel_render_cpu::Lens`].
-    pub(crate) fn new(camera: &Camera, near: f32, size: [u32; 2], shown: &Shown) -> Option<Self> {
+    /// `exposure` multiplies linear values. `None` for a camera without a view, by the rules of [`lumel_render_cpu::Lens`].
+    pub(crate) fn new(camera: &Camera, near: f32, size: [u32; 2], exposure: f32) -> Option<Self> {
         let [width, height] = size.map(|n| n as f32);
         let aspect = (f64::from(size[0]) / f64::from(size[1])) as f32;
         lumel_render_cpu::Lens::new(camera, aspect).ok()?;
@@ -64,7 +63,7 @@ impl View {
             eye: camera.position.to_array(),
             near,
             right: (right / (h * aspect)).to_array(),
-            exposure: shown.exposure,
+            exposure,
             up: (up / h).to_array(),
             closer: 1.0 + (CLOSER + CLOSER_PIXELS * pixel).min(CLOSEST),
             forward: forward.to_array(),

@@ -8,6 +8,7 @@
 //! then tone mapped, then encoded. Surfaces come first, then lamps, then the tone mapper, then what a user draws on
 //! top ([`Overlay`], wireframe), in colours that no exposure changes.
 
+mod attachments;
 mod batches;
 mod display;
 mod draw;
@@ -29,6 +30,7 @@ mod target;
 mod texture;
 mod vertices;
 
+pub use attachments::Samples;
 pub use error::RenderError;
 pub use frame::{Frame, Lit, Look};
 pub use gpu::{Gpu, GpuError};
@@ -36,4 +38,4 @@ pub use light::LightBuffer;
 pub use model::Model;
 pub use overlay::{Hidden, Mark, Overlay};
 pub use renderer::Renderer;
-pub use target::{Samples, Target};
+pub use target::Target;

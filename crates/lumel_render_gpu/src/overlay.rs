@@ -1,6 +1,6 @@
 //! Dots and lines over the picture.
 
-use crate::Renderer;
+use crate::Gpu;
 use crate::memory::buffer;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -53,9 +53,9 @@ struct Instance {
 impl Overlay {
     /// Sends dots and lines to the device, to be drawn in this order. Those at places that are not finite are left
     /// out, and what is too much for the device.
-    pub fn new(renderer: &Renderer, points: &[Mark], lines: &[[Mark; 2]]) -> Self {
+    pub fn new(gpu: &Gpu, points: &[Mark], lines: &[[Mark; 2]]) -> Self {
         let dots: Vec<_> = points.iter().map(|mark| [*mark]).collect();
-        Self { dots: marks(renderer, &dots), lines: marks(renderer, lines), hidden: Hidden::default() }
+        Self { dots: marks(gpu, &dots), lines: marks(gpu, lines), hidden: Hidden::default() }
     }
 
     /// The same with what lies behind surfaces shown or not.
@@ -70,8 +70,7 @@ impl Overlay {
     }
 }
 
-fn marks<const N: usize>(renderer: &Renderer, marks: &[[Mark; N]]) -> Marks {
-    let gpu = renderer.gpu();
+fn marks<const N: usize>(gpu: &Gpu, marks: &[[Mark; N]]) -> Marks {
     let fits = gpu.device().limits().max_buffer_size as usize / size_of::<[Instance; N]>();
     let finite = marks.iter().filter(|marks| marks.iter().all(|mark| mark.position.is_finite()));
     let instance = |mark: Mark| Instance { position: mark.position.to_array(), color: mark.color };

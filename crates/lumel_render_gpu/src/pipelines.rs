@@ -1,9 +1,9 @@
 //! Render pipelines, made when they are first needed.
 
+use crate::Gpu;
+use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
 use crate::shaders::{self, Shader};
-use crate::target::{DEPTH, HDR, PICTURE};
 use crate::vertices::{self, Attribute};
-use crate::{Gpu, Samples};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 

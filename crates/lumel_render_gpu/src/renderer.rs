@@ -74,7 +74,7 @@ impl Renderer {
 
     /// Draws a frame. Returns before the device is done.
     pub fn draw(&self, target: &Target, frame: &Frame<'_>) {
-        draw::draw(self, target, frame);
+        draw::draw(&self.gpu, &self.pipelines, target, frame);
     }
 
     /// Waits for the device and fetches the picture.
@@ -83,10 +83,6 @@ impl Renderer {
     /// When the device fails, or the picture has more pixels than a [`Picture`] may have.
     pub fn read(&self, target: &Target) -> Result<Picture, RenderError> {
         read::read(&self.gpu, target)
-    }
-
-    pub(crate) fn pipelines(&self) -> &Pipelines {
-        &self.pipelines
     }
 }
 

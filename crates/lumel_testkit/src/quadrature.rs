@@ -1,32 +1,31 @@
 //! Integrals over triangles and over the basis functions of vertices.
 
-use crate::stage::{Operator, Stage};
 use glam::DVec3;
-use lumel_basis::NodeWeights;
-use lumel_scene::{Barycentrics, SurfacePoint, TriId};
+use lumel_basis::{Basis, NodeWeights};
+use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 
 /// The mean of `f` under each node's hat function: what area sampling measures.
 ///
 /// `f` gets a point and the geometric normal there. Each triangle is cut into `pieces²`, with a rule of degree two on
 /// each: the error falls with the fourth power of `pieces` where `f` is smooth.
 pub fn hat_average(
-    stage: &Stage,
-    operator: &Operator,
+    scene: &Scene,
+    basis: &dyn Basis,
     pieces: u32,
     f: &dyn Fn(DVec3, DVec3) -> f64,
 ) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); operator.basis.node_count()];
+    let mut sums = vec![(0.0, 0.0); basis.node_count()];
     let mut nodes = NodeWeights::default();
-    for tri in (0..stage.scene().triangle_count() as u32).map(TriId) {
-        let corners = stage.scene().triangle_positions(tri).map(|p| p.as_dvec3());
-        let normal = stage.scene().geometric_normal(tri).as_dvec3();
-        let area = f64::from(stage.scene().area(tri));
+    for tri in (0..scene.triangle_count() as u32).map(TriId) {
+        let corners = scene.triangle_positions(tri).map(|p| p.as_dvec3());
+        let normal = scene.geometric_normal(tri).as_dvec3();
+        let area = f64::from(scene.area(tri));
         for ([u, v], share) in points(pieces) {
             let point = corners[0] * u + corners[1] * v + corners[2] * (1.0 - u - v);
             let value = f(point, normal);
             nodes.clear();
             let bary = Barycentrics { u: u as f32, v: v as f32 };
-            operator.basis.weights_at(SurfacePoint { tri, bary }, &mut nodes);
+            basis.weights_at(SurfacePoint { tri, bary }, &mut nodes);
             for (node, weight) in nodes.iter() {
                 let (whole, sum) = &mut sums[node.index()];
                 *whole += f64::from(weight) * area * share;

@@ -107,7 +107,7 @@ impl Stage {
                     .map(|site| f(site.origin.as_dvec3(), site.frame.normal.as_dvec3()))
                     .collect()
             }
-            Storage::VertexArea => hat_average(self, operator, 8, f),
+            Storage::VertexArea => hat_average(&self.scene, &*operator.basis, 8, f),
         }
     }
 }

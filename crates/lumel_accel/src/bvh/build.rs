@@ -1,9 +1,12 @@
 //! Building the binary tree: binned surface area heuristic, top down, to single triangles.
 
-use super::collapse::{Binary, Subtree, flatten};
-use super::{Aabb, Bvh, MAX_STACK};
-use crate::simd::InstructionSet;
+use super::collapse::{Binary, Flat, Subtree, flatten};
+use super::item::Item;
 use glam::{Vec3, Vec3A};
+
+/// The most nodes that may wait to be visited. A tree that would need more is built anew, balanced: then 32 levels
+/// hold 2^32 triangles, and a step down leaves seven siblings behind.
+pub(crate) const MAX_STACK: usize = 256;
 
 /// Cuts tried per axis; ranges of fewer triangles have as many as triangles, but not under [`MIN_BINS`].
 const MAX_BINS: usize = 32;
@@ -14,25 +17,6 @@ const BOX_PADDING: f32 = f32::EPSILON;
 /// Below this a range is not worth another thread.
 const MIN_PARALLEL: usize = 4096;
 
-/// A triangle and its box.
-#[derive(Clone, Copy)]
-pub(super) struct Item {
-    min: Vec3A,
-    max: Vec3A,
-    pub(super) tri: u32,
-}
-
-impl Item {
-    fn center(&self) -> Vec3A {
-        // Halved first: doubled coordinates could overflow.
-        0.5 * self.min + 0.5 * self.max
-    }
-
-    pub(super) fn bounds(&self) -> Aabb {
-        Aabb { min: self.min.into(), max: self.max.into() }
-    }
-}
-
 /// How a range of triangles is split.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rule {
@@ -42,7 +26,8 @@ enum Rule {
     Balanced,
 }
 
-pub(super) fn build(corners: &[[Vec3; 3]]) -> Bvh {
+/// The wide tree over the finite ones of these triangles; `None` if there are none.
+pub(super) fn build(corners: &[[Vec3; 3]]) -> Option<Flat<'_>> {
     let largest = corners
         .as_flattened()
         .iter()
@@ -50,10 +35,9 @@ pub(super) fn build(corners: &[[Vec3; 3]]) -> Bvh {
         .fold(0.0, |m: f32, p| m.max(p.abs().max_element()));
     let padding = Vec3A::splat(BOX_PADDING * largest);
     let mut items: Vec<Item> =
-        corners.iter().enumerate().filter_map(|(i, c)| item(i as u32, c, padding)).collect();
-    let instructions = InstructionSet::best();
+        corners.iter().enumerate().filter_map(|(i, c)| Item::new(i as u32, c, padding)).collect();
     if items.is_empty() {
-        return Bvh { nodes: Vec::new(), blocks: Vec::new(), root: None, instructions };
+        return None;
     }
     let mut tree = |rule| {
         let mut inner = vec![Binary::default(); items.len() - 1];
@@ -65,15 +49,7 @@ pub(super) fn build(corners: &[[Vec3; 3]]) -> Bvh {
         // A scene whose triangles shrink again and again can make a list of the tree.
         flat = tree(Rule::Balanced);
     }
-    Bvh { nodes: flat.nodes, blocks: flat.blocks, root: Some(flat.root), instructions }
-}
-
-/// Triangles that are not finite cannot be met, and their boxes would spoil the tree.
-fn item(tri: u32, corners: &[Vec3; 3], padding: Vec3A) -> Option<Item> {
-    corners.iter().all(|p| p.is_finite()).then(|| {
-        let [a, b, c] = corners.map(Vec3A::from);
-        Item { min: a.min(b).min(c) - padding, max: a.max(b).max(c) + padding, tri }
-    })
+    Some(flat)
 }
 
 /// Sorts the items into the order of leaves and writes the subtree's inner nodes, of which there is one fewer.

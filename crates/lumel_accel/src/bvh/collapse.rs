@@ -6,8 +6,8 @@
 //! Wald, Benthin, Boulos, *Getting rid of packets*, 2008, for the idea of wide trees; the dynamic program is that of
 //! Ylitie, Karras, Laine, *Efficient incoherent ray traversal on GPUs through compressed wide BVHs*, 2017.
 
-use super::Aabb;
-use super::build::Item;
+use super::aabb::Aabb;
+use super::item::Item;
 use super::node::{BLOCK, Block, Child, Node, WIDTH};
 use glam::Vec3;
 

@@ -1,9 +1,12 @@
 //! The bounding volume hierarchy.
 
+mod aabb;
 mod build;
 mod collapse;
+mod item;
 mod node;
 
+pub(crate) use build::MAX_STACK;
 pub(crate) use node::{Block, Child, Node};
 
 use crate::simd::InstructionSet;
@@ -25,10 +28,6 @@ pub struct Bvh {
     pub(crate) instructions: InstructionSet,
 }
 
-/// The most nodes that may wait to be visited. A tree that would need more is built anew, balanced: then 32 levels
-/// hold 2^32 triangles, and a step down leaves seven siblings behind.
-pub(crate) const MAX_STACK: usize = 256;
-
 impl Bvh {
     /// Builds the tree over the traced triangles of a scene, on the threads of the caller's rayon pool.
     ///
@@ -41,7 +40,13 @@ impl Bvh {
 
     /// Builds the tree over triangles given by their corners.
     pub fn from_corners(corners: Vec<[Vec3; 3]>) -> Self {
-        build::build(&corners)
+        let instructions = InstructionSet::best();
+        match build::build(&corners) {
+            Some(tree) => {
+                Self { nodes: tree.nodes, blocks: tree.blocks, root: Some(tree.root), instructions }
+            }
+            None => Self { nodes: Vec::new(), blocks: Vec::new(), root: None, instructions },
+        }
     }
 
     /// The same tree, traced with other instructions; `None` if this machine lacks them.
@@ -64,22 +69,5 @@ impl Bvh {
     /// Bytes of memory held.
     pub fn memory(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice())
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Aabb {
-    pub(crate) min: Vec3,
-    pub(crate) max: Vec3,
-}
-
-impl Aabb {
-    fn union(self, other: Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    fn half_area(self) -> f32 {
-        let d = self.max - self.min;
-        d.x * d.y + d.y * d.z + d.z * d.x
     }
 }

@@ -1,6 +1,6 @@
 //! What the tree is made of.
 
-use super::Aabb;
+use super::aabb::Aabb;
 use glam::Vec3;
 
 /// Children of a node: as many boxes as a vector register of AVX2 tests at once.

@@ -6,8 +6,8 @@
     reason = "instructions that a processor may lack; the token proves that this one has them"
 )]
 
+use super::lanes::{Kernel, Lanes, Permute, Quads, Simd};
 use super::pair::{Pair, lanes_of_pair};
-use super::{Kernel, Lanes, Permute, Quads, Simd};
 use std::arch::x86_64::*;
 
 /// The processor has AVX2 and FMA.

@@ -5,7 +5,7 @@
 )]
 
 use super::avx2::{HasAvx2, X4, X8, op};
-use super::{Kernel, Lanes, Quads, Simd};
+use super::lanes::{Kernel, Lanes, Quads, Simd};
 use std::arch::x86_64::*;
 
 /// The processor has AVX-512 F, VL, DQ and BW, and with them AVX2 and FMA.

@@ -1,8 +1,8 @@
 //! NEON: four numbers to a register, on every 64-bit ARM processor that programs for an operating system may expect.
 #![allow(unsafe_code, reason = "intrinsics; the target for which this is compiled has their instructions")]
 
+use super::lanes::{Kernel, Lanes, Permute, Quads, Simd};
 use super::pair::{Pair, lanes_of_pair};
-use super::{Kernel, Lanes, Permute, Quads, Simd};
 use std::arch::aarch64::*;
 
 /// The target has NEON: see where this module is declared.

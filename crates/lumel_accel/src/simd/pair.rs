@@ -8,7 +8,7 @@ pub(crate) struct Pair<L>(pub(super) L, pub(super) L);
 /// Not generic over the length: arrays of twice an associated length cannot be named.
 macro_rules! lanes_of_pair {
     ($lanes:ty, $isa:ty, $half:literal, $whole:literal) => {
-        impl $crate::simd::Lanes for $crate::simd::pair::Pair<$lanes> {
+        impl $crate::simd::lanes::Lanes for $crate::simd::pair::Pair<$lanes> {
             type Isa = $isa;
             type Array = [f32; $whole];
 

@@ -2,7 +2,7 @@
 //!
 //! Compilers turn these loops into what vectors the target has at least, such as SSE2 on x86-64.
 
-use super::{Kernel, Lanes, Permute, Quads, Simd};
+use super::lanes::{Kernel, Lanes, Permute, Quads, Simd};
 
 /// Needs nothing.
 #[derive(Clone, Copy)]

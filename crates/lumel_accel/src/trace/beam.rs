@@ -4,17 +4,10 @@
 //!
 //! Boulos, Wald, Shirley, *Geometric and arithmetic culling methods for entire ray packets*, 2006.
 
-use super::leaf::Origins;
+use super::extent::{Interval, Origins};
 use super::{EARLIER, LATER, smallest_component};
 use crate::bvh::Node;
 use crate::simd::{Lanes, Simd};
-
-/// Per axis, the smallest and the largest of a coordinate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Interval {
-    pub(super) min: [f32; 3],
-    pub(super) max: [f32; 3],
-}
 
 /// Bounds of where rays enter and leave boxes.
 pub(super) struct Beam<S: Simd> {

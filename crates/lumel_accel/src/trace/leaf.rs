@@ -3,7 +3,7 @@
 //! For an origin, three planes of each triangle decide: the ray's direction has the same sign in all of them exactly if
 //! it passes through. They are shared by all rays of one origin, which then cost three dot products each.
 
-use super::beam::Interval;
+use super::extent::{Interval, Origins};
 use crate::bvh::Block;
 use crate::simd::{Lanes, Quads};
 use crate::triangle::{EDGE_ERROR, passes};
@@ -111,15 +111,6 @@ where
     M::F4: Copy,
 {
     [M::repeat(isa, v[0]), M::repeat(isa, v[1]), M::repeat(isa, v[2])]
-}
-
-/// Where rays start, as far as errors are concerned.
-#[derive(Clone, Copy)]
-pub(super) struct Origins {
-    pub(super) center: [f32; 3],
-    pub(super) spread: f32,
-    /// The largest component of their directions.
-    pub(super) reach: f32,
 }
 
 /// Triangles seen from an origin.

@@ -1,6 +1,7 @@
 //! The kernels: how rays go through the tree. `docs/tracer.md` explains them from the idea down.
 
 mod beam;
+mod extent;
 mod leaf;
 mod packet;
 mod shaft;

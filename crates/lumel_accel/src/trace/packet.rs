@@ -1,6 +1,7 @@
 //! Sixteen rays at once.
 
-use super::beam::{Beam, Interval};
+use super::beam::Beam;
+use super::extent::Interval;
 use super::leaf::{Edges, EdgesOfBlock, PlanesOfBlock, V3, each, load, splat};
 use super::single::{Follow, Line};
 use super::stack::{Entry, Stack};

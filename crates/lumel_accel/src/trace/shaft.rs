@@ -6,7 +6,8 @@
 //! the shaft got to. Neighbours mostly lie in the shadow of the same triangles: those that were in the way last are tried
 //! first. Blocked is blocked whoever found it, so the result is the same.
 
-use super::beam::{Beam, Interval};
+use super::beam::Beam;
+use super::extent::Interval;
 use super::leaf::{Edges, PlanesOfBlock, load, splat};
 use super::stack::{Entry, Stack};
 use super::{PACKET, bits};

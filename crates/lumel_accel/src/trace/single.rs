@@ -1,6 +1,7 @@
 //! One ray at a time: eight boxes, then four triangles, side by side.
 
-use super::leaf::{Edges, Origins, V3, splat};
+use super::extent::Origins;
+use super::leaf::{Edges, V3, splat};
 use super::stack::{Entry, Stack};
 use super::{EARLIER, Found, LATER, NO_TRIANGLE, bits, code, smallest_component};
 use crate::bvh::{Block, Bvh, Child, Node};

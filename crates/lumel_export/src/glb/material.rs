@@ -1,6 +1,6 @@
 //! The materials and pictures of a GLB file.
 
-use super::Binary;
+use super::binary::Binary;
 use crate::pixels::{self, srgb_pixels};
 use crate::png::encode_png;
 use glam::Vec3;

@@ -1,6 +1,6 @@
 //! The numbers of a GLB file: triangles by object and material, and their vertices' attributes.
 
-use super::Binary;
+use super::binary::Binary;
 use super::material::Materials;
 use crate::display::{seen_radiance, white_radiance};
 use glam::Vec3;

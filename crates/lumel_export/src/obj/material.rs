@@ -1,11 +1,12 @@
 //! The material library of an OBJ file, and its textures.
 
-use super::{create_folder, printable};
+use super::name::printable;
 use crate::pixels::{largest, srgb_pixels};
 use crate::{ExportError, write_png};
 use glam::{Vec2, Vec3};
 use lumel_scene::{Material, MaterialId, Scene, Texture, TextureId, TextureRef, UvTransform, Wrap};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -226,4 +227,12 @@ fn picture(texture: &Texture) -> (u32, u32, Vec<[u8; 3]>) {
     }
     let times = |doubled| 1 + u32::from(doubled);
     (width * times(twice_u), height * times(twice_v), rows.concat())
+}
+
+/// Creates a folder that may be there already.
+fn create_folder(folder: &Path) -> Result<(), ExportError> {
+    match fs::create_dir(folder) {
+        Err(error) if !folder.is_dir() => Err(ExportError::io(folder, error)),
+        _ => Ok(()),
+    }
 }

@@ -1,8 +1,7 @@
 //! From JSON to the schema's types.
 
-use super::extensions;
 use super::fault::Fault;
-use super::materials::translate_specular_glossiness;
+use super::{extensions, specular_glossiness};
 use gltf_json::extensions::scene::khr_lights_punctual::Light;
 use gltf_json::texture::Sampler;
 use gltf_json::{Accessor, Buffer, Camera, Image, Index, Material, Mesh, Node, Texture, buffer};
@@ -49,7 +48,7 @@ impl Document {
         extensions::check(&root, warnings)?;
         let roots = scene_roots(&mut root)?;
         let mut materials = take_list(&mut root, "materials")?;
-        materials.iter_mut().for_each(translate_specular_glossiness);
+        materials.iter_mut().for_each(specular_glossiness::to_metallic_roughness);
         let lights = match root.get_mut("extensions").and_then(|e| e.get_mut("KHR_lights_punctual")) {
             Some(Value::Object(extension)) => take_list(extension, "lights")?,
             _ => Vec::new(),

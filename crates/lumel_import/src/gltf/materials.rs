@@ -11,7 +11,6 @@ use gltf_json::validation::Checked;
 use lumel_scene::{
     Encoding, Material, MaterialId, Radiance, Sides, Texture, TextureRef, UvTransform, Warnings,
 };
-use serde_json::{Map, Value, json};
 
 /// The materials of a document, each converted when it is first used.
 pub(super) struct Materials<'a> {
@@ -205,26 +204,6 @@ impl Slot {
         });
         Self { what, texture, uv_set, transform, encoding }
     }
-}
-
-/// Rewrites a material of the old KHR_materials_pbrSpecularGlossiness as one of metal and roughness, unless it is both.
-///
-/// Its diffuse colour is just what we want; the specular one is dropped.
-pub(super) fn translate_specular_glossiness(material: &mut Value) {
-    let Some(material) = material.as_object_mut().filter(|m| !m.contains_key("pbrMetallicRoughness")) else {
-        return;
-    };
-    let extensions = material.get("extensions");
-    let Some(old) = extensions.and_then(|e| e.get("KHR_materials_pbrSpecularGlossiness")?.as_object()) else {
-        return;
-    };
-    let mut new = Map::from_iter([("metallicFactor".to_owned(), json!(0))]);
-    for (from, to) in [("diffuseFactor", "baseColorFactor"), ("diffuseTexture", "baseColorTexture")] {
-        if let Some(value) = old.get(from) {
-            new.insert(to.to_owned(), value.clone());
-        }
-    }
-    material.insert("pbrMetallicRoughness".to_owned(), Value::Object(new));
 }
 
 #[cfg(test)]

@@ -20,14 +20,16 @@ mod lights;
 mod materials;
 mod mesh;
 mod nodes;
+mod specular_glossiness;
 #[cfg(test)]
 mod testing;
 mod textures;
 mod topology;
 mod uri;
 
+use crate::imported::scene_name;
 use crate::paths::Resolver;
-use crate::{ImportError, ImportOptions, Imported, scene_name};
+use crate::{ImportError, ImportOptions, Imported};
 use accessor::Accessors;
 use buffers::Buffers;
 use container::Container;

@@ -6,9 +6,10 @@
 mod assemble;
 mod statements;
 
+use crate::imported::scene_name;
 use crate::mtl::{self, Palette};
 use crate::paths::Resolver;
-use crate::{ImportError, ImportOptions, Imported, scene_name};
+use crate::{ImportError, ImportOptions, Imported};
 use lumel_scene::{Material, SceneBuilder, Warnings};
 use std::path::Path;
 

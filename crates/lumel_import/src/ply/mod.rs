@@ -5,9 +5,10 @@ mod elements;
 mod header;
 mod source;
 
+use crate::imported::scene_name;
 use crate::polygon::{MAX_CORNERS, NO_AREA, TOO_FEW_CORNERS, Triangulator};
 use crate::tally::Tally;
-use crate::{ImportError, Imported, scene_name};
+use crate::{ImportError, Imported};
 use elements::{IndexList, PlyVertex, Skipped};
 use lumel_scene::{Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, Warnings};
 use ply_rs_bw::ply::ElementDef;

@@ -31,7 +31,7 @@ fn color_at(picture: &Picture, at: Vec2) -> [u8; 3] {
 fn dots_have_their_colour_at_their_place_whatever_the_exposure() {
     let Some(renderer) = renderer() else { return };
     let uploaded = scenes::cornell().on(renderer);
-    let overlay = Overlay::new(renderer, &[Mark { position: SEEN, color: GREEN }], &[]);
+    let overlay = Overlay::new(renderer.gpu(), &[Mark { position: SEEN, color: GREEN }], &[]);
     for samples in [Samples::One, Samples::Four] {
         for stops in [-8.0, 0.0, 8.0] {
             let plain = uploaded.show(SIZE, samples, irradiance(stops));
@@ -57,7 +57,7 @@ fn dots_behind_surfaces_are_hidden_or_faint() {
     let at = pixel_of(&uploaded, BEHIND_THE_BLOCK);
     for samples in [Samples::One, Samples::Four] {
         let plain = uploaded.show(SIZE, samples, irradiance(0.0));
-        let overlay = Overlay::new(renderer, &[Mark { position: BEHIND_THE_BLOCK, color: GREEN }], &[]);
+        let overlay = Overlay::new(renderer.gpu(), &[Mark { position: BEHIND_THE_BLOCK, color: GREEN }], &[]);
         assert_eq!(with(&uploaded, samples, 0.0, &overlay), plain);
         let faint = with(&uploaded, samples, 0.0, &overlay.with_hidden(Hidden::Faint));
         let (before, after) = (color_at(&plain, at), color_at(&faint, at));
@@ -73,7 +73,7 @@ fn dots_that_are_seen_do_not_show_what_is_behind_surfaces_too() {
     let Some(renderer) = renderer() else { return };
     let uploaded = scenes::cornell().on(renderer);
     let translucent = Mark { position: SEEN, color: [20, 240, 30, 128] };
-    let overlay = Overlay::new(renderer, &[translucent], &[]);
+    let overlay = Overlay::new(renderer.gpu(), &[translucent], &[]);
     let seen = with(&uploaded, Samples::One, 0.0, &overlay);
     assert_eq!(with(&uploaded, Samples::One, 0.0, &overlay.with_hidden(Hidden::Faint)), seen);
 }
@@ -84,7 +84,7 @@ fn dots_on_a_slanted_surface_are_whole() {
     let uploaded = scenes::cornell().on(renderer);
     // On the floor, which the camera sees under a small angle.
     let position = Vec3::new(0.2, 0.0, 0.02);
-    let overlay = Overlay::new(renderer, &[Mark { position, color: GREEN }], &[]);
+    let overlay = Overlay::new(renderer.gpu(), &[Mark { position, color: GREEN }], &[]);
     let picture = with(&uploaded, Samples::One, 0.0, &overlay);
     let at = pixel_of(&uploaded, position);
     for offset in [Vec2::ZERO, Vec2::X, -Vec2::X, Vec2::Y, -Vec2::Y] {
@@ -98,7 +98,7 @@ fn lines_join_their_ends_and_pass_the_eye() {
     let uploaded = scenes::cornell().on(renderer);
     let mark = |position| Mark { position, color: GREEN };
     let ends = [Vec3::new(0.1, 0.4, 0.5), Vec3::new(0.5, 0.45, 0.3)];
-    let overlay = Overlay::new(renderer, &[], &[ends.map(mark)]);
+    let overlay = Overlay::new(renderer.gpu(), &[], &[ends.map(mark)]);
     let picture = with(&uploaded, Samples::One, 0.0, &overlay);
     let is_green = |[r, g, b]: [u8; 3]| g > 150 && r < 130 && b < 130;
     for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
@@ -110,13 +110,13 @@ fn lines_join_their_ends_and_pass_the_eye() {
     // From behind the eye to the back wall.
     let eye = uploaded.subject.camera.position;
     let passing = [eye + Vec3::new(0.05, 0.05, -1.0), SEEN - Vec3::Z * 0.01];
-    let overlay = Overlay::new(renderer, &[], &[passing.map(mark)]);
+    let overlay = Overlay::new(renderer.gpu(), &[], &[passing.map(mark)]);
     let picture = with(&uploaded, Samples::Four, 0.0, &overlay);
     let greens = picture.pixels().iter().filter(|p| is_green(**p)).count();
     assert!((20..400).contains(&greens), "{greens}");
     // Wholly behind it: nothing.
     let behind = [eye - Vec3::Z, eye + Vec3::new(1.0, 0.0, -0.5)];
-    let overlay = Overlay::new(renderer, &[mark(eye - Vec3::Z)], &[behind.map(mark), [mark(SEEN); 2]]);
+    let overlay = Overlay::new(renderer.gpu(), &[mark(eye - Vec3::Z)], &[behind.map(mark), [mark(SEEN); 2]]);
     let greens =
         with(&uploaded, Samples::One, 0.0, &overlay).pixels().iter().filter(|p| is_green(**p)).count();
     assert!(greens < 4, "{greens}");
@@ -127,7 +127,8 @@ fn marks_nowhere_are_left_out() {
     let Some(renderer) = renderer() else { return };
     let uploaded = scenes::cornell().on(renderer);
     let nowhere = Mark { position: Vec3::new(0.0, f32::NAN, 0.0), color: GREEN };
-    let overlay = Overlay::new(renderer, &[nowhere], &[[nowhere, Mark { position: SEEN, color: GREEN }]]);
+    let overlay =
+        Overlay::new(renderer.gpu(), &[nowhere], &[[nowhere, Mark { position: SEEN, color: GREEN }]]);
     assert_eq!(
         with(&uploaded, Samples::One, 0.0, &overlay),
         uploaded.show(SIZE, Samples::One, irradiance(0.0))

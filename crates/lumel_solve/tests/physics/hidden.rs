@@ -111,8 +111,8 @@ fn neighbours_of_hidden_vertices_are_not_darkened() {
                 // The mean over what is exposed.
                 let open = |p: DVec3| if covered(p) && p.z == 0.0 { 0.0 } else { 1.0 };
                 let lit = |p: DVec3, n| if open(p) == 0.0 { 0.0 } else { truth(p, n) };
-                let sums = hat_average(&stage, &operator, 24, &lit);
-                let shares = hat_average(&stage, &operator, 24, &|p, _| open(p));
+                let sums = hat_average(stage.scene(), &*operator.basis, 24, &lit);
+                let shares = hat_average(stage.scene(), &*operator.basis, 24, &|p, _| open(p));
                 sums.into_iter().zip(shares).map(|(sum, share)| sum / share).collect()
             }
         };

@@ -332,7 +332,7 @@ impl Stage {
         };
         if self.overlay.as_ref().is_none_or(|(generation, _)| *generation != marks.generation) {
             let overlay =
-                Overlay::new(&self.renderer, &marks.points, &marks.lines).with_hidden(Hidden::Faint);
+                Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(Hidden::Faint);
             self.overlay = Some((marks.generation, overlay));
         }
     }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::gltf::testing::{Model, text};
 use lumel_scene::{SceneBuilder, Wrap};
+use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;
 
 /// A triangle of this material; texture 0 is red, texture 1 is grey.

@@ -1,0 +1,26 @@
+//! What goes into reading a scene file, and what comes out.
+
+use crate::PathPolicy;
+use lumel_scene::{SceneBuilder, Warnings};
+use std::path::Path;
+
+/// How to read a scene file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ImportOptions {
+    /// Where files that the scene refers to may lie.
+    pub paths: PathPolicy,
+}
+
+/// What a scene file holds.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The scene, ready to be changed or built.
+    pub scene: SceneBuilder,
+    /// What was left out or replaced.
+    pub warnings: Warnings,
+}
+
+/// The name of the scene in a file.
+pub(crate) fn scene_name(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

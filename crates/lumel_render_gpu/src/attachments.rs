@@ -1,0 +1,30 @@
+//! What pictures are drawn into: formats and samples.
+
+/// Exposed linear light; coverage in the fourth channel.
+pub(crate) const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Near over distance: floats are dense around zero, which is far away.
+pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// sRGB codes: not a format that decodes them.
+pub(crate) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// Samples per pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Samples {
+    /// One, at the centre: the fastest.
+    One,
+    /// Four: smooth edges.
+    #[default]
+    Four,
+}
+
+impl Samples {
+    /// As a number.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::One => 1,
+            Self::Four => 4,
+        }
+    }
+}
