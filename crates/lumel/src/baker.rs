@@ -69,6 +69,8 @@ enum Rest {
 
 impl Baker {
     /// Builds the ray tracer and the basis, on the threads of the caller's rayon pool.
+    ///
+    /// `settings` must be [valid](Settings::validate), here and wherever a baker takes settings.
     pub fn new(scene: Arc<Scene>, settings: Settings) -> Self {
         let tracer = Arc::new(Bvh::build(&scene));
         Self::with_tracer(scene, tracer, settings)

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The largest number of a slot: there is one for each digit key.
+/// The largest number of a slot: each digit key has one.
 const MAX_SLOT: u8 = 9;
 
 /// The content of a `NAME.lumel.toml`.
@@ -58,10 +58,10 @@ pub struct Project {
     /// Radiance from outside the scene, W·m⁻²·sr⁻¹.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sky: Option<Vec3>,
-    /// Materials that are other than in the mesh file.
+    /// Materials that differ from those of the mesh file.
     #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<MaterialEntry>,
-    /// Lights; when there are any they replace those of the mesh file.
+    /// Lights; if there are any, they replace those of the mesh file.
     #[serde(default, rename = "light", skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<LightEntry>,
     /// Viewpoints, before those of the mesh file.
@@ -70,7 +70,7 @@ pub struct Project {
     /// Settings of the bake.
     #[serde(default, skip_serializing_if = "is_default")]
     pub bake: SettingsPatch,
-    /// Views with lights and settings of their own, which editors keep under a number; bakes do not look at them.
+    /// Views with their own lights and settings, which editors keep under a number; bakes ignore them.
     #[serde(default, rename = "slot", skip_serializing_if = "Vec::is_empty")]
     pub slots: Vec<SlotEntry>,
 }
@@ -79,24 +79,24 @@ pub struct Project {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightEntry {
-    /// What editors call it.
+    /// Its name in editors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Centre, metres.
     pub center: Vec3,
     /// Half of one edge.
     pub u: Vec3,
-    /// Half of the other; light leaves on the `u × v` side.
+    /// Half of the other edge; light leaves on the `u × v` side.
     pub v: Vec3,
     /// Emitted radiance, W·m⁻²·sr⁻¹.
     pub radiance: Vec3,
     /// An image that multiplies the radiance, relative to the project file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture: Option<PathBuf>,
-    /// Whether it is kept without shining.
+    /// Whether it is kept but emits no light.
     #[serde(default, skip_serializing_if = "is_default")]
     pub off: bool,
-    /// Whether editors keep its power, not its radiance, when they change its size.
+    /// Whether editors preserve its power instead of its radiance when they resize it.
     #[serde(default, skip_serializing_if = "is_default")]
     pub constant_power: bool,
 }
@@ -105,9 +105,9 @@ pub struct LightEntry {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialEntry {
-    /// The name of the material; all of that name are meant.
+    /// The name of the material; the entry applies to all materials of that name.
     pub name: String,
-    /// Linear, 0 to 1; multiplies the texture where there is one.
+    /// Linear, 0 to 1; multiplies the texture, if there is one.
     pub albedo: Vec3,
 }
 
@@ -119,7 +119,7 @@ pub struct SlotEntry {
     pub number: u8,
     /// The viewpoint; it needs no name.
     pub camera: CameraEntry,
-    /// The lights instead of those of the project, textures and all.
+    /// The lights instead of those of the project, with their textures.
     #[serde(default, rename = "light", skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<LightEntry>,
     /// Settings instead of those of the project.
@@ -131,14 +131,14 @@ pub struct SlotEntry {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraEntry {
-    /// Name; empty for none, which only slots allow.
+    /// Name; only the camera of a slot may leave it empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Position, metres.
     pub position: Vec3,
     /// A point it looks at.
     pub target: Vec3,
-    /// What is up.
+    /// The direction that is up in the picture.
     #[serde(default = "up")]
     pub up: Vec3,
     /// Vertical field of view, degrees.
@@ -194,7 +194,7 @@ impl Project {
     /// Reads a project file.
     ///
     /// # Errors
-    /// A file that cannot be read or that is no project; the message shows the line.
+    /// A file that cannot be read or is not a valid project; the message shows the line.
     pub fn read(path: &Path) -> Result<Self, ProjectError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ProjectError::Read { path: path.to_owned(), source })?;
@@ -204,12 +204,12 @@ impl Project {
         project.problem().map_or(Ok(project), |problem| Err(invalid(problem)))
     }
 
-    /// Writes a project file: complete or not at all, the same bytes for the same project, and read back as it is.
+    /// Writes a project file: completely or not at all, with the same bytes for the same project. It reads back unchanged.
     ///
     /// Comments and the layout of an older file at `path` are lost.
     ///
     /// # Errors
-    /// A project that [`Self::read`] would refuse or that TOML cannot express, and a file that cannot be written.
+    /// A project that [`Self::read`] would refuse, or a file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ProjectError> {
         let invalid = |message: String| ProjectError::Invalid { path: path.to_owned(), message };
         if let Some(problem) = self.problem() {
@@ -245,7 +245,7 @@ impl Project {
 }
 
 impl LightEntry {
-    /// The light, without its texture and whether it is on or off.
+    /// The light without its texture, whether it is on or off.
     pub fn light(&self) -> RectLight {
         let Self { center, u, v, radiance, .. } = *self;
         RectLight { center, u, v, radiance: Radiance(radiance), texture: None }

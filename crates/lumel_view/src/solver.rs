@@ -303,6 +303,9 @@ fn run(task: &Task, work: Work, control: &Control, shared: &Shared, keep: &Keep)
 }
 
 fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
+    if let Err(error) = task.settings.validate() {
+        return Ending::Failed(error.to_string());
+    }
     let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
     let mut state = match start {
         Start::Anew => SolveState::new(),

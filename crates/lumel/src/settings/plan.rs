@@ -1,6 +1,6 @@
 //! What settings ask of the crates below.
 
-use super::BounceLimit;
+use super::bounce_limit::BounceLimit;
 use super::table::Settings;
 use lumel_solve::Stop;
 use lumel_transport::Plan;

@@ -5,9 +5,16 @@
 //! so that the command line, the window, validation, comparison and resuming know it.
 
 use super::about::{About, Bounds, Influence};
+use super::basis_kind::BasisKind;
+use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
+use super::memory::Memory;
+use super::preset::Preset;
+use super::share::Share;
+use super::solver_kind::SolverKind;
+use super::tail::Tail;
+use super::target_error::TargetError;
 use super::value::{Choice, Slot, Value};
-use super::{BasisKind, BounceLimit, Memory, Preset, Share, SolverKind, Tail, TargetError};
 use lumel_sample::SamplerKind;
 use lumel_transport::{EmitterSampling, LightSampling};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,9 @@
 //! Which settings can be used.
 
 use super::error::SettingsError;
+use super::solver_kind::SolverKind;
 use super::table::{ALL, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR};
-use super::{SolverKind, TargetError};
+use super::target_error::TargetError;
 
 impl SettingsPatch {
     /// Checks every value that is set.

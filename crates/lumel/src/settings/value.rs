@@ -1,7 +1,10 @@
 //! Types of settings: how their values are written and read, and what they can be.
 
 use super::about::Bounds;
-use super::{BounceLimit, Memory, Share, TargetError};
+use super::bounce_limit::BounceLimit;
+use super::memory::Memory;
+use super::share::Share;
+use super::target_error::TargetError;
 
 /// A type of settings.
 pub trait Value: Copy + PartialEq + Send + Sync + 'static {

@@ -128,6 +128,7 @@ fn reuse(
 /// The settings of a solution that ask for what it holds, neither more nor less.
 fn stored_settings(solution: &Solution) -> anyhow::Result<Settings> {
     let settings: Settings = serde_json::from_value(solution.meta.settings.clone())?;
+    settings.validate()?;
     let last = solution.bounces.len().checked_sub(1).context("it holds no light")?;
     let tail = if solution.tail.is_some() { settings.tail } else { Tail::Off };
     Ok(Settings { bounces: BounceLimit::Count(last as u32), tail, ..settings })
