@@ -8,7 +8,7 @@ use lumel::{
     Baker, BounceLimit, Bvh, Control, Light, Observer, RayTracer, Scene, Settings, Silent, SolveState, Step,
 };
 use lumel_accel::{Bundle, SHADOW_END};
-use lumel_basis::{ElementId, NodeWeights, Receivers, Site, VertexBasis};
+use lumel_basis::{ElementId, Receivers, Site, VertexBasis, VertexReceivers};
 use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex};
@@ -87,13 +87,11 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Millions of rays per second on one core: hemisphere gathers and shadow rays to the first rectangle light.
 fn ray_rates(scene: &Arc<Scene>, bvh: &Bvh) -> (f64, f64) {
-    let basis = VertexBasis::new(Arc::clone(scene));
-    let n = basis.element_count();
+    let receivers = VertexReceivers::new(&VertexBasis::new(Arc::clone(scene)));
+    let n = receivers.element_count();
     let step = (n / RECEIVERS).max(1);
-    let sites: Vec<(u32, Site)> = (0..n as u32)
-        .step_by(step)
-        .map(|e| (e, basis.receiver(ElementId(e), [0.5; 2], &mut NodeWeights::default())))
-        .collect();
+    let sites: Vec<(u32, Site)> =
+        (0..n as u32).step_by(step).map(|e| (e, receivers.central_site(ElementId(e)))).collect();
     let light = scene
         .lights()
         .iter()

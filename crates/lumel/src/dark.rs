@@ -1,7 +1,6 @@
 //! Faces that stay dark although they can be seen.
 
 use crate::Baker;
-use glam::Vec3;
 use lumel_accel::Ray;
 use lumel_basis::{Basis, Field};
 use lumel_sample::{Dim, Frame, SamplerKind, StreamKey, cosine_hemisphere};
@@ -20,15 +19,13 @@ impl Baker {
         if !state.valid.contains(&false) {
             return 0;
         }
-        let basis = self.vertex_basis();
-        let mut reached = Field::from_values(vec![Vec3::ONE; state.valid.len()]);
-        basis.fill(&mut reached, &state.valid);
-        let dark = |tri: TriId| {
-            let nodes = self.scene().triangle(tri).map(|v| basis.node_of_vertex()[v as usize]);
-            nodes.iter().all(|&node| reached.node(node).is_zero())
-        };
-        let faces = (0..self.scene().triangle_count() as u32).map(TriId);
-        faces.filter(|&tri| dark(tri) && self.is_seen(tri)).count()
+        let basis = self.basis();
+        let mut nothing = Field::zeros(state.valid.len());
+        let reached = basis.adjacency().extrapolate(&mut nothing, &state.valid);
+        let corner_nodes = basis.corner_nodes().unwrap_or_default();
+        let faces = (0..).map(TriId).zip(corner_nodes);
+        let dark = faces.filter(|(_, nodes)| nodes.iter().all(|node| !reached[node.index()]));
+        dark.filter(|(tri, _)| self.is_seen(*tri)).count()
     }
 
     /// Whether most rays from the middle of a triangle do not meet the back of a surface.

@@ -15,6 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod assembly;
 mod baker;
 mod dark;
 mod difference;
@@ -25,13 +26,15 @@ mod open;
 mod progress;
 mod project;
 mod reading;
+mod resume;
 mod samples;
 mod settings;
 pub mod spec;
+mod surfaces;
 mod target;
 mod workload;
 
-pub use baker::{Baker, ResumeError};
+pub use baker::Baker;
 pub use difference::{Difference, Percentiles};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use lumel_accel::{Bvh, RayTracer};
@@ -41,13 +44,14 @@ pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{Camera, Light, RectLight, Scene, SceneBuilder, Warnings};
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step};
-pub use lumel_transport::{Control, EmitterSampling, LightSampling};
+pub use lumel_transport::{Control, EmitterSampling, LightSampling, TransportError};
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
 pub use open::{OpenError, OpenOptions, Opened, open};
 pub use progress::{Progress, Tracker};
 pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError, SlotEntry};
 pub use reading::Reading;
+pub use resume::ResumeError;
 pub use settings::{
     BasisKind, BounceLimit, Memory, Preset, Settings, SettingsError, SettingsPatch, Share, SolverKind, Tail,
     TargetError,

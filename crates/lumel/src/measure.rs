@@ -2,9 +2,9 @@
 
 use crate::{Baker, Settings};
 use glam::Vec3;
-use lumel_basis::{Field, Measure, PointReceivers, Receivers};
+use lumel_basis::{Field, PointReceivers, Receivers, Sampling};
 use lumel_solve::{REPLICATES, SolveState, mean_and_error};
-use lumel_transport::{Cancelled, Control, CpuTransport, Job, Plan, Source, Transport, accumulate};
+use lumel_transport::{Control, CpuTransport, Job, Plan, Source, Transport, TransportError, accumulate};
 use std::sync::Arc;
 
 /// Irradiance at points, W·m⁻².
@@ -27,18 +27,18 @@ pub struct PointMeasurement {
 /// independent sets. Unbiased for the state.
 ///
 /// # Errors
-/// When it is cancelled.
+/// When it is cancelled or tracing fails.
 pub fn measure_points(
     baker: &Baker,
     state: &SolveState,
     points: &PointReceivers,
     control: &Control,
-) -> Result<PointMeasurement, Cancelled> {
+) -> Result<PointMeasurement, TransportError> {
     let [direct_samples, indirect_samples] = share_of_samples(baker);
     let transport = CpuTransport::new(
         Arc::clone(baker.scene()),
         Arc::clone(baker.tracer()),
-        Arc::new(baker.vertex_basis().clone()),
+        Arc::clone(baker.basis()),
         Arc::new(points.clone()),
         Plan { direct_samples, indirect_samples, ..baker.settings().plan() },
     );
@@ -63,12 +63,15 @@ pub fn measure_points(
 /// mean of their neighbours have none: zero.
 ///
 /// # Errors
-/// When it is cancelled.
-pub fn vertex_errors(baker: &Baker, state: &SolveState, control: &Control) -> Result<Vec<Vec3>, Cancelled> {
-    let [direct_samples, indirect_samples] = share_of_samples(baker);
-    let transport = baker.plain_transport(direct_samples, indirect_samples);
+/// When it is cancelled or tracing fails.
+pub fn vertex_errors(
+    baker: &Baker,
+    state: &SolveState,
+    control: &Control,
+) -> Result<Vec<Vec3>, TransportError> {
+    let transport = baker.traced_transport(share_of_samples(baker));
     let n_nodes = transport.shape().nodes;
-    let active = (transport.shape().measure == Measure::AtPoint).then_some(state.valid.as_slice());
+    let active = (transport.shape().sampling == Sampling::Point).then_some(state.valid.as_slice());
     let steps = replicates(&*transport, state, active, control)?;
     Ok(baker.at_vertices(&Field::from_values(standard_error(n_nodes, &totals(n_nodes, &steps)))))
 }
@@ -87,15 +90,15 @@ fn replicates(
     state: &SolveState,
     active: Option<&[bool]>,
     control: &Control,
-) -> Result<Vec<Vec<Field>>, Cancelled> {
+) -> Result<Vec<Vec<Field>>, TransportError> {
     let n_bounces = state.bounces.len();
     // Beyond the last bounce, its light and all later light bounce once more into the tail.
     let before_tail = state
         .tail
         .as_ref()
-        .map(|tail| Field::sum(tail.len(), state.bounces.last().into_iter().chain([tail])));
-    let sources =
-        (0..n_bounces).map(|k| if k == 0 { Source::Emitters } else { Source::Field(&state.bounces[k - 1]) });
+        .map(|tail| Field::sum(tail.node_count(), state.bounces.last().into_iter().chain([tail])));
+    let sources = (0..n_bounces)
+        .map(|k| if k == 0 { Source::Emitters(None) } else { Source::Field(&state.bounces[k - 1]) });
     let mut steps: Vec<Vec<Field>> = Vec::new();
     for (bounce, source) in sources.chain(before_tail.as_ref().map(Source::Field)).enumerate() {
         let replicate = |pass| {
@@ -103,7 +106,7 @@ fn replicates(
             let job = Job { source, bounce: bounce as u32, pass: pass + 1, active };
             Ok(accumulate(transport, &job, control, None)?.field)
         };
-        steps.push((0..REPLICATES as u32).map(replicate).collect::<Result<_, Cancelled>>()?);
+        steps.push((0..REPLICATES as u32).map(replicate).collect::<Result<_, TransportError>>()?);
     }
     Ok(steps)
 }

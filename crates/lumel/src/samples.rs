@@ -3,7 +3,7 @@
 use crate::{Baker, BasisKind};
 use glam::Vec3;
 use lumel_accel::Ray;
-use lumel_basis::{Basis, ElementId, NodeId, NodeWeights, Receivers};
+use lumel_basis::{Basis, CENTER, ElementId, NodeId, NodeWeights, Receivers};
 use lumel_sample::{Dim, StreamKey};
 use lumel_transport::hemisphere_direction;
 
@@ -14,36 +14,40 @@ impl Baker {
     /// At vertices these are the origins of their rays, which lie a little inside the triangles around. Over areas
     /// every element has as many origins as samples; the first of each is given.
     pub fn sample_points(&self, valid: &[bool], limit: usize) -> Vec<(Vec3, bool)> {
-        let basis = self.basis();
-        let n = basis.element_count();
+        let receivers = self.receivers();
+        let n = receivers.element_count();
         let step = n.div_ceil(limit.max(1)).max(1);
         let mut weights = NodeWeights::default();
         let point = |element: usize| {
             let element = ElementId(element as u32);
             weights.clear();
             let u = match self.settings().basis {
-                BasisKind::Vertex => [0.5, 0.5],
+                BasisKind::Vertex => CENTER,
                 BasisKind::VertexArea => {
                     let key = StreamKey::new(self.settings().seed).element(element.0).bounce(0).pass(0);
                     let [s, t, ..] = self.settings().sampler.for_count(1).stream(key, Dim::Area).sample_4d(0);
                     [s, t]
                 }
             };
-            let site = basis.receiver(element, u, &mut weights);
+            let site = receivers.site(element, u, &mut weights);
             let counts = weights.iter().any(|(node, _)| valid.get(node.index()).copied().unwrap_or(true));
             (site.origin, counts)
         };
         (0..n).step_by(step).map(point).collect()
     }
 
-    /// The rays with which the vertex basis measures a bounce (1 or later) at a vertex of the scene, each from its
+    /// The rays with which receivers at vertices measure a bounce (1 or later) at a vertex of the scene, each from its
     /// origin to where it ends; rays that meet nothing are `length` metres long.
     ///
     /// The very rays of the bake, unless it measures over areas: then those that it would send from the vertex.
     pub fn rays_of_vertex(&self, vertex: usize, bounce: u32, length: f32) -> Vec<[Vec3; 2]> {
-        let basis = self.vertex_basis();
-        let Some(&NodeId(node)) = basis.node_of_vertex().get(vertex) else { return Vec::new() };
-        let site = basis.receiver(ElementId(node), [0.5, 0.5], &mut NodeWeights::default());
+        let Some(&at) = self.surfaces().points.points().get(vertex) else { return Vec::new() };
+        let mut nodes = NodeWeights::default();
+        self.basis().weights_at(at, &mut nodes);
+        let Some((NodeId(node), _)) = nodes.iter().find(|(_, weight)| *weight > 0.0) else {
+            return Vec::new();
+        };
+        let site = self.surfaces().at_vertices().receivers.central_site(ElementId(node));
         let settings = self.settings();
         let samples = settings.sampler.sample_count(settings.indirect_samples);
         let key = StreamKey::new(settings.seed).element(node).bounce(bounce).pass(0);

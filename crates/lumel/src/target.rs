@@ -1,10 +1,10 @@
 //! Stopping at an error: its samples, and the operators of replicates.
 
 use crate::settings::{Settings, TargetError};
-use lumel_basis::Basis;
+use lumel_basis::{Basis, Receivers};
 use lumel_sample::SamplerKind;
-use lumel_solve::{REPLICATES, Replicates, Target};
-use lumel_transport::{CachedTransport, Plan, Transport};
+use lumel_solve::{REPLICATES, Replicates, Round, Target};
+use lumel_transport::{CachedTransport, Plan, SampleRange, Transport};
 
 /// Fewer samples than this say little about what a replicate sees, and the bias of stored rays is 1.5 % over their number.
 const MIN_SAMPLES: u32 = 16;
@@ -51,35 +51,35 @@ pub(crate) fn first_plan(settings: &Settings, rays: u32) -> Plan {
 }
 
 /// Operators of replicates on stored rays.
-pub(crate) struct StoredReplicates<B> {
+pub(crate) struct StoredReplicates<B, R> {
     /// Traces nothing itself.
-    pub(crate) like: CachedTransport<B>,
+    pub(crate) like: CachedTransport<B, R>,
     pub(crate) first: Plan,
 }
 
-impl<B> StoredReplicates<B> {
-    fn plan(&self, replicate: u32, times: u32) -> Plan {
-        let direct =
-            self.first.direct_samples.saturating_add_signed(OFFSETS[replicate as usize % REPLICATES]);
+impl<B, R> StoredReplicates<B, R> {
+    fn plan(&self, round: Round) -> Plan {
+        let offset = OFFSETS[round.replicate as usize % REPLICATES];
+        let direct = self.first.direct_samples.saturating_add_signed(offset);
+        // As many samples as all before continue their sequence, and are spread evenly with them.
+        let continues = round.number > 0 && self.first.sampler != SamplerKind::Stratified;
         Plan {
-            direct_samples: direct.saturating_mul(times),
-            indirect_samples: self.first.indirect_samples.saturating_mul(times),
+            direct_samples: direct.saturating_mul(round.times),
+            indirect_samples: self.first.indirect_samples.saturating_mul(round.times),
+            seed: seed_of(self.first.seed, round.replicate, if continues { 0 } else { round.number }),
+            range: if continues { SampleRange::Second } else { SampleRange::First },
             ..self.first
         }
     }
 }
 
-impl<B: Basis + 'static> Replicates for StoredReplicates<B> {
-    fn operator(&self, replicate: u32, round: u32, times: u32, nodes: &[bool]) -> Box<dyn Transport> {
-        // As many samples as all before go on where those ended, and are spread evenly with them.
-        let second_half = round > 0 && self.first.sampler != SamplerKind::Stratified;
-        let seed = seed_of(self.first.seed, replicate, if second_half { 0 } else { round });
-        let plan = Plan { seed, second_half, ..self.plan(replicate, times) };
-        Box::new(self.like.with_samples(plan, nodes))
+impl<B: Basis + 'static, R: Receivers + 'static> Replicates for StoredReplicates<B, R> {
+    fn operator(&self, round: Round, nodes: &[bool]) -> Box<dyn Transport> {
+        Box::new(self.like.with_samples(self.plan(round), nodes))
     }
 
-    fn bytes(&self, times: u32, nodes: &[bool]) -> u64 {
-        self.like.memory_with(&self.plan(0, times), nodes)
+    fn bytes(&self, round: Round, nodes: &[bool]) -> u64 {
+        self.like.memory_with(&self.plan(round), nodes)
     }
 }
 

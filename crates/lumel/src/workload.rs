@@ -95,9 +95,9 @@ impl Workload {
             n => f64::from(n) * later,
         };
         let to_come = match step {
-            Step::Probe => first + bounces_after(0) + gathered,
+            Step::Validity => first + bounces_after(0) + gathered,
             Step::Bounce(bounce) => bounces_after(bounce) + gathered,
-            Step::FinalGather | Step::Round(_) => 0.0,
+            Step::FinalGather | Step::Round(_) | Step::Layer(_) => 0.0,
         };
         let this_step = done.seconds * (1.0 - share) / share;
         Some(this_step + self.elements as f64 * to_come * done.seconds / done.rays as f64)

@@ -8,7 +8,7 @@ use lumel::{
     Settings, Silent, SolveState, SolverKind,
 };
 use lumel_accel::InstructionSet;
-use lumel_basis::{Field, VertexBasis};
+use lumel_basis::{Field, VertexBasis, VertexReceivers};
 use lumel_transport::{CachedTransport, CpuTransport, Job, Rows, Source, Transport, accumulate};
 use std::sync::Arc;
 
@@ -40,8 +40,8 @@ fn relative(a: &Field, b: &Field) -> f64 {
 }
 
 struct Operators {
-    plain: CpuTransport<VertexBasis>,
-    cached: CachedTransport<VertexBasis>,
+    plain: CpuTransport<VertexBasis, VertexReceivers>,
+    cached: CachedTransport<VertexBasis, VertexReceivers>,
     basis: Arc<VertexBasis>,
 }
 
@@ -49,12 +49,13 @@ fn operators(name: &str, settings: &Settings) -> Operators {
     let scene = scene(name);
     let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(&scene));
     let basis = Arc::new(VertexBasis::new(Arc::clone(&scene)));
+    let receivers = Arc::new(VertexReceivers::new(&basis));
     let plain = || {
         CpuTransport::new(
             Arc::clone(&scene),
             Arc::clone(&tracer),
             Arc::clone(&basis),
-            Arc::clone(&basis),
+            Arc::clone(&receivers),
             settings.plan(),
         )
     };
@@ -73,15 +74,15 @@ fn bounces_on_stored_rows_are_those_of_the_neumann_series_with_the_same_rays() {
     for (name, tolerance) in [("cornell-box", 1e-6), ("atrium", 1e-5)] {
         let settings = Settings { indirect_samples: 32, ..settings() };
         let Operators { plain, cached, .. } = operators(name, &settings);
-        let direct = applied(&plain, Source::Emitters, 0);
+        let direct = applied(&plain, Source::Emitters(None), 0);
         let (mut by_rays, mut by_rows) = (direct.clone(), direct.clone());
         let (mut sum_of_rays, mut sum_of_rows) = (direct.clone(), direct);
         for bounce in 1..=4 {
             // The rows are the rays of bounce 1, in all bounces.
             by_rays = applied(&plain, Source::Field(&by_rays), 1);
             by_rows = applied(&cached, Source::Field(&by_rows), bounce);
-            sum_of_rays = Field::sum(by_rays.len(), [&sum_of_rays, &by_rays]);
-            sum_of_rows = Field::sum(by_rows.len(), [&sum_of_rows, &by_rows]);
+            sum_of_rays = Field::sum(by_rays.node_count(), [&sum_of_rays, &by_rays]);
+            sum_of_rows = Field::sum(by_rows.node_count(), [&sum_of_rows, &by_rows]);
         }
         let difference = relative(&sum_of_rays, &sum_of_rows);
         println!("{name}: {difference:.2e}");
@@ -111,11 +112,12 @@ fn each_bounce_agrees_with_a_fresh_gather_of_the_one_before() {
         let (a, b) = (gather(11), gather(12));
         let valid = |i: &usize| state.valid[*i];
         let mean = |field: &Field| {
-            let sum: DVec3 = (0..field.len()).filter(valid).map(|i| field.values()[i].as_dvec3()).sum();
+            let sum: DVec3 =
+                (0..field.node_count()).filter(valid).map(|i| field.values()[i].as_dvec3()).sum();
             sum / scene.vertex_count() as f64
         };
         let spread = |x: &Field, y: &Field| {
-            let squares = (0..x.len())
+            let squares = (0..x.node_count())
                 .filter(valid)
                 .map(|i| (x.values()[i] - y.values()[i]).as_dvec3().length_squared());
             squares.sum::<f64>()
@@ -254,7 +256,7 @@ fn with_little_memory_few_rays_are_stored_and_a_final_gather_smooths_them() {
     );
     let (gathered, method, state) = total(settings(eighth, 256, 2));
     assert_eq!(method, Method::FinalGather { stored: 32, memory: Memory(eighth) });
-    let few = Field::sum(full.len(), &state.bounces);
+    let few = Field::sum(full.node_count(), &state.bounces);
     let [full, gathered, few] = [full, gathered, few].map(|field| relative(&reference, &field));
     println!("all rays {full:.2e}, final gather {gathered:.2e}, its stored rays alone {few:.2e}");
     assert!(gathered < 0.6 * few && gathered < 2.5 * full, "{full} {gathered} {few}");

@@ -5,7 +5,7 @@
 use glam::Vec3;
 use lumel::{Bvh, OpenOptions, RayTracer, Scene};
 use lumel_accel::{BruteForce, Bundle, Hit, InstructionSet, Ray, SHADOW_END};
-use lumel_basis::{ElementId, NodeWeights, Receivers, Site, VertexBasis};
+use lumel_basis::{ElementId, Receivers, Site, VertexBasis, VertexReceivers};
 use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
 use lumel_testkit::shared;
 use std::sync::Arc;
@@ -13,16 +13,14 @@ use std::sync::Arc;
 const RAYS: u32 = 64;
 
 /// Neighbours in the list of vertices, some of which lie in the plane of walls and in corners.
-fn sites(basis: &VertexBasis, first: u32) -> Vec<Site> {
-    let n = basis.element_count() as u32;
-    (0..16)
-        .map(|i| basis.receiver(ElementId((first + i) % n), [0.5; 2], &mut NodeWeights::default()))
-        .collect()
+fn sites(receivers: &VertexReceivers, first: u32) -> Vec<Site> {
+    let n = receivers.element_count() as u32;
+    (0..16).map(|i| receivers.central_site(ElementId((first + i) % n))).collect()
 }
 
 fn assert_all_ways(scene: &Arc<Scene>, groups: u32) {
     let brute = BruteForce::new(scene);
-    let basis = VertexBasis::new(Arc::clone(scene));
+    let receivers = VertexReceivers::new(&VertexBasis::new(Arc::clone(scene)));
     let tree = Bvh::build(scene);
     let trees: Vec<Bvh> = InstructionSet::available()
         .into_iter()
@@ -32,7 +30,7 @@ fn assert_all_ways(scene: &Arc<Scene>, groups: u32) {
     let mut cells = CellOrder::default();
     let mut n_hits = 0;
     for group in 0..groups {
-        let sites = sites(&basis, group * (basis.element_count() as u32 / groups));
+        let sites = sites(&receivers, group * (receivers.element_count() as u32 / groups));
         let directions: Vec<Vec<Vec3>> = (0u32..)
             .zip(&sites)
             .map(|(i, site)| {

@@ -1,9 +1,7 @@
-//! What every basis offers.
+//! A space of functions on the surfaces.
 
-use crate::Field;
-use glam::Vec3;
-use lumel_sample::Frame;
-use lumel_scene::{SurfacePoint, TriId};
+use crate::{Adjacency, Identity};
+use lumel_scene::SurfacePoint;
 
 /// A coefficient of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -17,24 +15,12 @@ impl NodeId {
     }
 }
 
-/// A unit of measuring: a vertex, a triangle, a lumel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ElementId(pub u32);
-
-impl ElementId {
-    /// The index as a `usize`, for slices.
-    #[inline]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
 /// Nodes and their weights; kept between calls so that nothing is allocated per ray.
 #[derive(Clone, Debug, Default)]
 pub struct NodeWeights(Vec<(NodeId, f32)>);
 
 impl NodeWeights {
-    /// Forgets all nodes.
+    /// Removes all nodes.
     pub fn clear(&mut self) {
         self.0.clear();
     }
@@ -44,69 +30,51 @@ impl NodeWeights {
         self.0.push((node, weight));
     }
 
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there are no nodes.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The nodes and their weights.
     pub fn iter(&self) -> impl Iterator<Item = (NodeId, f32)> + '_ {
         self.0.iter().copied()
     }
 }
 
-/// A place where light is measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Site {
-    /// Where rays start: on the surface, pushed off it along its geometric normal.
-    pub origin: Vec3,
-    /// The hemisphere that is measured, in world space.
-    pub frame: Frame,
-    /// The traced triangle the site lies on, which rays from here do not see.
-    pub skip: Option<TriId>,
-}
+/// A space of functions on the surfaces of a scene: what the coefficients of a [`Field`](crate::Field) mean.
+///
+/// It measures nothing: that is the part of [`Receivers`](crate::Receivers), which may count towards the nodes of a basis or
+/// of none. Every implementation keeps these laws:
+///
+/// - The weights at a point sum to 1, so constants are reproduced.
+/// - `node_areas` is the integral of each basis function, so they sum to the area of the surfaces.
+/// - `corner_nodes`, if there are any, agree with `weights_at` everywhere.
+/// - `adjacency` is symmetric and has `node_count` nodes.
+pub trait Basis: Send + Sync {
+    /// What decides its nodes.
+    fn identity(&self) -> Identity;
 
-/// How an element's light is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Measure {
-    /// At one point: all rays of an element share an origin.
-    AtPoint,
-    /// Over an area: every ray has an origin of its own.
-    OverArea,
-}
-
-/// Where light is measured, and which nodes a measurement counts towards.
-pub trait Receivers: Send + Sync {
     /// Number of coefficients.
     fn node_count(&self) -> usize;
 
-    /// Number of elements.
-    fn element_count(&self) -> usize;
-
-    /// How elements are measured.
-    fn measure(&self) -> Measure;
-
-    /// A place of element `e`, chosen by `u` in the unit square when elements have an area.
-    ///
-    /// Adds the nodes that a measurement there counts towards, and how much. A node's value is the mean of all its
-    /// measurements by weight, so weights need no common scale.
-    fn receiver(&self, e: ElementId, u: [f32; 2], counts_towards: &mut NodeWeights) -> Site;
-}
-
-/// Where light is stored on the surfaces of a scene.
-pub trait Basis: Receivers {
-    /// Adds the nodes whose weighted sum rebuilds a field at a surface point. Weights sum to 1.
+    /// Adds the nodes whose weighted sum is the value of a field at a surface point.
     fn weights_at(&self, at: SurfacePoint, weights: &mut NodeWeights);
 
-    /// The nodes at a triangle's corners, if every field is linear over triangles.
-    fn corner_nodes(&self, tri: TriId) -> Option<[NodeId; 3]> {
-        let _ = tri;
+    /// The nodes at the corners of each triangle, for bases that are linear over the triangles of the scene.
+    ///
+    /// A fast path: readers of many points use it in place of `weights_at`.
+    fn corner_nodes(&self) -> Option<&[[NodeId; 3]]> {
         None
     }
 
-    /// The area each node stands for, m²: the integral of its basis function.
-    fn node_areas(&self) -> Vec<f32>;
+    /// The integral of each basis function over the surfaces, m².
+    fn node_areas(&self) -> &[f32];
 
-    /// Gives nodes that could not be measured the mean of their measured neighbours, ring by ring.
-    ///
-    /// Nodes that no measured node is connected to become zero.
-    fn fill(&self, field: &mut Field, known: &[bool]);
-
-    /// The node of every vertex of the scene, for bases that are read at vertices.
-    fn node_of_vertex(&self) -> &[NodeId];
+    /// Which nodes are next to each other.
+    fn adjacency(&self) -> &Adjacency;
 }

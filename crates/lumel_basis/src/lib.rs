@@ -1,16 +1,32 @@
-//! Fields of light and the bases they are stored in.
+//! Functions on the surfaces of a scene, and where light is measured.
 //!
-//! A basis says where light is measured ([`Receivers`]) and how a field is read back anywhere on the surfaces
-//! ([`Basis::weights_at`]). It traces no rays: that is the transport's part.
+//! A [`Basis`] is a space of functions: it says what the coefficients of a [`Field`] mean anywhere on the surfaces.
+//! [`Receivers`] say where light is measured and towards which coefficients a measurement counts. The two are chosen
+//! apart: the same functions may be measured at points or over areas, and light may be read from one basis and
+//! measured for another. Neither traces rays: that is the part of the transport.
 
-mod area_vertex;
+mod adjacency;
+mod area_receivers;
+mod at_vertices;
 mod basis;
 mod field;
+mod identity;
+mod lighting;
 mod points;
+mod receivers;
+mod reflecting;
 mod vertex;
+mod vertex_receivers;
 
-pub use area_vertex::AreaVertexBasis;
-pub use basis::{Basis, ElementId, Measure, NodeId, NodeWeights, Receivers, Site};
+pub use adjacency::Adjacency;
+pub use area_receivers::AreaReceivers;
+pub use at_vertices::VertexPoints;
+pub use basis::{Basis, NodeId, NodeWeights};
 pub use field::Field;
+pub use identity::Identity;
+pub use lighting::{FieldLighting, Lighting};
 pub use points::PointReceivers;
+pub use receivers::{CENTER, ElementId, Receivers, Sampling, Site};
+pub use reflecting::reflecting_areas;
 pub use vertex::VertexBasis;
+pub use vertex_receivers::VertexReceivers;

@@ -1,13 +1,12 @@
 //! Light measured at points that belong to no basis.
 
-use crate::{ElementId, Measure, NodeId, NodeWeights, Receivers, Site};
+use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
 use glam::Vec3;
 use lumel_sample::Frame;
 
 /// Points at which irradiance is asked for; each is a node of its own.
 ///
-/// Nothing can be read back between them, so they are no basis: the operator reads light from a basis and measures
-/// it here.
+/// Nothing can be read back between them, so they are no basis: light is read from a basis and measured here.
 #[derive(Clone, Debug)]
 pub struct PointReceivers {
     sites: Vec<Site>,
@@ -31,6 +30,12 @@ impl PointReceivers {
 }
 
 impl Receivers for PointReceivers {
+    fn identity(&self) -> Identity {
+        let vectors = self.sites.iter().flat_map(|site| [site.origin, site.frame.normal]);
+        let bytes: Vec<u8> = vectors.flat_map(|v| v.to_array().map(f32::to_le_bytes)).flatten().collect();
+        Identity::new("points", [bytes.as_slice()])
+    }
+
     fn node_count(&self) -> usize {
         self.sites.len()
     }
@@ -39,12 +44,16 @@ impl Receivers for PointReceivers {
         self.sites.len()
     }
 
-    fn measure(&self) -> Measure {
-        Measure::AtPoint
+    fn sampling(&self) -> Sampling {
+        Sampling::Point
     }
 
-    fn receiver(&self, e: ElementId, _u: [f32; 2], counts_towards: &mut NodeWeights) -> Site {
-        counts_towards.push(NodeId(e.0), 1.0);
-        self.sites[e.index()]
+    fn nodes_of(&self, element: ElementId, nodes: &mut Vec<NodeId>) {
+        nodes.push(NodeId(element.0));
+    }
+
+    fn site(&self, element: ElementId, _u: [f32; 2], towards: &mut NodeWeights) -> Site {
+        towards.push(NodeId(element.0), 1.0);
+        self.sites[element.index()]
     }
 }

@@ -149,7 +149,7 @@ fn new_bar() -> ProgressBar {
 
 fn add_step(event: &mut Value, step: Step) {
     match step {
-        Step::Probe => event["step"] = "probe".into(),
+        Step::Validity => event["step"] = "validity".into(),
         Step::Bounce(bounce) => {
             event["step"] = "bounce".into();
             event["bounce"] = bounce.into();
@@ -159,18 +159,23 @@ fn add_step(event: &mut Value, step: Step) {
             event["step"] = "round".into();
             event["round"] = (round + 1).into();
         }
+        Step::Layer(layer) => {
+            event["step"] = "layer".into();
+            event["layer"] = (layer + 1).into();
+        }
     }
 }
 
 fn name_of(step: Step, progress: &lumel::Progress) -> String {
     match step {
-        Step::Probe => "looking inside geometry".to_owned(),
+        Step::Validity => "validity of vertices".to_owned(),
         Step::Bounce(0) => "direct light".to_owned(),
         Step::Bounce(bounce) => match progress.last_bounce.filter(|&last| last >= bounce) {
             Some(last) => format!("bounce {bounce} of {last}"),
             None => format!("bounce {bounce}"),
         },
         Step::FinalGather => "final gather".to_owned(),
+        Step::Layer(layer) => format!("layer {}", layer + 1),
         Step::Round(round) => match &progress.accuracy {
             Some(Accuracy { share, target, .. }) => {
                 let (share, target) = (report::percent(*share), report::percent(target.error));

@@ -78,7 +78,7 @@ impl Session {
                 let steps = lock(&watch.tracker).steps().to_vec();
                 Ok(Some(SolveLog { steps, seconds: seconds - checkpoint_seconds, checkpoint_seconds }))
             }
-            Err(SolveError::Cancelled(_)) => Ok(None),
+            Err(SolveError::Cancelled) => Ok(None),
             Err(error @ SolveError::Memory { needed, .. }) => {
                 let hint = format!("allow more, with --memory {}MiB", needed.div_ceil(1 << 20));
                 Err(with_hint(anyhow::Error::new(error), hint))

@@ -1,8 +1,7 @@
 //! What the spread of replicates says about errors.
 
-use crate::neighbours::Neighbours;
 use glam::{DVec3, Vec3};
-use lumel_basis::Field;
+use lumel_basis::{Adjacency, Field, NodeId};
 
 /// Independent solves whose spread gives the standard error.
 pub const REPLICATES: usize = 8;
@@ -90,7 +89,7 @@ impl Spread {
     pub(crate) fn new(
         totals: &[Vec<DVec3>],
         valid: &[bool],
-        neighbours: &Neighbours,
+        adjacency: &Adjacency,
         mean_light: impl FnOnce(&Field) -> f64,
         target: Target,
     ) -> Self {
@@ -102,7 +101,8 @@ impl Spread {
         let relative: Vec<DVec3> =
             moments.iter().map(|(mean, error)| half_width(*mean, *error, floor)).collect();
         let pooled = |node: usize| {
-            let beside = || neighbours.of(node).filter(|&n| valid[n]);
+            let all = || adjacency.neighbourhood(NodeId(node as u32)).map(NodeId::index);
+            let beside = || all().filter(|&n| valid[n]);
             let squares: DVec3 = beside().map(|n| relative[n] * relative[n]).sum();
             (squares.max_element() / beside().count().max(1) as f64).sqrt()
         };
@@ -161,8 +161,8 @@ mod tests {
     }
 
     /// A chain of nodes, each beside the next.
-    fn chain(n: u32) -> Neighbours {
-        Neighbours::from_triangles(n as usize, (1..n).map(|i| [i - 1, i, i].map(lumel_basis::NodeId)))
+    fn chain(n: u32) -> Adjacency {
+        Adjacency::from_cells(n as usize, (1..n).map(|i| [i - 1, i].map(NodeId)))
     }
 
     fn spread(errors: &[f64], mean_light: f64) -> Spread {

@@ -7,14 +7,16 @@ use std::sync::Arc;
 /// What a solve is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// Finding nodes that lie inside geometry.
-    Probe,
+    /// Finding the nodes that lie inside geometry.
+    Validity,
     /// Measuring this bounce; 0 is direct light.
     Bounce(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
     /// Adding samples where the error is above a target, and solving all replicates with them.
     Round(u32),
+    /// Finding the part of this layer of emitters.
+    Layer(u32),
 }
 
 /// All light found so far, at some moment of a solve.

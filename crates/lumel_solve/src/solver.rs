@@ -1,44 +1,33 @@
-//! The Neumann series, bounce by bounce.
+//! Solving, step by step.
 
 use crate::observer::{Observer, Snapshot, Step};
-use crate::{Energy, SolveState};
+use crate::schedule::{Schedule, Shot};
+use crate::{Integrals, SolveState};
 use glam::Vec3;
-use lumel_basis::{Basis, Field, Measure};
-use lumel_transport::{Cancelled, Control, Job, Measured, PartialField, Source, Transport, accumulate};
-use serde::{Deserialize, Serialize};
+use lumel_basis::{Basis, Field, Identity, Sampling};
+use lumel_transport::{Control, Job, Measured, PartialField, Source, Transport, TransportError, accumulate};
 use std::sync::Arc;
 
-/// Nodes that meet the backs of surfaces with more than a quarter of their rays lie inside geometry.
-const MIN_OPENNESS: f32 = 0.75;
-
-/// When enough bounces have been computed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stop {
-    /// After this many; 0 is direct light only.
-    Bounces(u32),
-    /// When the bounces to come would bring less than this share of all light, but after `at_most` in any case.
-    Remainder {
-        /// The share.
-        fraction: f32,
-        /// The limit.
-        at_most: u32,
-    },
-}
+/// Nodes that meet back faces with more than a quarter of their rays lie inside geometry.
+const MAX_BACK_FACES: f32 = 0.25;
 
 /// Why a solve ended early.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SolveError {
     /// It was asked to.
+    #[error("cancelled")]
+    Cancelled,
+    /// What measures light has failed.
     #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The state to resume has another number of nodes than the operator.
-    #[error("the state to resume has {found} nodes, the scene has {expected}")]
+    Transport(TransportError),
+    /// The state to resume is that of another basis.
+    #[error("the state to resume does not belong to the basis of this solve, {expected}")]
     WrongState {
-        /// Nodes of the state.
-        found: usize,
-        /// Nodes of the operator.
-        expected: usize,
+        /// The basis of the state.
+        found: Option<Identity>,
+        /// The basis of the operator.
+        expected: Identity,
     },
     /// The stored rays of all replicates do not fit.
     #[error("replicates need {needed} bytes for stored rays, {allowed} are allowed")]
@@ -50,53 +39,95 @@ pub enum SolveError {
     },
 }
 
-/// Goes on from `state` until `stop` is reached.
+impl From<TransportError> for SolveError {
+    fn from(error: TransportError) -> Self {
+        match error {
+            TransportError::Cancelled => Self::Cancelled,
+            error => Self::Transport(error),
+        }
+    }
+}
+
+/// The discrete operator of a solve: what measures, and the basis whose nodes it measures.
+#[derive(Clone, Copy)]
+pub struct Operator<'a> {
+    /// What measures.
+    pub transport: &'a dyn Transport,
+    /// The basis of what is read and of what is measured.
+    pub basis: &'a dyn Basis,
+}
+
+impl Operator<'_> {
+    /// The elements of a job, where elements are nodes and some of them cannot be measured.
+    pub(crate) fn active<'a>(&self, valid: &'a [bool]) -> Option<&'a [bool]> {
+        (self.transport.shape().sampling == Sampling::Point).then_some(valid)
+    }
+}
+
+/// Continues from `state` until the schedule is finished.
 ///
-/// Each bounce gathers the bounce before it, never the running sum, and is kept by itself. Each has sample points
-/// of its own. When the solve is cancelled, `state` holds the bounces that were finished.
+/// Each step transports light that no step before it has, never the running sum, and what it brings is kept by itself.
+/// Each has sample points of its own. When the solve is cancelled, `state` holds the steps that were finished.
 ///
 /// # Errors
 /// See [`SolveError`].
 pub fn solve(
-    transport: &dyn Transport,
-    basis: &dyn Basis,
-    energy: &Energy,
-    stop: Stop,
+    operator: Operator<'_>,
+    integrals: &Integrals,
+    schedule: &dyn Schedule,
     state: &mut SolveState,
     control: &Control,
     observer: &dyn Observer,
 ) -> Result<(), SolveError> {
-    let expected = transport.shape().nodes;
-    let sizes =
-        state.bounces.iter().map(Field::len).chain((!state.valid.is_empty()).then_some(state.valid.len()));
-    if let Some(found) = sizes.into_iter().find(|&n| n != expected) {
-        return Err(SolveError::WrongState { found, expected });
-    }
-    (state.tail, state.gathered, state.errors) = (None, None, None);
+    let expected = operator.basis.identity();
+    check_basis(state, expected)?;
+    state.reopen();
     if state.valid.is_empty() {
-        state.valid = probe(transport, control, observer, state)?;
+        state.valid = find_valid(operator.transport, control, observer, state)?;
+        state.basis = Some(expected);
     }
-    while !stop.reached(energy, &state.bounces) {
+    while let Some(shot) = schedule.next(state, integrals) {
         let bounce = state.bounces.len() as u32;
         let step = Step::Bounce(bounce);
         observer.step_started(step);
         let measured = {
-            let source = state.unshot().map_or(Source::Emitters, Source::Field);
-            let active = (transport.shape().measure == Measure::AtPoint).then_some(state.valid.as_slice());
-            let job = Job { source, bounce, pass: 0, active };
-            let live = Live { basis, step, state, observer };
-            accumulate(transport, &job, control, Some(&live))?
+            let source = match (shot, state.unshot()) {
+                (Shot::All, Some(unshot)) => Source::Field(unshot),
+                (Shot::Emitters, _) | (Shot::All, None) => Source::Emitters(None),
+            };
+            let job = Job { source, bounce, pass: 0, active: operator.active(&state.valid) };
+            let live = Live { basis: operator.basis, step, state, observer };
+            measured_step(operator, &job, control, Some(&live))?
         };
         if bounce == 0 {
             // Over areas, it is the first measurement that shows which nodes cannot be measured.
             state.valid.iter_mut().zip(&measured.known).for_each(|(valid, known)| *valid &= known);
         }
-        let mut field = measured.field;
-        basis.fill(&mut field, &measured.known);
-        state.bounces.push(field);
+        state.bounces.push(measured.field);
         observer.step_done(step, state);
     }
     Ok(())
+}
+
+/// Refuses a state of another basis.
+pub(crate) fn check_basis(state: &SolveState, expected: Identity) -> Result<(), SolveError> {
+    let found = state.basis;
+    let is_new = state.valid.is_empty() && state.bounces.is_empty();
+    if is_new || found == Some(expected) { Ok(()) } else { Err(SolveError::WrongState { found, expected }) }
+}
+
+/// One application of the operator, with the nodes that were not measured extrapolated.
+pub(crate) fn measured_step(
+    operator: Operator<'_>,
+    job: &Job<'_>,
+    control: &Control,
+    progress: Option<&dyn PartialField>,
+) -> Result<Measured, TransportError> {
+    let mut measured = accumulate(operator.transport, job, control, progress)?;
+    if measured.known.contains(&false) {
+        operator.basis.adjacency().complete(&mut measured.field, &measured.known);
+    }
+    Ok(measured)
 }
 
 /// Measures all light of a finished solve but the direct once more, by another operator with more rays.
@@ -105,55 +136,49 @@ pub fn solve(
 /// the many, and a part of that of the few. The bounces of `state` stay as they are.
 ///
 /// # Errors
-/// When it is asked to stop; `state` is as before then.
+/// When it is cancelled or the transport fails; `state` is as before then.
 pub fn final_gather(
-    transport: &dyn Transport,
-    basis: &dyn Basis,
+    operator: Operator<'_>,
     state: &mut SolveState,
     control: &Control,
     observer: &dyn Observer,
 ) -> Result<(), SolveError> {
     observer.step_started(Step::FinalGather);
-    let source = state.gatherable();
-    let active = (transport.shape().measure == Measure::AtPoint).then_some(state.valid.as_slice());
-    // Rays apart from those of the bounces.
-    let job = Job { source: Source::Field(&source), bounce: 1, pass: 1, active };
-    let measured = accumulate(transport, &job, control, None)?;
-    let mut field = measured.field;
-    basis.fill(&mut field, &measured.known);
-    state.gathered = Some(field);
+    state.gathered = Some(gathered(operator, state, control)?);
     observer.step_done(Step::FinalGather, state);
     Ok(())
 }
 
-impl Stop {
-    pub(crate) fn reached(self, energy: &Energy, bounces: &[Field]) -> bool {
-        match self {
-            Self::Bounces(n) => bounces.len() > n as usize,
-            Self::Remainder { fraction, at_most } => {
-                bounces.len() > at_most as usize
-                    || energy.remainder(bounces).is_some_and(|left| left < f64::from(fraction))
-            }
-        }
-    }
+/// All light of a state but the direct, measured once more.
+pub(crate) fn gathered(
+    operator: Operator<'_>,
+    state: &SolveState,
+    control: &Control,
+) -> Result<Field, TransportError> {
+    let source = state.gatherable();
+    // Rays apart from those of the bounces.
+    let job =
+        Job { source: Source::Field(&source), bounce: 1, pass: 1, active: operator.active(&state.valid) };
+    Ok(measured_step(operator, &job, control, None)?.field)
 }
 
-/// Finds the nodes that lie inside geometry.
-pub(crate) fn probe(
+/// Finds the nodes that lie outside geometry.
+pub(crate) fn find_valid(
     transport: &dyn Transport,
     control: &Control,
     observer: &dyn Observer,
     state: &SolveState,
-) -> Result<Vec<bool>, Cancelled> {
+) -> Result<Vec<bool>, TransportError> {
     let shape = transport.shape();
-    if shape.measure == Measure::OverArea {
+    if shape.sampling == Sampling::Area {
         return Ok(vec![true; shape.nodes]);
     }
-    observer.step_started(Step::Probe);
-    let job = Job { source: Source::Openness, bounce: 0, pass: 0, active: None };
+    observer.step_started(Step::Validity);
+    let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };
     let measured = accumulate(transport, &job, control, None)?;
-    observer.step_done(Step::Probe, state);
-    Ok(measured.field.values().iter().map(|openness| openness.x >= MIN_OPENNESS).collect())
+    observer.step_done(Step::Validity, state);
+    let is_valid = |(back_faces, known): (&f32, &bool)| *known && *back_faces <= MAX_BACK_FACES;
+    Ok(measured.back_faces.iter().zip(&measured.known).map(is_valid).collect())
 }
 
 /// Makes snapshots of a bounce under way.
@@ -169,11 +194,14 @@ impl PartialField for Live<'_> {
         self.observer.wants_snapshot()
     }
 
-    fn look(&self, Measured { field: mut current, known }: Measured) {
+    fn look(&self, measured: Measured) {
+        let (mut current, known) = (measured.field, measured.known);
         let valid = &self.state.valid;
         // Hidden nodes follow their neighbours; what is not measured yet stays dark.
         let open: Vec<bool> = known.iter().zip(valid).map(|(known, valid)| known | valid).collect();
-        self.basis.fill(&mut current, &open);
+        if open.contains(&false) {
+            self.basis.adjacency().complete(&mut current, &open);
+        }
         let total = Field::sum(valid.len(), self.state.bounces.iter().chain([&current]));
         self.observer.snapshot(Snapshot {
             total: Arc::new(total),
@@ -192,7 +220,7 @@ impl Live<'_> {
         }
         let one_where_known = known.iter().map(|&known| Vec3::splat(f32::from(u8::from(known)))).collect();
         let mut share = Field::from_values(one_where_known);
-        self.basis.fill(&mut share, open);
+        self.basis.adjacency().complete(&mut share, open);
         share.values().iter().map(|share| share.x == 1.0).collect()
     }
 }

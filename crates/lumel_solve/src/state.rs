@@ -1,17 +1,23 @@
 //! What a solve has found so far.
 
 use crate::Errors;
-use lumel_basis::Field;
+use lumel_basis::{Field, Identity};
 
-/// The bounces that have been computed; all that is needed to go on.
+/// All that is needed to continue a solve.
 ///
 /// A resumed solve gets the same bits as an uninterrupted one, because every number that the next step reads is in
-/// here as it was.
-#[derive(Clone, Debug, PartialEq)]
+/// here as it was. The invariant of every step, with the operator K and direct light e:
+///
+/// `total = e + K (total − unshot)`
+///
+/// that is, all light but the unshot has been reflected once more and is counted where it arrived.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolveState {
-    /// Whether each node could be measured; the others got the mean of their neighbours.
+    /// The basis of all fields; `None` before the first step.
+    pub basis: Option<Identity>,
+    /// Whether each node could be measured; the others are extrapolated from their neighbours.
     pub valid: Vec<bool>,
-    /// Irradiance that each bounce brought: first direct light, then one bounce, two bounces …
+    /// What each step brought. Steps that gather bring a bounce each: first direct light, then one bounce, two bounces …
     pub bounces: Vec<Field>,
     /// Estimate of all bounces that were not computed.
     pub tail: Option<Field>,
@@ -19,40 +25,50 @@ pub struct SolveState {
     pub gathered: Option<Field>,
     /// How far the sum may be off, where replicates tell.
     pub errors: Option<Errors>,
+    /// The nodes that each round of a target error measures, the round that comes next included.
+    pub rounds: Vec<Vec<bool>>,
+    /// The part of the total that each layer of emitters causes, where layers were asked for.
+    pub layers: Vec<Field>,
 }
 
 impl SolveState {
     /// The state before the first step.
     pub fn new() -> Self {
-        Self { valid: Vec::new(), bounces: Vec::new(), tail: None, gathered: None, errors: None }
+        Self::default()
     }
 
-    /// The sum of all bounces and the tail, rounded once; after a final gather, of direct light and what it gathered.
+    /// The number of nodes; 0 before the first step.
+    pub fn node_count(&self) -> usize {
+        self.bounces.first().map_or(self.valid.len(), Field::node_count)
+    }
+
+    /// All light that has arrived, the tail included, rounded once; after a final gather, direct light and what was
+    /// gathered.
     pub fn total(&self) -> Field {
-        let nodes = self.bounces.first().map_or(0, Field::len);
         match &self.gathered {
-            Some(gathered) => Field::sum(nodes, self.bounces.first().into_iter().chain([gathered])),
-            None => Field::sum(nodes, self.bounces.iter().chain(&self.tail)),
+            Some(gathered) => {
+                Field::sum(self.node_count(), self.bounces.first().into_iter().chain([gathered]))
+            }
+            None => Field::sum(self.node_count(), self.bounces.iter().chain(&self.tail)),
         }
     }
 
     /// The light that surfaces reflect once more into all bounces but the direct light, and into the tail.
     pub(crate) fn gatherable(&self) -> Field {
-        let nodes = self.bounces.first().map_or(0, Field::len);
-        let Some((last, before)) = self.bounces.split_last() else { return Field::zeros(nodes) };
+        let Some((last, before)) = self.bounces.split_last() else { return Field::zeros(self.node_count()) };
         // Beyond the last bounce, its light and all later light bounce into the tail.
         let into_tail = self.tail.iter().flat_map(|tail| [last, tail]);
-        Field::sum(nodes, before.iter().chain(into_tail))
+        Field::sum(self.node_count(), before.iter().chain(into_tail))
     }
 
-    /// Light that has arrived but has not been sent on: the last bounce.
+    /// Light that has arrived but has not been reflected: after gathering, the last bounce. `None` before direct light.
     pub fn unshot(&self) -> Option<&Field> {
         self.bounces.last()
     }
-}
 
-impl Default for SolveState {
-    fn default() -> Self {
-        Self::new()
+    /// Removes what only a finished solve has: it is made from the bounces.
+    pub(crate) fn reopen(&mut self) {
+        (self.tail, self.gathered, self.errors) = (None, None, None);
+        self.layers.clear();
     }
 }

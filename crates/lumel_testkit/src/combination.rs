@@ -4,18 +4,54 @@ use lumel_sample::SamplerKind;
 use lumel_transport::{LightSampling, Plan};
 use std::fmt;
 
-/// How light is stored and measured.
+/// Where the nodes of the vertex basis are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// At vertices: [`VertexBasis`](lumel_basis::VertexBasis).
+    /// At vertices: [`VertexReceivers`](lumel_basis::VertexReceivers).
     Vertex,
-    /// Over the triangles around vertices: [`AreaVertexBasis`](lumel_basis::AreaVertexBasis).
+    /// Over the triangles around vertices: [`AreaReceivers`](lumel_basis::AreaReceivers).
     VertexArea,
 }
 
-impl Storage {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Vertex, Self::VertexArea];
+/// What happens to hemisphere rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solver {
+    /// They are stored and serve every bounce: the default of bakes.
+    Stored,
+    /// Every application of the operator traces its own.
+    Traced,
+}
+
+/// How an operator measures: all that is not an estimator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// Where.
+    pub storage: Storage,
+    /// With which rays.
+    pub solver: Solver,
+}
+
+impl Method {
+    /// Every storage with every solver.
+    pub const ALL: [Self; 4] = [Self::VERTEX, Self::AREA, Self::VERTEX.traced(), Self::AREA.traced()];
+
+    /// At vertices, on stored rays.
+    pub const VERTEX: Self = Self { storage: Storage::Vertex, solver: Solver::Stored };
+
+    /// Over areas, on stored rays.
+    pub const AREA: Self = Self { storage: Storage::VertexArea, solver: Solver::Stored };
+
+    /// The same with rays of its own for each application.
+    #[must_use]
+    pub const fn traced(self) -> Self {
+        Self { storage: self.storage, solver: Solver::Traced }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} storage, {:?} rays", self.storage, self.solver)
+    }
 }
 
 /// A sampler and an estimator of lights: all that matters for point receivers.
@@ -54,26 +90,25 @@ impl fmt::Display for Estimator {
     }
 }
 
-/// A basis, a sampler and an estimator of lights.
+/// A method with an estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Combination {
-    /// How light is stored.
-    pub storage: Storage,
-    /// How it is estimated.
+    /// How the operator measures.
+    pub method: Method,
+    /// How light is estimated.
     pub estimator: Estimator,
 }
 
 impl Combination {
-    /// Every basis with every sampler and every estimator.
+    /// Every method with every sampler and every estimator.
     pub fn all() -> impl Iterator<Item = Self> {
-        Storage::ALL
-            .into_iter()
-            .flat_map(|storage| Estimator::all().map(move |estimator| Self { storage, estimator }))
+        let with = |method| Estimator::all().map(move |estimator| Self { method, estimator });
+        Method::ALL.into_iter().flat_map(with)
     }
 }
 
 impl fmt::Display for Combination {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} basis, {}", self.storage, self.estimator)
+        write!(f, "{}, {}", self.method, self.estimator)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! - [`form_factor`]: closed forms, in f64, that share no code with what they test.
 //! - [`mesh`] and [`scene`]: small scenes whose light is known.
-//! - [`Stage`] and [`Combination`]: one test body for every basis, sampler and estimator.
+//! - [`Stage`] and [`Combination`]: one test body for every basis, sampler and solver.
 //! - [`Estimate`]: a mean with its standard error, and how far from the truth it may be.
 //! - [`shared`]: scenes outside the repository, for the tests and benchmarks that read them.
 //!
@@ -16,8 +16,9 @@ pub mod scene;
 pub mod shared;
 mod stage;
 mod statistics;
+mod stored;
 
-pub use combination::{Combination, Estimator, Storage};
+pub use combination::{Combination, Estimator, Method, Solver, Storage};
 pub use quadrature::{hat_average, triangle_integral};
 pub use stage::{Operator, Stage, measure, replicates, tracer};
 pub use statistics::{Estimate, ROUNDING, assert_nodes_near, correlation, fitted_slope, ratio_bias, rms};

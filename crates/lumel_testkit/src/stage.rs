@@ -1,27 +1,29 @@
 //! A built scene with its ray tracer, and operators on it.
 
-use crate::combination::Storage;
+use crate::combination::{Method, Solver, Storage};
 use crate::quadrature::hat_average;
+use crate::stored::StoredPasses;
 use glam::{DVec3, Vec3};
 use lumel_accel::{Bvh, InstructionSet, RayTracer};
 use lumel_basis::{
-    AreaVertexBasis, Basis, ElementId, Field, NodeWeights, PointReceivers, Receivers, VertexBasis,
+    AreaReceivers, ElementId, Field, PointReceivers, Receivers, VertexBasis, VertexReceivers,
+    reflecting_areas,
 };
 use lumel_scene::{Scene, SceneBuilder};
 use lumel_transport::{Control, CpuTransport, Job, Measured, Plan, Source, Transport, accumulate};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// A scene that rays can be traced in.
 pub struct Stage {
     scene: Arc<Scene>,
     tracer: Arc<dyn RayTracer>,
-    vertices: VertexBasis,
+    basis: Arc<VertexBasis>,
 }
 
 /// A basis and the operator on it.
 pub struct Operator {
     /// The basis.
-    pub basis: Arc<dyn Basis>,
+    pub basis: Arc<VertexBasis>,
     /// The operator from this basis to itself.
     pub transport: Box<dyn Transport>,
     storage: Storage,
@@ -45,8 +47,8 @@ impl Stage {
         assert!(warnings.is_empty(), "{:?}", warnings.iter().next());
         let scene = Arc::new(scene);
         let tracer = Arc::new(tracer(&scene));
-        let vertices = VertexBasis::new(scene.clone());
-        Self { scene, tracer, vertices }
+        let basis = Arc::new(VertexBasis::new(scene.clone()));
+        Self { scene, tracer, basis }
     }
 
     /// The scene.
@@ -54,45 +56,60 @@ impl Stage {
         &self.scene
     }
 
-    /// The operator on a basis.
-    pub fn operator(&self, storage: Storage, plan: Plan) -> Operator {
-        fn of<B: Basis + 'static>(stage: &Stage, basis: B, storage: Storage, plan: Plan) -> Operator {
-            let basis = Arc::new(basis);
-            let (scene, tracer) = (stage.scene.clone(), stage.tracer.clone());
-            let transport = Box::new(CpuTransport::new(scene, tracer, basis.clone(), basis.clone(), plan));
-            Operator { basis, transport, storage }
-        }
-        match storage {
-            Storage::Vertex => of(self, self.vertices.clone(), storage, plan),
-            Storage::VertexArea => of(self, AreaVertexBasis::new(self.vertices.clone()), storage, plan),
+    /// The basis that all operators here read.
+    pub fn basis(&self) -> &Arc<VertexBasis> {
+        &self.basis
+    }
+
+    /// The operator of a method.
+    pub fn operator(&self, method: Method, plan: Plan) -> Operator {
+        let transport = match method.storage {
+            Storage::Vertex => self.towards(method.solver, VertexReceivers::new(&self.basis), plan),
+            Storage::VertexArea => self.towards(method.solver, AreaReceivers::new(self.basis.clone()), plan),
+        };
+        Operator { basis: self.basis.clone(), transport, storage: method.storage }
+    }
+
+    /// The operator from the vertices to some receivers.
+    pub fn towards<R: Receivers + 'static>(
+        &self,
+        solver: Solver,
+        receivers: R,
+        plan: Plan,
+    ) -> Box<dyn Transport> {
+        let (scene, tracer) = (self.scene.clone(), self.tracer.clone());
+        let (basis, receivers) = (self.basis.clone(), Arc::new(receivers));
+        match solver {
+            Solver::Traced => Box::new(CpuTransport::new(scene, tracer, basis, receivers, plan)),
+            Solver::Stored => {
+                let stored = Mutex::default();
+                Box::new(StoredPasses { scene, tracer, basis, receivers, plan, stored })
+            }
         }
     }
 
     /// The operator from the vertices to points with normals.
     pub fn points(&self, points: &[(Vec3, Vec3)], plan: Plan) -> Box<dyn Transport> {
         let receivers = PointReceivers::new(points.iter().copied()).expect("points have normals");
-        let (scene, tracer) = (self.scene.clone(), self.tracer.clone());
-        let source = Arc::new(self.vertices.clone());
-        Box::new(CpuTransport::new(scene, tracer, source, Arc::new(receivers), plan))
+        self.towards(Solver::Traced, receivers, plan)
+    }
+
+    /// The integral of albedo times each basis function, m².
+    pub fn reflecting_areas(&self) -> Vec<Vec3> {
+        reflecting_areas(&self.scene, &*self.basis)
     }
 
     /// A field over the vertices whose value is `f` of position and normal.
     pub fn field(&self, f: impl Fn(Vec3, Vec3) -> f32) -> Field {
-        let mut values = vec![Vec3::ZERO; self.vertices.node_count()];
-        for (vertex, node) in self.vertices.node_of_vertex().iter().enumerate() {
-            let value = f(self.scene.positions()[vertex], self.scene.normals()[vertex]);
-            values[node.index()] = Vec3::splat(value);
-        }
-        Field::from_values(values)
+        let value = |(position, normal)| Vec3::splat(f(position, normal));
+        Field::from_values(self.nodes().into_iter().map(value).collect())
     }
 
     /// Position and normal of each node.
     pub fn nodes(&self) -> Vec<(Vec3, Vec3)> {
-        let mut nodes = vec![(Vec3::ZERO, Vec3::ZERO); self.vertices.node_count()];
-        for (vertex, node) in self.vertices.node_of_vertex().iter().enumerate().rev() {
-            nodes[node.index()] = (self.scene.positions()[vertex], self.scene.normals()[vertex]);
-        }
-        nodes
+        let of =
+            |&vertex: &u32| (self.scene.positions()[vertex as usize], self.scene.normals()[vertex as usize]);
+        self.basis.first_vertices().iter().map(of).collect()
     }
 
     /// What an operator should measure of the irradiance `f` of point and normal: no discretisation left.
@@ -101,9 +118,9 @@ impl Stage {
     pub fn expected(&self, operator: &Operator, f: &dyn Fn(DVec3, DVec3) -> f64) -> Vec<f64> {
         match operator.storage {
             Storage::Vertex => {
-                let mut nodes = NodeWeights::default();
-                (0..self.vertices.element_count() as u32)
-                    .map(|e| self.vertices.receiver(ElementId(e), [0.5; 2], &mut nodes))
+                let receivers = VertexReceivers::new(&self.basis);
+                (0..receivers.element_count() as u32)
+                    .map(|e| receivers.central_site(ElementId(e)))
                     .map(|site| f(site.origin.as_dvec3(), site.frame.normal.as_dvec3()))
                     .collect()
             }

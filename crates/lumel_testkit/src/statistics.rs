@@ -82,7 +82,7 @@ impl Estimate {
 /// Nodes without an expected value (NaN) are left out.
 #[track_caller]
 pub fn assert_nodes_near(fields: &[Field], expected: &[f64], bound: f64, what: impl Display) {
-    assert_eq!(fields[0].len(), expected.len());
+    assert_eq!(fields[0].node_count(), expected.len());
     for (node, &truth) in expected.iter().enumerate().filter(|(_, truth)| truth.is_finite()) {
         let estimate = Estimate::of_node(fields, node);
         let at = format!("{what}, node {node}");

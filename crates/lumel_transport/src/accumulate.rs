@@ -1,17 +1,21 @@
 //! From chunks to a field.
 
-use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, Transport};
+use crate::Sums;
+use crate::job::{ChunkSink, Control, Job, Shape, Transport, TransportError};
 use glam::{DVec3, Vec3};
 use lumel_basis::Field;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A measured field.
-#[derive(Clone, Debug)]
+/// What was measured, by node.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Irradiance per node; zero where nothing was measured.
+    /// Light; zero where nothing was measured.
     pub field: Field,
     /// Whether a node was measured.
     pub known: Vec<bool>,
+    /// Share of hemisphere rays that met back faces, from 0 to 1; zero unless the source was
+    /// [nothing](crate::Source::Nothing).
+    pub back_faces: Vec<f32>,
 }
 
 /// Looks at a measurement that is still under way.
@@ -30,24 +34,24 @@ pub trait PartialField: Sync {
 /// The bits of the result depend on the job alone, not on threads or on the order in which chunks arrive.
 ///
 /// # Errors
-/// When `control` asks to stop.
+/// When `control` asks to stop, or the transport fails.
 pub fn accumulate(
     transport: &dyn Transport,
     job: &Job<'_>,
     control: &Control,
     progress: Option<&dyn PartialField>,
-) -> Result<Measured, Cancelled> {
+) -> Result<Measured, TransportError> {
     let shape = transport.shape();
     let chunks = Mutex::new((0..shape.chunks).map(|_| None).collect());
-    let slots = Slots { nodes: shape.nodes, chunks, progress, looking: Mutex::new(()) };
+    let slots = Slots { shape, chunks, progress, looking: Mutex::new(()) };
     transport.measure(job, 0..shape.chunks, control, &slots)?;
     let chunks = lock(&slots.chunks);
-    Ok(Measured::from_chunks(shape.nodes, &chunks))
+    Ok(slots.merged(&chunks))
 }
 
 struct Slots<'a> {
-    nodes: usize,
-    chunks: Mutex<Vec<Option<Arc<ChunkSums>>>>,
+    shape: Shape,
+    chunks: Mutex<Vec<Option<Arc<Sums>>>>,
     progress: Option<&'a dyn PartialField>,
     /// Held by the thread that looks, so that looks come in order.
     looking: Mutex<()>,
@@ -59,7 +63,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl ChunkSink for Slots<'_> {
-    fn accept(&self, chunk: u32, sums: ChunkSums) {
+    fn accept(&self, chunk: u32, sums: Sums) {
         lock(&self.chunks)[chunk as usize] = Some(Arc::new(sums));
         if let Some(progress) = self.progress
             && progress.wants_look()
@@ -67,26 +71,46 @@ impl ChunkSink for Slots<'_> {
             let _looking = lock(&self.looking);
             // Merging takes long: only the list is copied while nobody else can add to it.
             let chunks = lock(&self.chunks).clone();
-            progress.look(Measured::from_chunks(self.nodes, &chunks));
+            progress.look(self.merged(&chunks));
         }
     }
 }
 
+impl Slots<'_> {
+    /// The chunks that are there.
+    fn merged(&self, chunks: &[Option<Arc<Sums>>]) -> Measured {
+        Measured::merge(self.shape.nodes, self.shape.channels, chunks.iter().flatten().map(|sums| &**sums))
+    }
+}
+
 impl Measured {
-    /// Merges the chunks that are there, in order.
-    fn from_chunks(nodes: usize, chunks: &[Option<Arc<ChunkSums>>]) -> Self {
-        let mut sums = vec![(0.0f64, DVec3::ZERO); nodes];
-        for sum in chunks.iter().flatten().flat_map(|chunk| &chunk.sums) {
-            let (weight, value) = &mut sums[sum.node.index()];
-            *weight += sum.weight;
-            *value += sum.value;
+    /// Merges sums in the order they come in and divides by the weights.
+    pub fn merge<'a>(nodes: usize, channels: usize, sums: impl IntoIterator<Item = &'a Sums>) -> Self {
+        let mut weights = vec![0.0f64; nodes];
+        let mut values = vec![DVec3::ZERO; nodes * channels];
+        let mut back_faces = vec![0.0f64; nodes];
+        for sums in sums {
+            let entries = sums.nodes.iter().zip(&sums.weights).zip(sums.values.chunks_exact(channels));
+            for ((node, weight), new) in entries {
+                weights[node.index()] += weight;
+                let sum = &mut values[node.index() * channels..][..channels];
+                sum.iter_mut().zip(new).for_each(|(sum, new)| *sum += *new);
+            }
+            for (node, share) in sums.nodes.iter().zip(&sums.back_faces) {
+                back_faces[node.index()] += share;
+            }
         }
-        let mean = |&(weight, value): &(f64, DVec3)| {
-            if weight > 0.0 { (value / weight).as_vec3() } else { Vec3::ZERO }
+        let mean = |(value, weight): (&DVec3, f64)| {
+            if weight > 0.0 { (*value / weight).as_vec3() } else { Vec3::ZERO }
         };
+        let weight_of = |i: usize| weights[i / channels];
+        let values: Vec<Vec3> =
+            values.iter().enumerate().map(|(i, value)| mean((value, weight_of(i)))).collect();
+        let share = |(sum, weight): (&f64, &f64)| if *weight > 0.0 { (sum / weight) as f32 } else { 0.0 };
         Self {
-            field: Field::from_values(sums.iter().map(mean).collect()),
-            known: sums.iter().map(|(weight, _)| *weight > 0.0).collect(),
+            field: Field::with_channels(channels, values),
+            known: weights.iter().map(|weight| *weight > 0.0).collect(),
+            back_faces: back_faces.iter().zip(&weights).map(share).collect(),
         }
     }
 }

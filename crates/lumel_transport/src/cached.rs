@@ -1,14 +1,19 @@
 //! The operator on stored rows: rays are traced once, and every bounce after that is a sparse product.
 
-use crate::cpu::{CHUNK, CpuTransport, Group, OPENNESS_RAYS};
-use crate::hemisphere::{self, Seen};
-use crate::job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
-use crate::paint::{Paint, Painted, unpacked};
+use crate::ends::StoredEnd;
+use crate::group::Group;
+use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
+use crate::measure::{self, Reader, VALIDITY_RAYS};
+use crate::operator::CpuTransport;
+use crate::order::CHUNK;
 use crate::plan::Plan;
-use crate::rows::{End, Origin, Rows};
+use crate::reflectance::{Reflectance, Reflected, unpacked};
+use crate::rows::{Rows, RowsKey};
 use crate::scatter::scattered;
+use crate::trace::{self, Rays};
+use crate::{EmitterMask, Sums};
 use glam::{DVec3, Vec4};
-use lumel_basis::{Basis, ElementId, Measure, NodeWeights};
+use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling};
 use lumel_sample::{Dim, StreamKey};
 use lumel_scene::Scene;
 use rayon::prelude::*;
@@ -28,17 +33,17 @@ const BLOCK: usize = 16;
 /// with the number of rays of a row, as rows that are visited again are not independent: 1.5 % over that number, as
 /// measured in a closed box. The rows depend on the surfaces alone and are shared by operators of the same surfaces
 /// under other lights, skies and materials.
-pub struct CachedTransport<B> {
-    inner: CpuTransport<B>,
+pub struct CachedTransport<B, R> {
+    inner: CpuTransport<B, R>,
     rows: Arc<Rows>,
-    paint: Arc<Paint>,
+    reflectance: Arc<Reflectance>,
 }
 
 /// What an operator has stored and others of the same surfaces may share.
 #[derive(Clone)]
 pub struct Stored {
     rows: Arc<Rows>,
-    paint: Arc<Paint>,
+    reflectance: Arc<Reflectance>,
     scene: Arc<Scene>,
 }
 
@@ -49,27 +54,44 @@ impl Stored {
     }
 }
 
-impl<B: Basis> CachedTransport<B> {
-    /// Stores the rays of an operator, or takes those of another one where they are the same.
-    pub fn new(inner: CpuTransport<B>, shared: Option<&Stored>) -> Self {
-        let origin = origin(&inner);
-        let shared = shared.filter(|stored| stored.rows.origin == origin && origin.is_whole);
-        let rows = shared.map_or_else(|| Arc::new(Rows::new(origin)), |stored| Arc::clone(&stored.rows));
+/// The rays of one chunk.
+#[derive(Clone, Copy)]
+struct ChunkRows<'a> {
+    elements: &'a [ElementId],
+    /// At points stratum by stratum, over areas element by element.
+    ends: &'a [StoredEnd],
+}
+
+impl ChunkRows<'_> {
+    fn per_element(&self) -> usize {
+        self.ends.len() / self.elements.len().max(1)
+    }
+}
+
+impl<B: Basis, R: Receivers> CachedTransport<B, R> {
+    /// Stores the rays of an operator, or takes those that another one has stored where they are the same.
+    pub fn new(inner: CpuTransport<B, R>, shared: Option<&Stored>) -> Self {
+        let key = key_of(&inner);
+        let same_rows = shared.filter(|stored| stored.rows.key == key);
+        let new_rows = || Arc::new(Rows::new(key, inner.order.elements().len()));
+        let rows = same_rows.map_or_else(new_rows, |stored| Arc::clone(&stored.rows));
         // Other materials need other albedos at the ends of the same rays.
-        let painted = shared.filter(|stored| stored.scene.has_surfaces_of(&inner.scene));
-        let new_paint = || Arc::new(Paint::new(&inner.scene, &*inner.source, rows.chunks.len()));
-        let paint = painted.map_or_else(new_paint, |stored| Arc::clone(&stored.paint));
-        Self { inner, rows, paint }
+        let same_reflectance = same_rows.filter(|stored| {
+            stored.scene.has_surfaces_of(&inner.scene) && stored.reflectance.basis() == inner.basis.identity()
+        });
+        let new = || Arc::new(Reflectance::new(&inner.scene, &*inner.basis, rows.chunks.len()));
+        let reflectance = same_reflectance.map_or_else(new, |stored| Arc::clone(&stored.reflectance));
+        Self { inner, rows, reflectance }
     }
 
     /// An operator with other samples, for the elements alone that count towards one of certain nodes.
     ///
-    /// It traces rays of its own; what surfaces reflect is shared.
+    /// It traces rays of its own; the reflectance of surfaces is shared.
     pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
         let inner = self.inner.with_samples(plan, nodes);
-        let rows = Arc::new(Rows::new(origin(&inner)));
-        let paint = Arc::new(self.paint.for_chunks(rows.chunks.len()));
-        Self { inner, rows, paint }
+        let rows = Arc::new(Rows::new(key_of(&inner), inner.order.elements().len()));
+        let reflectance = Arc::new(self.reflectance.for_chunks(rows.chunks.len()));
+        Self { inner, rows, reflectance }
     }
 
     /// How many elements count towards one of certain nodes.
@@ -79,14 +101,14 @@ impl<B: Basis> CachedTransport<B> {
 
     /// What [`memory`](Self::memory) would be [with other samples](Self::with_samples).
     pub fn memory_with(&self, plan: &Plan, nodes: &[bool]) -> u64 {
-        let per_element = plan.rays_per_element(self.inner.receivers.measure());
-        Rows::bytes_for(self.elements_towards(nodes), per_element, self.paint.varies())
+        let per_element = plan.rays_per_element(self.inner.receivers.sampling());
+        Rows::bytes_for(self.elements_towards(nodes), per_element, self.reflectance.varies())
     }
 
     /// What it stores, to be shared.
     pub fn stored(&self) -> Stored {
-        let (rows, paint) = (Arc::clone(&self.rows), Arc::clone(&self.paint));
-        Stored { rows, paint, scene: Arc::clone(&self.inner.scene) }
+        let (rows, reflectance) = (Arc::clone(&self.rows), Arc::clone(&self.reflectance));
+        Stored { rows, reflectance, scene: Arc::clone(&self.inner.scene) }
     }
 
     /// The rows.
@@ -96,162 +118,189 @@ impl<B: Basis> CachedTransport<B> {
 
     /// Bytes of the rows, once all are traced, and of the albedos that belong to them.
     pub fn memory(&self) -> u64 {
-        let Origin { elements, per_element, .. } = self.rows.origin;
-        Rows::bytes_for(elements, per_element, self.paint.varies())
+        let elements = self.inner.order.elements().len();
+        Rows::bytes_for(elements, self.rows.key.per_element, self.reflectance.varies())
     }
 
-    fn ends(&self, chunk: u32, control: &Control) -> Result<&[End], Cancelled> {
-        let slot = &self.rows.chunks[chunk as usize];
+    fn chunk_rows(&self, chunk: u32, control: &Control) -> Result<ChunkRows<'_>, TransportError> {
+        let (slot, elements) = (&self.rows.chunks[chunk as usize], self.inner.elements(chunk));
         if let Some(ends) = slot.get() {
-            return Ok(ends);
+            return Ok(ChunkRows { elements, ends });
         }
-        let ends = trace(&self.inner, &self.rows.origin, chunk, control)?;
-        Ok(slot.get_or_init(|| ends))
+        let ends = trace_rows(&self.inner, &self.rows.key, elements, control)?;
+        Ok(ChunkRows { elements, ends: slot.get_or_init(|| ends) })
     }
 
     fn measure_chunk(
         &self,
         job: &Job<'_>,
-        painted: Option<&Painted<'_>>,
+        reflected: Option<&Reflected<'_>>,
         chunk: u32,
         control: &Control,
-    ) -> Result<ChunkSums, Cancelled> {
+    ) -> Result<Sums, TransportError> {
         control.check()?;
-        let ends = self.ends(chunk, control)?;
-        let sums = match painted {
-            Some(painted) => apply(&self.inner, painted, job, chunk, ends, &self.rows.origin, control)?,
-            None => self.at_points_by_kind(job, chunk, ends, control)?,
+        let rows = self.chunk_rows(chunk, control)?;
+        let sums = match (reflected, self.inner.receivers.sampling()) {
+            (Some(reflected), sampling) => {
+                let albedos = reflected.albedos(&self.inner.scene, chunk, rows.ends);
+                match sampling {
+                    Sampling::Point => self.bounce_at_points(job, reflected, rows, albedos),
+                    Sampling::Area => self.bounce_over_areas(job, reflected, rows, albedos, control)?,
+                }
+            }
+            (None, _) => match job.source {
+                Source::Emitters(mask) => self.direct_at_points(job, mask, rows, control)?,
+                _ => self.back_faces_at_points(job, rows),
+            },
         };
-        control.count(self.inner.elements(chunk).len() as u64, 0);
+        control.count(rows.elements.len() as u64, 0);
         Ok(sums)
     }
 
-    /// What depends on whether rays meet anything: light of sky and glowing surfaces, besides that of lights by shadow
-    /// rays; or openness.
-    fn at_points_by_kind(
+    /// The places of the elements that a job measures among those of a chunk, and where they are measured.
+    fn active(&self, job: &Job<'_>, elements: &[ElementId]) -> (Vec<usize>, Group) {
+        let places: Vec<usize> = (0..elements.len()).filter(|&i| job.measures(elements[i])).collect();
+        let active: Vec<ElementId> = places.iter().map(|&i| elements[i]).collect();
+        (places, Group::new(&*self.inner.receivers, &active))
+    }
+
+    /// One bounce, read from the ends of a chunk's rays.
+    fn bounce_at_points(
         &self,
         job: &Job<'_>,
-        chunk: u32,
-        ends: &[End],
-        control: &Control,
-    ) -> Result<ChunkSums, Cancelled> {
-        let inner = &self.inner;
-        let elements = inner.elements(chunk);
-        let (active, group) = active(inner, job, elements);
-        let (mut values, n_rays) = match job.source {
-            Source::Emitters => inner.direct_at(job, &group, control)?,
-            _ => (vec![DVec3::ZERO; active.len()], 0),
-        };
-        let measured = |end: &End| match (job.source, end.seen()) {
-            (Source::Openness, Some(seen)) => hemisphere::openness(&seen),
-            (_, Some(seen)) => {
-                hemisphere::emitted(&inner.scene, inner.lights.emission_by_rays, &seen).0.as_dvec3()
+        reflected: &Reflected<'_>,
+        rows: ChunkRows<'_>,
+        albedos: Option<&[[u16; 3]]>,
+    ) -> Sums {
+        let lanes = rows.elements.len();
+        let values = match albedos {
+            _ if !reflected.is_linear() => {
+                let (scene, basis) = (&self.inner.scene, &*self.inner.basis);
+                let mut weights = NodeWeights::default();
+                means(lanes, rows.ends, |end, _| reflected.at(scene, basis, end, None, &mut weights))
             }
-            (_, None) => DVec3::ZERO,
+            None => means(lanes, rows.ends, |end, _| reflected.plane_at(end)),
+            Some(albedos) => means(lanes, rows.ends, |end, i| reflected.plane_at(end) * unpacked(albedos[i])),
         };
-        let lanes = elements.len();
-        for (value, lane) in values.iter_mut().zip(active) {
-            let row = ends.iter().skip(lane).step_by(lanes);
-            *value += row.map(measured).sum::<DVec3>() / (ends.len() / lanes) as f64;
+        let (active, group) = self.active(job, rows.elements);
+        group.irradiance(&active.iter().map(|&i| values[i]).collect::<Vec<_>>())
+    }
+
+    /// One bounce of the elements of a chunk, at the sites that their rays started from.
+    fn bounce_over_areas(
+        &self,
+        job: &Job<'_>,
+        reflected: &Reflected<'_>,
+        rows: ChunkRows<'_>,
+        albedos: Option<&[[u16; 3]]>,
+        control: &Control,
+    ) -> Result<Sums, TransportError> {
+        let (inner, samples) = (&self.inner, self.rows.key.per_element);
+        let (mut sums, mut weights) = (Sums::default(), NodeWeights::default());
+        for (e, &element) in rows.elements.iter().enumerate().filter(|(_, e)| job.measures(**e)) {
+            control.check()?;
+            let (first, key) = (sums.len(), shared_key(&self.rows.key, element));
+            trace::area_samples(inner, element, samples, key, control, |sample| {
+                let at = e * samples as usize + sample.index as usize;
+                if rows.ends[at] == StoredEnd::INSIDE {
+                    return;
+                }
+                let albedo = albedos.map(|a| a[at]);
+                let value = reflected.at(&inner.scene, &*inner.basis, rows.ends[at], albedo, &mut weights);
+                for (node, weight) in sample.towards.iter() {
+                    sums.add_from(first, node, weight.into(), value.truncate().as_dvec3());
+                }
+            })?;
         }
-        control.count(0, n_rays);
-        Ok(group.sums(&values))
+        Ok(sums)
+    }
+
+    /// Light by shadow rays, and of the sky and emissive surfaces that stored rays meet.
+    fn direct_at_points(
+        &self,
+        job: &Job<'_>,
+        mask: Option<&EmitterMask>,
+        rows: ChunkRows<'_>,
+        control: &Control,
+    ) -> Result<Sums, TransportError> {
+        let (active, group) = self.active(job, rows.elements);
+        let mut values = vec![DVec3::ZERO; group.len()];
+        measure::add_direct_at_points(&self.inner, job, mask, &group, &mut values, control)?;
+        let (lanes, mut reader) = (rows.elements.len(), Reader::new(&self.inner, job.source));
+        for (value, lane) in values.iter_mut().zip(active) {
+            let row = rows.ends.iter().skip(lane).step_by(lanes);
+            let sum: DVec3 = row.filter_map(|end| end.end()).map(|end| reader.read(&end)).sum();
+            *value += sum / rows.per_element() as f64;
+        }
+        Ok(group.irradiance(&values))
+    }
+
+    fn back_faces_at_points(&self, job: &Job<'_>, rows: ChunkRows<'_>) -> Sums {
+        let (active, group) = self.active(job, rows.elements);
+        let lanes = rows.elements.len();
+        let share = |lane: usize| {
+            let row = rows.ends.iter().skip(lane).step_by(lanes);
+            row.filter(|end| **end == StoredEnd::BACK_FACE).count() as f64 / rows.per_element() as f64
+        };
+        group.back_faces(&active.into_iter().map(share).collect::<Vec<_>>())
     }
 }
 
 /// What the rays of an operator depend on.
-fn origin<B: Basis>(inner: &CpuTransport<B>) -> Origin {
+fn key_of<B: Basis, R: Receivers>(inner: &CpuTransport<B, R>) -> RowsKey {
     let plan = &inner.plan;
-    let measure = inner.receivers.measure();
-    Origin {
-        geometry: *inner.scene.geometry_hash().as_bytes(),
-        elements: inner.shape().elements,
-        is_whole: inner.is_whole,
-        per_element: plan.rays_per_element(measure),
+    RowsKey {
+        elements: inner.elements_identity(),
+        per_element: plan.rays_per_element(inner.receivers.sampling()),
         sampler: plan.sampler,
         seed: plan.seed,
-        second_half: plan.second_half,
-        over_area: measure == Measure::OverArea,
+        range: plan.range,
     }
 }
 
-fn key(origin: &Origin, element: ElementId) -> StreamKey {
-    StreamKey::new(origin.seed).element(element.0).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+fn shared_key(key: &RowsKey, element: ElementId) -> StreamKey {
+    StreamKey::new(key.seed).element(element.0).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
 }
 
-/// Traces the rays of a chunk: at points stratum by stratum, over areas element by element.
-fn trace<B: Basis>(
-    inner: &CpuTransport<B>,
-    origin: &Origin,
-    chunk: u32,
+/// Traces the rays of a chunk.
+fn trace_rows<B: Basis, R: Receivers>(
+    inner: &CpuTransport<B, R>,
+    key: &RowsKey,
+    elements: &[ElementId],
     control: &Control,
-) -> Result<Box<[End]>, Cancelled> {
-    let elements = inner.elements(chunk);
-    let strata = origin.per_element as usize;
-    let mut ends = vec![End::SKY; elements.len() * strata];
-    if origin.over_area {
-        for (&element, ends) in elements.iter().zip(ends.chunks_mut(strata)) {
-            inner.trace_area(element, key(origin, element), ends, control)?;
+) -> Result<Box<[StoredEnd]>, TransportError> {
+    let (per_element, lanes) = (key.per_element, elements.len());
+    let mut ends = vec![StoredEnd::SKY; lanes * per_element as usize];
+    match inner.receivers.sampling() {
+        Sampling::Point => {
+            let group = Group::new(&*inner.receivers, elements);
+            let rays = Rays { per_element, dim: Dim::Hemisphere };
+            let mut next = vec![0; lanes];
+            trace::at_points(
+                inner,
+                &group,
+                rays,
+                |e| shared_key(key, e),
+                control,
+                |i, end| {
+                    ends[next[i] * lanes + i] = StoredEnd::new(&end);
+                    next[i] += 1;
+                },
+            )?;
         }
-        return Ok(ends.into());
+        Sampling::Area => {
+            for (&element, ends) in elements.iter().zip(ends.chunks_mut(per_element as usize)) {
+                let mut n_rays = 0;
+                let key = shared_key(key, element);
+                trace::area_samples(inner, element, per_element, key, control, |sample| {
+                    let end = trace::from_area(inner, sample, &mut n_rays);
+                    ends[sample.index as usize] = end.map_or(StoredEnd::INSIDE, |end| StoredEnd::new(&end));
+                })?;
+                control.count(0, n_rays);
+            }
+        }
     }
-    let group = inner.group(elements);
-    let mut gather =
-        inner.rays(&group, (origin.per_element, Dim::Hemisphere), |e| key(origin, e), control)?;
-    let mut next = vec![0; elements.len()];
-    gather.trace(inner.tracer(), &group.sites, strata, control, |i, hit| {
-        ends[next[i] * elements.len() + i] = End::new(&Seen::new(&inner.scene, hit));
-        next[i] += 1;
-    })?;
-    control.count(0, ends.len() as u64);
     Ok(ends.into())
-}
-
-/// Applies the rows of a chunk to a field.
-fn apply<B: Basis>(
-    inner: &CpuTransport<B>,
-    painted: &Painted<'_>,
-    job: &Job<'_>,
-    chunk: u32,
-    ends: &[End],
-    origin: &Origin,
-    control: &Control,
-) -> Result<ChunkSums, Cancelled> {
-    let elements = inner.elements(chunk);
-    let albedos = painted.albedos(&inner.scene, chunk, ends);
-    if origin.over_area {
-        return over_area(inner, painted, job, elements, (ends, albedos), origin, control);
-    }
-    let values = at_points(inner, painted, elements.len(), ends, albedos);
-    let (active, group) = active(inner, job, elements);
-    Ok(group.sums(&active.iter().map(|&i| values[i]).collect::<Vec<_>>()))
-}
-
-/// The places of the elements that a job measures among those of a chunk, and where they are measured.
-fn active<B: Basis>(inner: &CpuTransport<B>, job: &Job<'_>, elements: &[ElementId]) -> (Vec<usize>, Group) {
-    let places: Vec<usize> = (0..elements.len()).filter(|&i| job.measures(elements[i])).collect();
-    let group = inner.group(&places.iter().map(|&i| elements[i]).collect::<Vec<_>>());
-    (places, group)
-}
-
-/// The mean of each row of `lanes` interleaved ones.
-fn at_points<B: Basis>(
-    inner: &CpuTransport<B>,
-    painted: &Painted<'_>,
-    lanes: usize,
-    ends: &[End],
-    albedos: Option<&[[u16; 3]]>,
-) -> Vec<DVec3> {
-    match albedos {
-        _ if !painted.is_linear() => {
-            let mut weights = NodeWeights::default();
-            means(lanes, ends, |end, _| {
-                painted.reflected(&inner.scene, &*inner.source, end, None, &mut weights)
-            })
-        }
-        None => means(lanes, ends, |end, _| painted.sent(end)),
-        Some(albedos) => means(lanes, ends, |end, i| painted.sent(end) * unpacked(albedos[i])),
-    }
 }
 
 /// The mean of `value(end, its place)` over each row of `lanes` interleaved ones.
@@ -259,7 +308,7 @@ fn at_points<B: Basis>(
 /// This is where the time of all bounces goes: neighbours' rays through one cell follow each other here, and mostly end
 /// on the same triangles.
 #[inline(always)]
-fn means(lanes: usize, ends: &[End], mut value: impl FnMut(End, usize) -> Vec4) -> Vec<DVec3> {
+fn means(lanes: usize, ends: &[StoredEnd], mut value: impl FnMut(StoredEnd, usize) -> Vec4) -> Vec<DVec3> {
     let mut sums = [DVec3::ZERO; CHUNK];
     let mut partial = [Vec4::ZERO; CHUNK];
     for (b, block) in ends.chunks(BLOCK * lanes).enumerate() {
@@ -278,47 +327,9 @@ fn means(lanes: usize, ends: &[End], mut value: impl FnMut(End, usize) -> Vec4) 
     sums[..lanes].iter().map(|sum| *sum / strata).collect()
 }
 
-/// What the elements of a chunk see, at the origins that their rays started from.
-fn over_area<B: Basis>(
-    inner: &CpuTransport<B>,
-    painted: &Painted<'_>,
-    job: &Job<'_>,
-    elements: &[ElementId],
-    (ends, albedos): (&[End], Option<&[[u16; 3]]>),
-    origin: &Origin,
-    control: &Control,
-) -> Result<ChunkSums, Cancelled> {
-    let strata = origin.per_element as usize;
-    let (mut towards, mut weights) = (NodeWeights::default(), NodeWeights::default());
-    let mut sums = ChunkSums::default();
-    for (e, &element) in elements.iter().enumerate().filter(|(_, e)| job.measures(**e)) {
-        control.check()?;
-        let stream = inner.area_stream(origin.per_element, key(origin, element));
-        let mut nodes: Vec<NodeSum> = Vec::with_capacity(3);
-        for k in 0..strata {
-            let at = e * strata + k;
-            if ends[at] == End::INSIDE {
-                continue;
-            }
-            let [s, t, ..] = stream.sample_4d(k as u32);
-            towards.clear();
-            inner.receivers.receiver(element, [s, t], &mut towards);
-            let albedo = albedos.map(|a| a[at]);
-            let value = painted.reflected(&inner.scene, &*inner.source, ends[at], albedo, &mut weights);
-            let value = value.truncate().as_dvec3();
-            for (node, weight) in towards.iter() {
-                let sum = NodeSum { node, weight: weight.into(), value: value * f64::from(weight) };
-                crate::cpu::add(&mut nodes, sum);
-            }
-        }
-        sums.sums.append(&mut nodes);
-    }
-    Ok(sums)
-}
-
-impl<B: Basis> Transport for CachedTransport<B> {
+impl<B: Basis, R: Receivers> Transport for CachedTransport<B, R> {
     fn shape(&self) -> Shape {
-        self.inner.shape()
+        self.inner.sizes()
     }
 
     /// Other passes than the first, direct light of lights alone and all direct light over areas go without the rows.
@@ -328,17 +339,17 @@ impl<B: Basis> Transport for CachedTransport<B> {
         chunks: Range<u32>,
         control: &Control,
         sink: &dyn ChunkSink,
-    ) -> Result<(), Cancelled> {
-        let at_points = !self.rows.origin.over_area;
-        let painted = match job.source {
+    ) -> Result<(), TransportError> {
+        let at_points = self.inner.receivers.sampling() == Sampling::Point;
+        let reflected = match job.source {
             _ if job.pass != SHARED_PASS => return self.inner.measure(job, chunks, control, sink),
-            Source::Field(field) => Some(self.paint.with(field)),
-            Source::Openness if at_points && self.rows.origin.per_element >= OPENNESS_RAYS => None,
-            Source::Emitters if at_points && self.inner.lights.needs_hemisphere() => None,
-            Source::Emitters | Source::Openness => return self.inner.measure(job, chunks, control, sink),
+            Source::Field(field) => Some(self.reflectance.of(&*self.inner.basis, field)),
+            Source::Nothing if at_points && self.rows.key.per_element >= VALIDITY_RAYS => None,
+            Source::Emitters(_) if at_points && self.inner.lights.needs_hemisphere() => None,
+            Source::Emitters(_) | Source::Nothing => return self.inner.measure(job, chunks, control, sink),
         };
         scattered(chunks).into_par_iter().try_for_each(|chunk| {
-            sink.accept(chunk, self.measure_chunk(job, painted.as_ref(), chunk, control)?);
+            sink.accept(chunk, self.measure_chunk(job, reflected.as_ref(), chunk, control)?);
             Ok(())
         })
     }
@@ -347,12 +358,14 @@ impl<B: Basis> Transport for CachedTransport<B> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ends::RayEnd;
+    use crate::hemisphere;
     use crate::{Plan, accumulate};
     use lumel_accel::Bvh;
-    use lumel_basis::{Field, VertexBasis};
+    use lumel_basis::{Field, VertexBasis, VertexReceivers};
 
     /// Bounces by the definition: where each stored ray ends, light and albedo are looked up and multiplied.
-    struct ByDefinition<'a>(&'a CachedTransport<VertexBasis>);
+    struct ByDefinition<'a>(&'a CachedTransport<VertexBasis, VertexReceivers>);
 
     impl Transport for ByDefinition<'_> {
         fn shape(&self) -> Shape {
@@ -365,22 +378,22 @@ mod tests {
             chunks: Range<u32>,
             control: &Control,
             sink: &dyn ChunkSink,
-        ) -> Result<(), Cancelled> {
+        ) -> Result<(), TransportError> {
             let Source::Field(field) = job.source else { return self.0.measure(job, chunks, control, sink) };
-            let CpuTransport { scene, source, .. } = &self.0.inner;
+            let CpuTransport { scene, basis, receivers, .. } = &self.0.inner;
             chunks.into_par_iter().try_for_each(|chunk| {
-                let (ends, elements) = (self.0.ends(chunk, control)?, self.0.inner.elements(chunk));
+                let ChunkRows { ends, elements } = self.0.chunk_rows(chunk, control)?;
                 let mut weights = NodeWeights::default();
-                let mut reflected = |end: &End| {
-                    let seen = end.seen().unwrap_or(Seen::Back);
-                    hemisphere::reflected(scene, &**source, field, &seen, &mut weights).0.as_dvec3()
+                let mut reflected = |end: &StoredEnd| {
+                    let end = end.end().unwrap_or(RayEnd::BackFace);
+                    hemisphere::reflected(scene, &**basis, field, &end, &mut weights).0.as_dvec3()
                 };
                 let mut mean = |lane: usize| {
                     let row = ends.iter().skip(lane).step_by(elements.len());
                     row.map(&mut reflected).sum::<DVec3>() / (ends.len() / elements.len()) as f64
                 };
                 let values: Vec<DVec3> = (0..elements.len()).map(&mut mean).collect();
-                sink.accept(chunk, self.0.inner.group(elements).sums(&values));
+                sink.accept(chunk, Group::new(&**receivers, elements).irradiance(&values));
                 Ok(())
             })
         }
@@ -390,21 +403,22 @@ mod tests {
     fn the_sum_of_bounces_is_the_neumann_series_on_the_same_rows() {
         for name in ["cornell-box", "atrium"] {
             let scene = Arc::new(lumel_builtin::scene(name, 0).unwrap().build().unwrap().0);
-            let (tracer, basis) =
-                (Arc::new(Bvh::build(&scene)), Arc::new(VertexBasis::new(Arc::clone(&scene))));
+            let tracer = Arc::new(Bvh::build(&scene));
+            let basis = Arc::new(VertexBasis::new(Arc::clone(&scene)));
+            let receivers = Arc::new(VertexReceivers::new(&basis));
             let plan = Plan { direct_samples: 4, indirect_samples: 128, ..Plan::default() };
-            let inner = CpuTransport::new(scene, tracer, Arc::clone(&basis), basis, plan);
+            let inner = CpuTransport::new(scene, tracer, basis, receivers, plan);
             let cached = CachedTransport::new(inner, None);
             let solved = |transport: &dyn Transport| {
                 let applied = |source: Source<'_>, bounce: u32| {
                     let job = Job { source, bounce, pass: SHARED_PASS, active: None };
                     accumulate(transport, &job, &Control::default(), None).unwrap().field
                 };
-                let mut bounces = vec![applied(Source::Emitters, 0)];
+                let mut bounces = vec![applied(Source::Emitters(None), 0)];
                 for bounce in 1..=4 {
                     bounces.push(applied(Source::Field(&bounces[bounce as usize - 1]), bounce));
                 }
-                Field::sum(bounces[0].len(), &bounces)
+                Field::sum(bounces[0].node_count(), &bounces)
             };
             let (by_rows, by_definition) = (solved(&cached), solved(&ByDefinition(&cached)));
             let square =

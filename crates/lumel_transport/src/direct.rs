@@ -1,12 +1,13 @@
 //! The area form: light that arrives from lights.
 
-use crate::job::{Cancelled, Control};
+use crate::emitters::{Emitter, EmitterMask};
+use crate::job::{Control, TransportError};
 use crate::light_points::LightPoints;
 use crate::light_tree::LightTree;
 use crate::light_view::{LightSample, LightView};
-use crate::lights::{LightSet, PointlikeLight};
+use crate::lights::{AreaLight, DeltaLight, LightSet};
 use crate::plan::{LightSampling, Plan};
-use crate::shadow_rays::{Beam, Seen};
+use crate::shadow_rays::{ShadowRays, Tally, Visible};
 use glam::{DVec3, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_basis::Site;
@@ -24,15 +25,10 @@ pub(crate) struct Direct<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) tracer: &'a dyn RayTracer,
     pub(crate) lights: &'a LightSet,
+    /// The lights that shine; `None` for all.
+    pub(crate) mask: Option<&'a EmitterMask>,
     pub(crate) plan: &'a Plan,
     pub(crate) control: &'a Control,
-}
-
-/// A sum of irradiance and the rays it took.
-#[derive(Default)]
-pub(crate) struct Tally {
-    pub(crate) sum: DVec3,
-    pub(crate) n_rays: u64,
 }
 
 impl Direct<'_> {
@@ -43,8 +39,8 @@ impl Direct<'_> {
         key: StreamKey,
         points: &mut LightPoints,
         tally: &mut Tally,
-    ) -> Result<(), Cancelled> {
-        self.pointlike(site, tally);
+    ) -> Result<(), TransportError> {
+        self.delta_lights(site, tally);
         let samples = self.plan.sampler.sample_count(self.plan.direct_samples);
         if let Some(tree) = &self.lights.tree {
             let points = points.fill_by_choice(&self.plan.stream(samples, key, Dim::LightSelect), samples);
@@ -52,7 +48,7 @@ impl Direct<'_> {
             tally.sum += sum / f64::from(samples);
             return Ok(());
         }
-        for (l, light) in self.lights.area.iter().enumerate() {
+        for (l, light) in self.area_lights() {
             let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
                 continue;
             };
@@ -61,12 +57,12 @@ impl Direct<'_> {
                 (LightSampling::Analytic, Some(unblocked)) => {
                     let pilot = (key, Dim::LightPilot(l as u32));
                     let beta = self.visible_share(site, &view, pilot, samples / 4, (points, tally))?;
-                    let seen = self.seen(site, &view, points.fill(&stream, samples), tally)?;
-                    tally.sum += minus_blocked(unblocked, beta, &seen, samples);
+                    let visible = self.visible(site, &view, points.fill(&stream, samples), tally)?;
+                    tally.sum += minus_blocked(unblocked, beta, &visible, samples);
                 }
                 _ => {
-                    let seen = self.seen(site, &view, points.fill(&stream, samples), tally)?;
-                    tally.sum += seen.lit / f64::from(samples);
+                    let visible = self.visible(site, &view, points.fill(&stream, samples), tally)?;
+                    tally.sum += visible.lit / f64::from(samples);
                 }
             }
         }
@@ -77,20 +73,22 @@ impl Direct<'_> {
     ///
     /// `u` places the point on each light.
     pub(crate) fn one_sample(&self, site: &Site, key: StreamKey, index: u32, u: [f32; 2], tally: &mut Tally) {
-        self.pointlike(site, tally);
+        self.delta_lights(site, tally);
         if let Some(tree) = &self.lights.tree {
             let Some(choice) = tree.choose(site.origin.as_dvec3(), site.frame.normal.as_dvec3(), u[0]) else {
                 return;
             };
-            let light = &self.lights.area[choice.light];
-            if let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) {
+            let (emitter, light) = &self.lights.area[choice.light];
+            if self.shines(*emitter)
+                && let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling)
+            {
                 let weight = 1.0 / choice.probability;
                 // What is left of the coordinate within its light is uniform again.
                 self.add_if_seen(site, view.sample([choice.rest, u[1]]), weight, tally);
             }
             return;
         }
-        for (l, light) in self.lights.area.iter().enumerate() {
+        for (l, light) in self.area_lights() {
             let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
                 continue;
             };
@@ -110,21 +108,31 @@ impl Direct<'_> {
         }
     }
 
+    fn shines(&self, emitter: Emitter) -> bool {
+        self.mask.is_none_or(|mask| mask.shines(emitter))
+    }
+
+    /// The lights with an area that shine. Each keeps the sample points of its place among all.
+    fn area_lights(&self) -> impl Iterator<Item = (usize, &AreaLight)> {
+        let all = self.lights.area.iter().enumerate();
+        all.filter(|(_, (emitter, _))| self.shines(*emitter)).map(|(l, (_, light))| (l, light))
+    }
+
     /// The light of points of one light: in all, and what of it is seen.
-    fn seen(
+    fn visible(
         &self,
         site: &Site,
         view: &LightView<'_>,
         points: &[[f32; 2]],
         tally: &mut Tally,
-    ) -> Result<Seen, Cancelled> {
-        let mut beam = Beam::new(self.tracer, site);
+    ) -> Result<Visible, TransportError> {
+        let mut rays = ShadowRays::new(self.tracer, site);
         for u in points {
             if let Some(sample) = view.sample(*u) {
-                beam.add(sample.target, sample.unblocked.0.as_dvec3(), self.control)?;
+                rays.add(sample.target, sample.unblocked.0.as_dvec3(), self.control)?;
             }
         }
-        Ok(beam.finish(tally))
+        Ok(rays.finish(tally))
     }
 
     /// The share of a pilot's points on the light that is seen; 1 if none lies above the horizon.
@@ -137,11 +145,11 @@ impl Direct<'_> {
         (key, dim): (StreamKey, Dim),
         requested: u32,
         (points, tally): (&mut LightPoints, &mut Tally),
-    ) -> Result<f64, Cancelled> {
+    ) -> Result<f64, TransportError> {
         let samples = self.plan.sampler.sample_count(requested.clamp(1, MAX_PILOT));
         let stream = self.plan.sampler.for_count(samples).stream(key, dim);
-        let seen = self.seen(site, view, points.fill(&stream, samples), tally)?;
-        Ok(if seen.n_rays > 0 { f64::from(seen.n_lit) / f64::from(seen.n_rays) } else { 1.0 })
+        let visible = self.visible(site, view, points.fill(&stream, samples), tally)?;
+        Ok(if visible.n_rays > 0 { f64::from(visible.n_lit) / f64::from(visible.n_rays) } else { 1.0 })
     }
 
     /// The sum over samples of lights that are chosen one by one.
@@ -153,25 +161,25 @@ impl Direct<'_> {
         site: &Site,
         points: &[([f32; 2], f32)],
         tally: &mut Tally,
-    ) -> Result<DVec3, Cancelled> {
+    ) -> Result<DVec3, TransportError> {
         let (origin, normal) = (site.origin.as_dvec3(), site.frame.normal.as_dvec3());
-        let mut beam = Beam::new(self.tracer, site);
+        let mut rays = ShadowRays::new(self.tracer, site);
         let mut view = None;
         for (u, select) in points {
             let Some(choice) = tree.choose(origin, normal, *select) else { continue };
             if view.as_ref().is_none_or(|(light, _)| *light != choice.light) {
-                let light = &self.lights.area[choice.light];
-                let new = LightView::new(self.scene, light, site, self.plan.light_sampling);
-                view = Some((choice.light, new));
+                let (emitter, light) = &self.lights.area[choice.light];
+                let new = || LightView::new(self.scene, light, site, self.plan.light_sampling);
+                view = Some((choice.light, self.shines(*emitter).then(new).flatten()));
             }
             if let Some((_, Some(view))) = &view
                 && let Some(sample) = view.sample(*u)
             {
                 let value = sample.unblocked.0.as_dvec3() / choice.probability;
-                beam.add(sample.target, value, self.control)?;
+                rays.add(sample.target, value, self.control)?;
             }
         }
-        Ok(beam.finish(tally).lit)
+        Ok(rays.finish(tally).lit)
     }
 
     fn add_if_seen(&self, site: &Site, sample: Option<LightSample>, weight: f64, tally: &mut Tally) {
@@ -193,21 +201,21 @@ impl Direct<'_> {
     }
 
     /// Lights without an area: one shadow ray each, nothing random.
-    fn pointlike(&self, site: &Site, tally: &mut Tally) {
+    fn delta_lights(&self, site: &Site, tally: &mut Tally) {
         let reach = BEYOND_SCENE * self.scene.bounds().diagonal();
-        for light in &self.lights.pointlike {
+        for (_, light) in self.lights.delta.iter().filter(|(emitter, _)| self.shines(*emitter)) {
             let (target, arriving) = match light {
-                PointlikeLight::Point(point) => {
+                DeltaLight::Point(point) => {
                     let distance = point.position.distance(site.origin);
                     (point.position, point.normal_irradiance(distance))
                 }
-                PointlikeLight::Spot(spot) => {
+                DeltaLight::Spot(spot) => {
                     let away = site.origin - spot.point.position;
                     let Some(direction) = away.try_normalize() else { continue };
                     let arriving = spot.point.normal_irradiance(away.length()) * spot.falloff(direction);
                     (spot.point.position, arriving)
                 }
-                PointlikeLight::Directional(sun) => (site.origin - sun.direction * reach, sun.irradiance),
+                DeltaLight::Directional(sun) => (site.origin - sun.direction * reach, sun.irradiance),
             };
             let Some(direction) = (target - site.origin).try_normalize() else { continue };
             let cos = site.frame.normal.dot(direction);
@@ -228,6 +236,6 @@ impl Direct<'_> {
 /// `β = 1` where the light is seen whole leaves only the closed form; `β = 0` where it is hidden leaves exactly zero;
 /// in a penumbra both terms vary less than the plain estimator. Unbiased, because the pilot's points are independent
 /// of the samples.
-fn minus_blocked(unblocked: Irradiance, beta: f64, seen: &Seen, samples: u32) -> DVec3 {
-    unblocked.0.as_dvec3() * beta + (seen.lit - seen.all * beta) / f64::from(samples)
+fn minus_blocked(unblocked: Irradiance, beta: f64, visible: &Visible, samples: u32) -> DVec3 {
+    unblocked.0.as_dvec3() * beta + (visible.lit - visible.all * beta) / f64::from(samples)
 }

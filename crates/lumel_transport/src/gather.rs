@@ -5,13 +5,11 @@
 //! other compared with what they look at. Which is taken has no influence on the result.
 
 use crate::hemisphere;
-use crate::job::{Cancelled, Control};
+use crate::job::{Control, TransportError};
+use crate::order::CHUNK;
 use glam::Vec3;
 use lumel_accel::{Hit, Ray, RayTracer};
 use lumel_basis::Site;
-
-/// Origins that can send a bundle together: as many as the tracer's packets have rays.
-pub(crate) const GROUP: usize = 16;
 
 /// Strata that are traced at once; between them the cancel flag is looked at.
 const BLOCK: usize = 256;
@@ -49,7 +47,7 @@ impl Gather {
         strata: usize,
         control: &Control,
         mut each: impl FnMut(usize, Option<Hit>),
-    ) -> Result<(), Cancelled> {
+    ) -> Result<(), TransportError> {
         let together = self.look_through_cells_together(tracer, sites, strata);
         for first in (0..strata).step_by(BLOCK) {
             control.check()?;
@@ -80,7 +78,7 @@ impl Gather {
     fn look_through_cells_together(&self, tracer: &dyn RayTracer, sites: &[Site], strata: usize) -> bool {
         let [first, others @ ..] = sites else { return false };
         let facing = |site: &Site| site.frame.normal.dot(first.frame.normal) > SAME_FACING;
-        if sites.len() < GROUP / 2 || !others.iter().all(facing) {
+        if sites.len() < CHUNK / 2 || !others.iter().all(facing) {
             return false;
         }
         let radius = 0.5 * others.iter().map(|s| s.origin.distance(first.origin)).fold(0.0, f32::max);

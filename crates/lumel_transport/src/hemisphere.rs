@@ -1,29 +1,13 @@
 //! The hemisphere form: light that arrives along rays.
 
-use glam::{DVec3, Vec3};
-use lumel_accel::{Bundle, Hit, Ray};
+use crate::emitters::{Emitter, EmitterMask};
+use crate::ends::RayEnd;
+use crate::lights::LightSet;
+use glam::Vec3;
+use lumel_accel::{Bundle, Ray};
 use lumel_basis::{Basis, Field, NodeWeights, Site};
 use lumel_sample::cosine_hemisphere;
-use lumel_scene::{Irradiance, Scene, SurfacePoint};
-
-/// What a hemisphere ray meets.
-pub(crate) enum Seen {
-    /// The lit side of a surface.
-    Surface(SurfacePoint),
-    /// The back of a one-sided surface: black, and a sign that the ray starts inside something.
-    Back,
-    /// Nothing.
-    Sky,
-}
-
-impl Seen {
-    pub(crate) fn new(scene: &Scene, hit: Option<Hit>) -> Self {
-        match hit {
-            None => Self::Sky,
-            Some(hit) => scene.seen_side(hit.at, hit.side).map_or(Self::Back, Self::Surface),
-        }
-    }
-}
+use lumel_scene::{Irradiance, Scene};
 
 /// The cosine-distributed direction of a site for `u` in the unit square.
 ///
@@ -52,25 +36,29 @@ pub(crate) fn reflected<B: Basis>(
     scene: &Scene,
     basis: &B,
     field: &Field,
-    seen: &Seen,
+    end: &RayEnd,
     weights: &mut NodeWeights,
 ) -> Irradiance {
-    let Seen::Surface(at) = *seen else { return Irradiance::ZERO };
+    let RayEnd::Surface(at) = *end else { return Irradiance::ZERO };
     field.at(basis, at, weights).reflected(scene.albedo(at)).cosine_sample()
-}
-
-/// Zero for the back of a surface, else one, in all channels.
-#[inline]
-pub(crate) fn openness(seen: &Seen) -> DVec3 {
-    DVec3::splat(if matches!(seen, Seen::Back) { 0.0 } else { 1.0 })
 }
 
 /// One cosine-distributed sample of the light that sky and emissive surfaces send.
 #[inline]
-pub(crate) fn emitted(scene: &Scene, emission_by_rays: bool, seen: &Seen) -> Irradiance {
-    match *seen {
-        Seen::Surface(at) if emission_by_rays => scene.emission(at).cosine_sample(),
-        Seen::Sky => scene.sky().cosine_sample(),
-        Seen::Surface(_) | Seen::Back => Irradiance::ZERO,
+pub(crate) fn emitted(
+    scene: &Scene,
+    lights: &LightSet,
+    mask: Option<&EmitterMask>,
+    end: &RayEnd,
+) -> Irradiance {
+    let shines = |emitter| mask.is_none_or(|mask| mask.shines(emitter));
+    match *end {
+        RayEnd::Surface(at)
+            if lights.emission_by_rays && shines(Emitter::Surfaces(scene.material_id(at.tri))) =>
+        {
+            scene.emission(at).cosine_sample()
+        }
+        RayEnd::Sky if shines(Emitter::Sky) => scene.sky().cosine_sample(),
+        RayEnd::Surface(_) | RayEnd::BackFace | RayEnd::Sky => Irradiance::ZERO,
     }
 }

@@ -1,7 +1,7 @@
 //! What a transport is asked to do, and how it answers.
 
-use glam::DVec3;
-use lumel_basis::{ElementId, Field, Measure, NodeId};
+use crate::{EmitterMask, Sums};
+use lumel_basis::{ElementId, Field, Sampling};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -11,13 +11,12 @@ const RAYS_PER_CHECK: u32 = 1024;
 /// What shines in one application of the operator.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
-    /// Lights, sky and emissive surfaces: direct light.
-    Emitters,
+    /// Lights, sky and emissive surfaces, all of them or those of a mask: direct light.
+    Emitters(Option<&'a EmitterMask>),
     /// The surfaces, with this irradiance on them: one bounce.
     Field(&'a Field),
-    /// Nothing: measures the share of rays that do not meet the back of a surface, in all channels. Elements that
-    /// see much of it lie inside geometry.
-    Openness,
+    /// Nothing: only [back faces](Sums::back_faces) are counted, which tell whether an element is valid.
+    Nothing,
 }
 
 /// One application of the operator.
@@ -35,7 +34,7 @@ pub struct Job<'a> {
 
 impl Job<'_> {
     /// Whether an element is to be measured.
-    pub(crate) fn measures(&self, element: ElementId) -> bool {
+    pub fn measures(&self, element: ElementId) -> bool {
         self.active.is_none_or(|active| active[element.index()])
     }
 }
@@ -43,44 +42,43 @@ impl Job<'_> {
 /// The sizes of an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// Coefficients of the result.
+    /// Nodes of the result.
     pub nodes: usize,
-    /// Things that are measured.
+    /// Coefficients per node of the result.
+    pub channels: usize,
+    /// Elements that are measured.
     pub elements: usize,
     /// Portions in which they are measured.
     pub chunks: u32,
-    /// How they are measured.
-    pub measure: Measure,
+    /// How they are sampled.
+    pub sampling: Sampling,
 }
 
-/// The weighted sum of some measurements of a node.
-#[derive(Clone, Copy, Debug)]
-pub struct NodeSum {
-    /// The node.
-    pub node: NodeId,
-    /// Sum of the weights.
-    pub weight: f64,
-    /// Weighted sum of the measured irradiance.
-    pub value: DVec3,
-}
-
-/// The measurements of one chunk of elements, in the order of elements.
-#[derive(Clone, Debug, Default)]
-pub struct ChunkSums {
-    /// A sum for each node that an element of the chunk counts towards; nodes may occur more than once.
-    pub sums: Vec<NodeSum>,
-}
-
-/// Takes finished chunks, in any order, from any thread.
+/// Takes finished chunks.
+///
+/// A transport calls [`accept`](Self::accept) once for each chunk that it was asked for, in any order, from any thread and
+/// from several at once. When it fails, some chunks may have been delivered; none is delivered twice.
 pub trait ChunkSink: Sync {
     /// Takes a chunk.
-    fn accept(&self, chunk: u32, sums: ChunkSums);
+    fn accept(&self, chunk: u32, sums: Sums);
 }
 
-/// The solve was asked to stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("cancelled")]
-pub struct Cancelled;
+/// Why a measurement ended early.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TransportError {
+    /// It was asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// What computes has failed: a device, a worker, a connection.
+    #[error("{worker} failed: {cause}")]
+    Failed {
+        /// What failed, as users know it.
+        worker: String,
+        /// What it said.
+        cause: String,
+    },
+}
 
 /// The way in and out of a running measurement.
 #[derive(Debug, Default)]
@@ -111,18 +109,25 @@ impl Control {
         self.elements.load(Ordering::Relaxed)
     }
 
-    /// `Err` once it was asked to stop.
-    pub(crate) fn check(&self) -> Result<(), Cancelled> {
-        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    /// For transports: fails once the measurement was asked to stop.
+    ///
+    /// # Errors
+    /// [`TransportError::Cancelled`].
+    pub fn check(&self) -> Result<(), TransportError> {
+        if self.is_cancelled() { Err(TransportError::Cancelled) } else { Ok(()) }
     }
 
-    /// [`check`](Self::check), now and then: `i` numbers the samples of a loop.
+    /// [`check`](Self::check), once in a thousand samples: `i` numbers the samples of a loop.
+    ///
+    /// # Errors
+    /// [`TransportError::Cancelled`].
     #[inline]
-    pub(crate) fn check_at(&self, i: u32) -> Result<(), Cancelled> {
+    pub fn check_at(&self, i: u32) -> Result<(), TransportError> {
         if i % RAYS_PER_CHECK == RAYS_PER_CHECK - 1 { self.check() } else { Ok(()) }
     }
 
-    pub(crate) fn count(&self, elements: u64, rays: u64) {
+    /// For transports: counts what was done.
+    pub fn count(&self, elements: u64, rays: u64) {
         self.elements.fetch_add(elements, Ordering::Relaxed);
         self.rays.fetch_add(rays, Ordering::Relaxed);
     }
@@ -135,15 +140,15 @@ pub trait Transport: Send + Sync {
 
     /// Measures some chunks and hands each to `sink` as it is done.
     ///
-    /// The sums of a chunk are a pure function of the job and the chunk.
+    /// The sums of a chunk are a pure function of the job and the chunk, whichever other chunks are asked for.
     ///
     /// # Errors
-    /// When `control` asks to stop; some chunks may have been delivered then.
+    /// When `control` asks to stop, or what computes fails.
     fn measure(
         &self,
         job: &Job<'_>,
         chunks: Range<u32>,
         control: &Control,
         sink: &dyn ChunkSink,
-    ) -> Result<(), Cancelled>;
+    ) -> Result<(), TransportError>;
 }

@@ -1,15 +1,22 @@
 //! One application of the light transport operator: measure the light that arrives at receivers.
 //!
-//! Two kernels do all the work. The area form integrates over lights, the hemisphere form over directions; both are
-//! measured by a [`CpuTransport`] in chunks of elements and merged by [`accumulate`] in the order of the chunks, so
-//! that the bits of the result do not depend on who computed what.
-//! Nothing here knows about bounces: the same operator serves all of them.
+//! Every measurement is *trace, read, project*: rays go out from the sites of some receivers, what arrives along them is
+//! read from a [`Source`], and the mean counts towards nodes. Two kernels estimate it: the area form integrates over
+//! lights, the hemisphere form over directions. A [`CpuTransport`] traces for every job; a [`CachedTransport`] keeps
+//! where rays end. Both measure in chunks of elements, which [`accumulate`] merges in their order, so that the bits of the
+//! result do not depend on who computed what.
+//!
+//! Nothing here knows about bounces: the same operator serves all of them. [`Transport`] can be implemented elsewhere, for
+//! another device or other machines; `examples/own_transport.rs` of the crate `lumel` does it.
 
 mod accumulate;
 mod cached;
 mod cpu;
 mod direct;
+mod emitters;
+mod ends;
 mod gather;
+mod group;
 mod hemisphere;
 mod job;
 mod light_cone;
@@ -17,19 +24,27 @@ mod light_points;
 mod light_tree;
 mod light_view;
 mod lights;
+mod measure;
+mod operator;
 mod order;
-mod paint;
+mod passes;
 mod plan;
 mod polygon;
+mod reflectance;
 mod rows;
 mod scatter;
 mod shadow_rays;
+mod sums;
+mod trace;
 
 pub use accumulate::{Measured, PartialField, accumulate};
 pub use cached::{CachedTransport, Stored};
-pub use cpu::CpuTransport;
+pub use emitters::{Emitter, EmitterMask};
 pub use hemisphere::direction as hemisphere_direction;
-pub use job::{Cancelled, ChunkSink, ChunkSums, Control, Job, NodeSum, Shape, Source, Transport};
+pub use job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
+pub use operator::CpuTransport;
 pub use order::Order;
-pub use plan::{EmitterSampling, LightSampling, Plan};
+pub use passes::{Pass, Passes};
+pub use plan::{EmitterSampling, LightSampling, Plan, SampleRange};
 pub use rows::Rows;
+pub use sums::Sums;

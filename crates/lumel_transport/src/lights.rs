@@ -1,5 +1,6 @@
 //! The lights of a scene, ready to be sampled.
 
+use crate::emitters::Emitter;
 use crate::light_tree::{Extent, LightTree};
 use crate::plan::EmitterSampling;
 use lumel_sample::PiecewiseConstant2D;
@@ -31,9 +32,9 @@ pub(crate) enum AreaLight {
     TexturedTriangle(TriId),
 }
 
-/// A light without area.
+/// A light without area: its radiance is a delta function of direction.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum PointlikeLight {
+pub(crate) enum DeltaLight {
     Point(PointLight),
     Spot(SpotLight),
     Directional(DirectionalLight),
@@ -42,8 +43,8 @@ pub(crate) enum PointlikeLight {
 /// All that shines in a scene, split by how it is measured.
 #[derive(Clone, Debug)]
 pub(crate) struct LightSet {
-    pub(crate) area: Vec<AreaLight>,
-    pub(crate) pointlike: Vec<PointlikeLight>,
+    pub(crate) area: Vec<(Emitter, AreaLight)>,
+    pub(crate) delta: Vec<(Emitter, DeltaLight)>,
     /// Chooses among the area lights when they are too many to loop over.
     pub(crate) tree: Option<LightTree>,
     /// Whether hemisphere rays collect the emission of the surfaces they meet.
@@ -57,23 +58,25 @@ impl LightSet {
     pub(crate) fn new(scene: &Scene, emitters: EmitterSampling) -> Self {
         let mut set = Self {
             area: Vec::new(),
-            pointlike: Vec::new(),
+            delta: Vec::new(),
             tree: None,
             emission_by_rays: false,
             sky: !scene.sky().is_zero(),
         };
-        for light in scene.lights() {
+        for (emitter, light) in (0..).map(Emitter::Light).zip(scene.lights()) {
             match *light {
-                Light::Rect(rect) => set.area.extend(rect_light(scene, rect)),
-                Light::Point(point) => set.pointlike.push(PointlikeLight::Point(point)),
-                Light::Spot(spot) => set.pointlike.push(PointlikeLight::Spot(spot)),
-                Light::Directional(sun) => set.pointlike.push(PointlikeLight::Directional(sun)),
+                Light::Rect(rect) => set.area.extend(rect_light(scene, rect).map(|light| (emitter, light))),
+                Light::Point(point) => set.delta.push((emitter, DeltaLight::Point(point))),
+                Light::Spot(spot) => set.delta.push((emitter, DeltaLight::Spot(spot))),
+                Light::Directional(sun) => set.delta.push((emitter, DeltaLight::Directional(sun))),
             }
         }
         set.add_emissive_surfaces(scene, emitters);
         if set.area.len() > MAX_LOOPED {
             let extents = set.area.iter().enumerate();
-            set.tree = LightTree::new(extents.filter_map(|(i, l)| Some((i, l.extent(scene)?))).collect());
+            set.tree = LightTree::new(
+                extents.filter_map(|(i, (_, light))| Some((i, light.extent(scene)?))).collect(),
+            );
         }
         set
     }
@@ -103,10 +106,11 @@ impl LightSet {
         }
         self.area.extend(emissive.into_iter().map(|tri| {
             let material = scene.material(tri);
-            match material.emission_texture {
+            let light = match material.emission_texture {
                 Some(_) => AreaLight::TexturedTriangle(tri),
                 None => AreaLight::Triangle(tri, material.emission),
-            }
+            };
+            (Emitter::Surfaces(scene.material_id(tri)), light)
         }));
     }
 }

@@ -3,14 +3,18 @@
 //! Rays of neighbours meet the same parts of the tree, and neighbours that face the same way can send theirs together.
 
 use glam::Vec3;
-use lumel_basis::{ElementId, NodeWeights, Receivers};
+use lumel_basis::{CENTER, ElementId, Identity, NodeWeights, Receivers};
 use std::sync::Arc;
+
+/// Elements per chunk: few enough to spread over cores and to stop quickly, and as many neighbours as the tracer's packets
+/// have rays, so that they can send theirs together.
+pub(crate) const CHUNK: usize = 16;
 
 /// Bits of a Morton code per axis.
 const BITS: u32 = 16;
 
 /// Elements of some receivers: those that face the same way along a space-filling curve, one facing after the
-/// other. Cheap to copy, for operators of the same receivers.
+/// other. Cheap to clone, for operators of the same receivers.
 #[derive(Clone, Debug)]
 pub struct Order(Arc<[ElementId]>);
 
@@ -22,6 +26,22 @@ impl Order {
 
     pub(crate) fn elements(&self) -> &[ElementId] {
         &self.0
+    }
+
+    /// Tells these elements from others of the same receivers.
+    pub(crate) fn identity_within(&self, receivers: &Identity) -> Identity {
+        let elements: Vec<u8> = self.0.iter().flat_map(|element| element.0.to_le_bytes()).collect();
+        Identity::new("some elements", [&receivers.as_bytes()[..], &elements])
+    }
+
+    pub(crate) fn chunk_count(&self) -> u32 {
+        self.0.len().div_ceil(CHUNK) as u32
+    }
+
+    /// The elements of a chunk.
+    pub(crate) fn chunk(&self, chunk: u32) -> &[ElementId] {
+        let first = chunk as usize * CHUNK;
+        &self.0[first..self.0.len().min(first + CHUNK)]
     }
 }
 
@@ -35,7 +55,7 @@ fn spatial<R: Receivers>(receivers: &R) -> Vec<ElementId> {
     let mut weights = NodeWeights::default();
     let mut place = |e: u32| {
         weights.clear();
-        let site = receivers.receiver(ElementId(e), [0.5, 0.5], &mut weights);
+        let site = receivers.site(ElementId(e), CENTER, &mut weights);
         (site.origin, site.frame.normal)
     };
     let places: Vec<(Vec3, Vec3)> = (0..receivers.element_count() as u32).map(&mut place).collect();

@@ -1,6 +1,6 @@
 //! How densely and by which estimators light is measured.
 
-use lumel_basis::Measure;
+use lumel_basis::Sampling;
 use lumel_sample::{Dim, SamplerKind, Stream, StreamKey};
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +25,7 @@ pub enum EmitterSampling {
     Auto,
     /// Every emissive triangle is a light that is sampled.
     Lights,
-    /// Hemisphere rays find them. Free of noise when everything glows, very noisy when little does.
+    /// Hemisphere rays find them. Free of noise when all surfaces emit, very noisy when few do.
     Rays,
     /// Not at all: only lights and sky shine.
     Off,
@@ -46,10 +46,21 @@ pub struct Plan {
     pub light_sampling: LightSampling,
     /// What to do with emissive surfaces.
     pub emitters: EmitterSampling,
-    /// Whether these samples are the second half of twice as many: those with the same seed are the first half.
+    /// Which samples of their sequence are taken.
+    pub range: SampleRange,
+}
+
+/// Which part of a sequence of sample points `N` samples are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SampleRange {
+    /// Samples 0..N.
+    #[default]
+    First,
+    /// Samples N..2N: they continue the first N, spread evenly with them.
     ///
     /// Not for stratified samples, whose number is that of their cells.
-    pub second_half: bool,
+    Second,
 }
 
 /// Origins per triangle for each ray that a vertex would get: as there are about twice as many triangles as
@@ -61,21 +72,24 @@ const MIN_AREA_SAMPLES: u32 = 4;
 
 impl Plan {
     /// Hemisphere rays of an element, per application of the operator.
-    pub fn rays_per_element(&self, measure: Measure) -> u32 {
-        self.samples(self.indirect_samples, measure)
+    pub fn rays_per_element(&self, sampling: Sampling) -> u32 {
+        self.samples(self.indirect_samples, sampling)
     }
 
-    /// So many points of a stream that are to be sampled.
+    /// The stream of an element's `samples` points for one purpose.
     pub(crate) fn stream(&self, samples: u32, key: StreamKey, dim: Dim) -> Stream {
         let stream = self.sampler.for_count(samples).stream(key, dim);
-        if self.second_half { stream.without_first(samples) } else { stream }
+        match self.range {
+            SampleRange::First => stream,
+            SampleRange::Second => stream.without_first(samples),
+        }
     }
 
-    /// The samples really taken when so many are asked for.
-    pub(crate) fn samples(&self, requested: u32, measure: Measure) -> u32 {
-        self.sampler.sample_count(match measure {
-            Measure::AtPoint => requested,
-            Measure::OverArea => (requested / AREA_SHARE).max(MIN_AREA_SAMPLES),
+    /// The number of samples taken when `requested` are asked for.
+    pub(crate) fn samples(&self, requested: u32, sampling: Sampling) -> u32 {
+        self.sampler.sample_count(match sampling {
+            Sampling::Point => requested,
+            Sampling::Area => (requested / AREA_SHARE).max(MIN_AREA_SAMPLES),
         })
     }
 }
@@ -89,7 +103,7 @@ impl Default for Plan {
             seed: 0,
             light_sampling: LightSampling::default(),
             emitters: EmitterSampling::default(),
-            second_half: false,
+            range: SampleRange::First,
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Shadow rays of one site, in bundles.
 
-use crate::direct::Tally;
-use crate::job::{Cancelled, Control};
+use crate::job::{Control, TransportError};
 use glam::{DVec3, Vec3};
 use lumel_accel::{Bundle, RayTracer, SHADOW_END};
 use lumel_basis::Site;
@@ -10,19 +9,26 @@ use lumel_basis::Site;
 /// that are no better.
 const BUNDLE: usize = 64;
 
+/// A sum of irradiance and the rays it took.
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) sum: DVec3,
+    pub(crate) n_rays: u64,
+}
+
 /// Collects shadow rays and traces them when there are enough.
-pub(crate) struct Beam<'a> {
+pub(crate) struct ShadowRays<'a> {
     tracer: &'a dyn RayTracer,
     site: &'a Site,
     segments: [Vec3; BUNDLE],
     values: [DVec3; BUNDLE],
     waiting: usize,
-    seen: Seen,
+    visible: Visible,
 }
 
-/// What has become of the rays.
+/// What shadow rays have found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct Visible {
     /// The sum of the values of all rays.
     pub(crate) all: DVec3,
     /// The sum over rays that nothing blocks; the same bits as `all` if that is all of them.
@@ -33,14 +39,19 @@ pub(crate) struct Seen {
     pub(crate) n_rays: u32,
 }
 
-impl<'a> Beam<'a> {
+impl<'a> ShadowRays<'a> {
     pub(crate) fn new(tracer: &'a dyn RayTracer, site: &'a Site) -> Self {
         let (segments, values) = ([Vec3::ZERO; BUNDLE], [DVec3::ZERO; BUNDLE]);
-        Self { tracer, site, segments, values, waiting: 0, seen: Seen::default() }
+        Self { tracer, site, segments, values, waiting: 0, visible: Visible::default() }
     }
 
     /// Adds the ray to a point from which `value` arrives if nothing is in the way.
-    pub(crate) fn add(&mut self, target: Vec3, value: DVec3, control: &Control) -> Result<(), Cancelled> {
+    pub(crate) fn add(
+        &mut self,
+        target: Vec3,
+        value: DVec3,
+        control: &Control,
+    ) -> Result<(), TransportError> {
         self.segments[self.waiting] = target - self.site.origin;
         self.values[self.waiting] = value;
         self.waiting += 1;
@@ -52,10 +63,10 @@ impl<'a> Beam<'a> {
     }
 
     /// Traces what is left.
-    pub(crate) fn finish(mut self, tally: &mut Tally) -> Seen {
+    pub(crate) fn finish(mut self, tally: &mut Tally) -> Visible {
         self.trace();
-        tally.n_rays += u64::from(self.seen.n_rays);
-        self.seen
+        tally.n_rays += u64::from(self.visible.n_rays);
+        self.visible
     }
 
     /// Sums in the order in which rays were added, however they are traced.
@@ -66,13 +77,13 @@ impl<'a> Beam<'a> {
         let bundle = Bundle { origin, directions: &self.segments[..n], t_max: SHADOW_END, skip };
         self.tracer.occlusions(&bundle, &mut occluded[..n]);
         for (value, blocked) in self.values[..n].iter().zip(&occluded) {
-            self.seen.all += *value;
+            self.visible.all += *value;
             if !blocked {
-                self.seen.lit += *value;
-                self.seen.n_lit += 1;
+                self.visible.lit += *value;
+                self.visible.n_lit += 1;
             }
         }
-        self.seen.n_rays += n as u32;
+        self.visible.n_rays += n as u32;
         self.waiting = 0;
     }
 }
@@ -109,14 +120,15 @@ mod tests {
     fn rays_are_traced_in_bundles_and_each_counts_once() {
         let (notes, mut tally) = (Notes::default(), Tally::default());
         let site = Site { origin: Vec3::ZERO, frame: Frame::from_normal(Vec3::Z), skip: None };
-        let mut beam = Beam::new(&notes, &site);
+        let mut rays = ShadowRays::new(&notes, &site);
         for i in 0..150 {
             let x = if i % 3 == 0 { -1.0 } else { 1.0 };
-            beam.add(Vec3::new(x, 0.0, 1.0), DVec3::ONE, &Control::default()).unwrap();
+            rays.add(Vec3::new(x, 0.0, 1.0), DVec3::ONE, &Control::default()).unwrap();
         }
-        let seen = beam.finish(&mut tally);
-        let expected = Seen { all: DVec3::splat(150.0), lit: DVec3::splat(100.0), n_lit: 100, n_rays: 150 };
-        assert_eq!((seen, tally.n_rays), (expected, 150));
+        let visible = rays.finish(&mut tally);
+        let expected =
+            Visible { all: DVec3::splat(150.0), lit: DVec3::splat(100.0), n_lit: 100, n_rays: 150 };
+        assert_eq!((visible, tally.n_rays), (expected, 150));
         assert_eq!(*notes.0.lock().unwrap(), [64, 64, 22]);
     }
 }

@@ -91,6 +91,8 @@ pub enum Phase {
     FinalGather,
     /// Adding samples where the error is above the target; 0 is the first round.
     Round(u32),
+    /// Measuring the light of some emitters alone.
+    Layer(u32),
     /// Measuring the standard error.
     StandardError,
     /// It is over.
@@ -333,7 +335,7 @@ fn solve(task: &Task, start: Start, control: &Control, shared: &Shared, keep: &K
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
     match result {
         Ok(()) => Ending::Done,
-        Err(lumel::SolveError::Cancelled(_)) => Ending::Stopped,
+        Err(lumel::SolveError::Cancelled) => Ending::Stopped,
         Err(error) => Ending::Failed(error.to_string()),
     }
 }
@@ -468,7 +470,7 @@ impl<'a> Watch<'a> {
             Step::Bounce(bounce) => bounce,
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
-            Step::Round(_) | Step::Probe | Step::FinalGather => return,
+            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Layer(_) => return,
         };
         let mut values = self.baker.at_vertices(&snapshot.current);
         let measured = self.baker.flags_at_vertices(&snapshot.measured);
@@ -515,10 +517,11 @@ impl Observer for Watch<'_> {
             if matches!(step, Step::Bounce(0) | Step::Round(0)) { FIRST_SNAPSHOT } else { SNAPSHOT_PERIOD };
         self.next_due(first);
         self.shared.publish_phase(match step {
-            Step::Probe => Phase::Probing,
+            Step::Validity => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
             Step::FinalGather => Phase::FinalGather,
             Step::Round(round) => Phase::Round(round),
+            Step::Layer(layer) => Phase::Layer(layer),
         });
     }
 
@@ -529,7 +532,7 @@ impl Observer for Watch<'_> {
         match step {
             Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
             Step::Round(_) => self.publish_round(state),
-            Step::Probe | Step::FinalGather => return,
+            Step::Validity | Step::FinalGather | Step::Layer(_) => return,
         }
         self.hand_over(|mail| mail.state = Some(state.clone()));
     }

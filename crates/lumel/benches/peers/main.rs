@@ -15,7 +15,7 @@ use lumel::{
     measure_points,
 };
 use lumel_accel::Ray;
-use lumel_basis::{ElementId, NodeWeights, PointReceivers, Receivers, VertexBasis};
+use lumel_basis::{ElementId, PointReceivers, Receivers, VertexBasis, VertexReceivers};
 use lumel_sample::{Dim, Sampler, StreamKey};
 use lumel_scene::{Light, TriId};
 use serde_json::json;
@@ -64,9 +64,9 @@ fn settings() -> Settings {
 
 /// Origin and normal of all nodes of the vertex basis.
 fn receivers(scene: &Arc<Scene>) -> Vec<[Vec3; 2]> {
-    let basis = VertexBasis::new(Arc::clone(scene));
-    let site = |e| basis.receiver(ElementId(e), [0.5; 2], &mut NodeWeights::default());
-    (0..basis.element_count() as u32).map(site).map(|site| [site.origin, site.frame.normal]).collect()
+    let receivers = VertexReceivers::new(&VertexBasis::new(Arc::clone(scene)));
+    let site = |e| receivers.central_site(ElementId(e));
+    (0..receivers.element_count() as u32).map(site).map(|site| [site.origin, site.frame.normal]).collect()
 }
 
 fn export(name: &str, folder: &Path) {

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use lumel::{RectLight, SamplerKind, Scene};
 use lumel_accel::Ray;
-use lumel_basis::{ElementId, NodeWeights, Receivers, VertexBasis};
+use lumel_basis::{ElementId, Receivers, VertexBasis, VertexReceivers};
 use lumel_sample::{CellOrder, Dim, Frame, Sampler, StreamKey, cosine_hemisphere, uniform_triangle};
 use lumel_scene::{SurfacePoint, TriId};
 use std::sync::Arc;
@@ -68,10 +68,10 @@ fn morton(i: u32) -> [u32; 2] {
 /// Runs of 256 vertices that follow each other in the order of a bake: by the axis they face, then along a Morton
 /// curve through space.
 pub(crate) fn vertices(scene: &Arc<Scene>, runs: usize) -> Vec<Receiver> {
-    let basis = VertexBasis::new(Arc::clone(scene));
+    let receivers = VertexReceivers::new(&VertexBasis::new(Arc::clone(scene)));
     let bounds = scene.bounds();
-    let site = |e: u32| basis.receiver(ElementId(e), [0.5; 2], &mut NodeWeights::default());
-    let mut receivers: Vec<(u64, Receiver)> = (0..basis.element_count() as u32)
+    let site = |e: u32| receivers.central_site(ElementId(e));
+    let mut sorted: Vec<(u64, Receiver)> = (0..receivers.element_count() as u32)
         .map(|e| {
             let Receiver { origin, frame } = Receiver { origin: site(e).origin, frame: site(e).frame };
             let axis = frame.normal.abs().max_position();
@@ -83,10 +83,10 @@ pub(crate) fn vertices(scene: &Arc<Scene>, runs: usize) -> Vec<Receiver> {
             ((facing as u64) << 48 | place, Receiver { origin, frame })
         })
         .collect();
-    receivers.sort_by_key(|(place, _)| *place);
-    let last = receivers.len().saturating_sub(RUN);
+    sorted.sort_by_key(|(place, _)| *place);
+    let last = sorted.len().saturating_sub(RUN);
     let start = |run: usize| last * run / runs.max(2).saturating_sub(1);
-    (0..runs).flat_map(|run| receivers[start(run)..].iter().take(RUN).map(|(_, r)| *r)).collect()
+    (0..runs).flat_map(|run| sorted[start(run)..].iter().take(RUN).map(|(_, r)| *r)).collect()
 }
 
 /// Rays of all receivers: `per_receiver` from each, in the order of the cells of their samples.

@@ -3,7 +3,7 @@
 use super::bounce_limit::BounceLimit;
 use super::table::Settings;
 use lumel_solve::Stop;
-use lumel_transport::Plan;
+use lumel_transport::{Plan, SampleRange};
 
 /// More bounces than this are never computed until the rest is negligible: at the largest albedo allowed, 0.98, the
 /// light that is left then is below a thousandth.
@@ -19,7 +19,7 @@ impl Settings {
             seed: self.seed,
             light_sampling: self.light_sampling,
             emitters: self.emitters,
-            second_half: false,
+            range: SampleRange::First,
         }
     }
 

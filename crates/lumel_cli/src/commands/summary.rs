@@ -55,14 +55,16 @@ pub(crate) struct Written {
 /// A step of the solve by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// Looking for vertices inside geometry.
-    Probe,
+    /// Finding vertices inside geometry.
+    Validity,
     /// A bounce; 0 is direct light.
     Bounce(usize),
     /// Measuring all light but the direct once more.
     FinalGather,
     /// More samples for what is above the target error.
     Round(u32),
+    /// Measuring the light of some emitters alone.
+    Layer(u32),
 }
 
 #[derive(Debug, Serialize)]
@@ -129,10 +131,11 @@ impl ErrorReport {
 impl From<lumel::Step> for Step {
     fn from(step: lumel::Step) -> Self {
         match step {
-            lumel::Step::Probe => Self::Probe,
+            lumel::Step::Validity => Self::Validity,
             lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
             lumel::Step::FinalGather => Self::FinalGather,
             lumel::Step::Round(round) => Self::Round(round),
+            lumel::Step::Layer(layer) => Self::Layer(layer),
         }
     }
 }
@@ -141,11 +144,12 @@ impl Step {
     /// The name in reports and files.
     pub(crate) fn key(self) -> String {
         match self {
-            Self::Probe => "probe".to_owned(),
+            Self::Validity => "validity".to_owned(),
             Self::Bounce(0) => "direct".to_owned(),
             Self::Bounce(k) => format!("bounce {k}"),
             Self::FinalGather => "final gather".to_owned(),
             Self::Round(round) => format!("round {}", round + 1),
+            Self::Layer(layer) => format!("layer {}", layer + 1),
         }
     }
 }
@@ -166,7 +170,7 @@ impl Summary {
         let in_rounds = state.errors.is_some();
         let report =
             |step: Step, share| StepReport { step: step.key(), seconds: seconds_of(step), share, in_rounds };
-        let probe = seconds_of(Step::Probe).map(|_| report(Step::Probe, None));
+        let validity = seconds_of(Step::Validity).map(|_| report(Step::Validity, None));
         let shares = baker.shares(state).into_iter().enumerate();
         let bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
         let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
@@ -178,7 +182,7 @@ impl Summary {
             triangles: scene.triangle_count(),
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
             method: baker.method().to_string(),
-            steps: probe.into_iter().chain(bounces).chain(gather).chain(rounds).collect(),
+            steps: validity.into_iter().chain(bounces).chain(gather).chain(rounds).collect(),
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),

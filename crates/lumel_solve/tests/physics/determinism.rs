@@ -7,7 +7,7 @@ use lumel_scene::{Light, SceneBuilder};
 use lumel_solve::{SolveState, Stop};
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::scene::{ceiling_light, grey, scene};
-use lumel_testkit::{Operator, Stage, Storage};
+use lumel_testkit::{Method, Operator, Stage};
 use lumel_transport::Plan;
 
 /// A room with a light and a box that stands over vertices of the floor, so that some are hidden.
@@ -19,8 +19,8 @@ pub(crate) fn furnished() -> SceneBuilder {
     scene(objects, vec![grey(0.6, 0.0)], vec![light])
 }
 
-fn operator(stage: &Stage, storage: Storage, sampler: SamplerKind) -> Operator {
-    stage.operator(storage, Plan { sampler, direct_samples: 16, indirect_samples: 32, ..Plan::default() })
+fn operator(stage: &Stage, method: Method, sampler: SamplerKind) -> Operator {
+    stage.operator(method, Plan { sampler, direct_samples: 16, indirect_samples: 32, ..Plan::default() })
 }
 
 fn with_threads<T: Send>(n: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -30,16 +30,16 @@ fn with_threads<T: Send>(n: usize, work: impl FnOnce() -> T + Send) -> T {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let stage = Stage::new(furnished());
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         for sampler in SamplerKind::ALL {
-            let operator = operator(&stage, storage, sampler);
+            let operator = operator(&stage, method, sampler);
             let run = |n| with_threads(n, || solved_by(&operator, &stage, Stop::Bounces(3)));
             let one = run(1);
-            if storage == Storage::Vertex {
+            if method == Method::VERTEX {
                 assert!(one.valid.contains(&false), "some vertices are hidden");
             }
             for n in [2, 7] {
-                assert!(run(n) == one, "{storage:?}, {sampler}: {n} threads");
+                assert!(run(n) == one, "{method}, {sampler}: {n} threads");
             }
         }
     }
@@ -48,14 +48,14 @@ fn any_number_of_threads_gives_the_same_bits() {
 #[test]
 fn a_solve_resumed_after_any_bounce_has_the_same_bits() {
     let stage = Stage::new(furnished());
-    for storage in Storage::ALL {
-        let operator = operator(&stage, storage, SamplerKind::Sobol);
+    for method in Method::ALL {
+        let operator = operator(&stage, method, SamplerKind::Sobol);
         let whole = solved_by(&operator, &stage, Stop::Bounces(4));
         for stopped in 0..4 {
             let mut state: SolveState = solved_by(&operator, &stage, Stop::Bounces(stopped)).clone();
             assert_eq!(state.bounces.len(), stopped as usize + 1);
             go_on(&operator, &stage, Stop::Bounces(4), &mut state);
-            assert!(state == whole, "{storage:?}, resumed after bounce {stopped}");
+            assert!(state == whole, "{method}, resumed after bounce {stopped}");
         }
     }
 }
@@ -63,11 +63,11 @@ fn a_solve_resumed_after_any_bounce_has_the_same_bits() {
 #[test]
 fn another_seed_gives_other_bits() {
     let stage = Stage::new(furnished());
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         let run = |seed| {
-            let operator = stage.operator(storage, Plan { seed, indirect_samples: 8, ..Plan::default() });
+            let operator = stage.operator(method, Plan { seed, indirect_samples: 8, ..Plan::default() });
             solved_by(&operator, &stage, Stop::Bounces(1)).total()
         };
-        assert!(run(1) != run(2) && run(1) == run(1), "{storage:?}");
+        assert!(run(1) != run(2) && run(1) == run(1), "{method}");
     }
 }

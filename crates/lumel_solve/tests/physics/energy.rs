@@ -1,13 +1,13 @@
 //! Power: none is lost, and the solver knows how much is left.
 
-use crate::{go_on, mean, solved, solved_by};
+use crate::{go_on, integrals, mean, solved, solved_by};
 use glam::Vec3;
 use lumel_sample::SamplerKind;
 use lumel_scene::SceneBuilder;
-use lumel_solve::{Energy, SolveState, Stop};
+use lumel_solve::{SolveState, Stop};
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::scene::{bulb, cube, grey, scene};
-use lumel_testkit::{Estimate, ROUNDING, Stage, Storage, measure, ratio_bias, replicates};
+use lumel_testkit::{Estimate, Method, ROUNDING, Stage, measure, ratio_bias, replicates};
 use lumel_transport::{EmitterSampling, Plan, Source};
 
 fn plan(sampler: SamplerKind, n_rays: u32) -> Plan {
@@ -35,13 +35,13 @@ fn a_closed_scene_receives_all_that_it_reflects() {
     // A steep field, at its highest in one corner of the room.
     let source = stage.field(|p, _| (-6.0 * p.length()).exp() * 100.0);
     for sampler in SamplerKind::ALL {
-        let operator = stage.operator(Storage::VertexArea, plan(sampler, 128));
-        let energy = Energy::new(stage.scene(), &*operator.basis);
-        let sent = energy.reflected(&source).x;
+        let operator = stage.operator(Method::AREA, plan(sampler, 128));
+        let integrals = integrals(&stage, &operator);
+        let sent = integrals.reflected(&source).x;
         let fields = replicates(&*operator.transport, Source::Field(&source), 48);
         // Every node has at least 64 samples; light changes by half of itself under a hat.
         let bound = ratio_bias(64, 0.5) * sent;
-        Estimate::new(fields.iter().map(|f| energy.incident(f).x)).assert_near(sent, bound, sampler);
+        Estimate::new(fields.iter().map(|f| integrals.incident(f).x)).assert_near(sent, bound, sampler);
     }
 }
 
@@ -49,10 +49,10 @@ fn a_closed_scene_receives_all_that_it_reflects() {
 fn a_bounce_carries_on_the_last_one_and_not_the_running_sum() {
     let stage = Stage::new(cluttered());
     let energy_of = |seed| {
-        let operator = stage.operator(Storage::VertexArea, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
+        let operator = stage.operator(Method::AREA, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
         let state = solved_by(&operator, &stage, Stop::Bounces(4));
-        let energy = Energy::new(stage.scene(), &*operator.basis);
-        let pair = |w: &[lumel_basis::Field]| energy.incident(&w[1]).x / energy.reflected(&w[0]).x;
+        let integrals = integrals(&stage, &operator);
+        let pair = |w: &[lumel_basis::Field]| integrals.incident(&w[1]).x / integrals.reflected(&w[0]).x;
         state.bounces.windows(2).map(pair).collect::<Vec<f64>>()
     };
     let runs: Vec<Vec<f64>> = (0..24).map(energy_of).collect();
@@ -84,10 +84,10 @@ fn mean_indirect_light_of_a_closed_room_is_that_of_its_albedo() {
         let stage = Stage::new(scene(room, vec![grey(albedo, 0.0)], lights));
         let indirect = (0..8).map(|seed| {
             let plan = Plan { seed, ..plan(SamplerKind::Sobol, 64) };
-            let operator = stage.operator(Storage::VertexArea, plan);
+            let operator = stage.operator(Method::AREA, plan);
             let stop = Stop::Remainder { fraction: 1e-3, at_most: 400 };
             let mut state = solved_by(&operator, &stage, stop);
-            state.tail = Energy::new(stage.scene(), &*operator.basis).tail(&state.bounces);
+            state.tail = integrals(&stage, &operator).tail(&state.bounces);
             mean(&operator, &state.total()) - mean(&operator, &state.bounces[0])
         });
         // The direct light's share of the bias is carried through all bounces; it varies by its own size.
@@ -101,19 +101,19 @@ fn direct_light_of_a_bulb_in_a_cube_has_its_closed_form() {
     let room = cuboid(Vec3::ZERO, Vec3::splat(4.0), 4, Facing::Inward, [0; 6]);
     let stage = Stage::new(scene(room, vec![grey(0.0, 0.0)], vec![bulb(Vec3::splat(2.0), 10_000.0)]));
     let points = [(Vec3::new(2.0, 2.0, 0.0), Vec3::Z), (Vec3::ZERO, Vec3::Z)];
-    let field = measure(&*stage.points(&points, Plan::default()), Source::Emitters, 0).field;
+    let field = measure(&*stage.points(&points, Plan::default()), Source::Emitters(None), 0).field;
     for (e, lux) in field.values().iter().zip([198.943679, 38.286729]) {
         assert!((f64::from(e.x) / lux - 1.0).abs() < 1e-4, "{e} {lux}");
     }
     let means = (0..16).map(|seed| {
-        let operator = stage.operator(Storage::VertexArea, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
-        mean(&operator, &measure(&*operator.transport, Source::Emitters, 0).field)
+        let operator = stage.operator(Method::AREA, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
+        mean(&operator, &measure(&*operator.transport, Source::Emitters(None), 0).field)
     });
     Estimate::new(means).assert_near(104.166667, ratio_bias(64, 0.3) * 104.2, "mean over the walls");
 }
 
 /// A furnace: bounce n brings exactly ρⁿ.
-fn furnace(albedo: f32) -> Stage {
+pub(crate) fn furnace(albedo: f32) -> Stage {
     Stage::new(cube(2, [(); 6].map(|()| grey(albedo, 1.0))))
 }
 
@@ -122,32 +122,32 @@ fn stopping_by_remainder_stops_where_it_promised() {
     let stage = furnace(0.5);
     let bounces = |fraction, at_most| {
         let stop = Stop::Remainder { fraction, at_most };
-        solved(&stage, Storage::Vertex, plan(SamplerKind::Sobol, 1), stop).bounces.len()
+        solved(&stage, Method::VERTEX, plan(SamplerKind::Sobol, 1), stop).bounces.len()
     };
     // After n terms of the series 2⁻ⁿ/(1 − 2⁻ⁿ) of what was found is missing.
     assert_eq!(bounces(1e-3, 64), 10, "2^-10 / (1 - 2^-10) = 0.00098");
     assert_eq!(bounces(0.02, 64), 6, "1/63 = 0.016");
     assert_eq!(bounces(1e-3, 4), 5, "direct light and at most four bounces");
     let count =
-        |n| solved(&stage, Storage::Vertex, plan(SamplerKind::Sobol, 1), Stop::Bounces(n)).bounces.len();
+        |n| solved(&stage, Method::VERTEX, plan(SamplerKind::Sobol, 1), Stop::Bounces(n)).bounces.len();
     assert_eq!([count(0), count(3)], [1, 4]);
 }
 
 #[test]
 fn less_light_than_promised_is_missing_in_a_cluttered_room() {
     let stage = Stage::new(cluttered());
-    let operator = stage.operator(Storage::VertexArea, plan(SamplerKind::Sobol, 256));
-    let energy = Energy::new(stage.scene(), &*operator.basis);
+    let operator = stage.operator(Method::AREA, plan(SamplerKind::Sobol, 256));
+    let integrals = integrals(&stage, &operator);
     let fraction = 0.01;
     let mut state = solved_by(&operator, &stage, Stop::Remainder { fraction, at_most: 64 });
-    let found = energy.incident(&state.total()).x;
+    let found = integrals.incident(&state.total()).x;
     let stopped = state.bounces.len();
     go_on(&operator, &stage, Stop::Remainder { fraction: 1e-6, at_most: 64 }, &mut state);
-    let all = energy.incident(&state.total()).x;
+    let all = integrals.incident(&state.total()).x;
     let missing = (all - found) / found;
     // The ratio of bounces is still settling when the solve stops: by some per cent.
     assert!(missing < 1.05 * f64::from(fraction), "{missing}");
-    let before: f64 = state.bounces[..stopped - 1].iter().map(|field| energy.incident(field).x).sum();
+    let before: f64 = state.bounces[..stopped - 1].iter().map(|field| integrals.incident(field).x).sum();
     assert!((all - before) / before > 0.95 * f64::from(fraction), "one bounce less would not have done");
 }
 
@@ -155,10 +155,10 @@ fn less_light_than_promised_is_missing_in_a_cluttered_room() {
 fn a_dark_scene_stops_at_once() {
     let stage = Stage::new(cube(1, [(); 6].map(|()| grey(0.5, 0.0))));
     let stop = Stop::Remainder { fraction: 1e-3, at_most: 64 };
-    let state = solved(&stage, Storage::Vertex, plan(SamplerKind::Sobol, 4), stop);
+    let state = solved(&stage, Method::VERTEX, plan(SamplerKind::Sobol, 4), stop);
     assert_eq!(state.bounces.len(), 1);
     let black = Stage::new(cube(1, [(); 6].map(|()| grey(0.0, 1.0))));
-    let state = solved(&black, Storage::Vertex, plan(SamplerKind::Sobol, 4), stop);
+    let state = solved(&black, Method::VERTEX, plan(SamplerKind::Sobol, 4), stop);
     assert_eq!(state.bounces.len(), 1, "nothing is reflected");
 }
 
@@ -166,18 +166,16 @@ fn a_dark_scene_stops_at_once() {
 fn the_tail_completes_a_truncated_series() {
     // Exactly, when all bounces have one shape …
     let stage = furnace(0.8);
-    let operator = stage.operator(Storage::Vertex, plan(SamplerKind::Sobol, 1));
-    let energy = Energy::new(stage.scene(), &*operator.basis);
+    let operator = stage.operator(Method::VERTEX, plan(SamplerKind::Sobol, 1));
     let mut state = solved_by(&operator, &stage, Stop::Bounces(2));
-    state.tail = energy.tail(&state.bounces);
+    state.tail = integrals(&stage, &operator).tail(&state.bounces);
     for e in state.total().values() {
         // 1/(1 - 0.8), where rounding of the ratio counts 5 times for itself and 4 times more in the tail.
         assert!((f64::from(e.x) / 5.0 - 1.0).abs() < 25.0 * ROUNDING, "{e}");
     }
     // … and better than nothing when they have not.
     let stage = Stage::new(cluttered());
-    let operator = stage.operator(Storage::Vertex, plan(SamplerKind::Sobol, 256));
-    let energy = Energy::new(stage.scene(), &*operator.basis);
+    let operator = stage.operator(Method::VERTEX, plan(SamplerKind::Sobol, 256));
     let all = solved_by(&operator, &stage, Stop::Remainder { fraction: 1e-6, at_most: 64 }).total();
     let mut state: SolveState = solved_by(&operator, &stage, Stop::Bounces(3));
     let error = |state: &SolveState| {
@@ -185,7 +183,7 @@ fn the_tail_completes_a_truncated_series() {
         lumel_testkit::rms(total.values().iter().zip(all.values()).map(|(a, b)| f64::from(a.x - b.x)))
     };
     let without = error(&state);
-    state.tail = energy.tail(&state.bounces);
+    state.tail = integrals(&stage, &operator).tail(&state.bounces);
     let with = error(&state);
     assert!(with < 0.2 * without, "{with} {without}");
 }
@@ -193,9 +191,9 @@ fn the_tail_completes_a_truncated_series() {
 #[test]
 fn the_tail_is_not_resumed() {
     let stage = furnace(0.5);
-    let operator = stage.operator(Storage::Vertex, plan(SamplerKind::Sobol, 1));
+    let operator = stage.operator(Method::VERTEX, plan(SamplerKind::Sobol, 1));
     let mut state = solved_by(&operator, &stage, Stop::Bounces(2));
-    state.tail = Energy::new(stage.scene(), &*operator.basis).tail(&state.bounces);
+    state.tail = integrals(&stage, &operator).tail(&state.bounces);
     go_on(&operator, &stage, Stop::Bounces(3), &mut state);
     assert_eq!(state, solved_by(&operator, &stage, Stop::Bounces(3)));
 }

@@ -7,7 +7,7 @@ use lumel_scene::{Face, MaterialId, ObjectMesh, SceneBuilder, Smoothing};
 use lumel_solve::Stop;
 use lumel_testkit::mesh::{Facing, cuboid, sphere};
 use lumel_testkit::scene::{cube, grey, scene};
-use lumel_testkit::{Estimate, ROUNDING, Stage, Storage};
+use lumel_testkit::{Estimate, Method, ROUNDING, Stage};
 use lumel_transport::{EmitterSampling, LightSampling, Plan};
 
 const ALBEDOS: [f32; 5] = [0.0, 0.2, 0.5, 0.8, 0.95];
@@ -18,7 +18,7 @@ const BOUNCES: u32 = 5;
 fn assert_furnace(name: &str, make: impl Fn(f32) -> SceneBuilder, n_rays: u32) {
     for albedo in ALBEDOS {
         let stage = Stage::new(make(albedo));
-        for storage in Storage::ALL {
+        for method in Method::ALL {
             for sampler in SamplerKind::ALL {
                 let plan = Plan {
                     sampler,
@@ -27,8 +27,8 @@ fn assert_furnace(name: &str, make: impl Fn(f32) -> SceneBuilder, n_rays: u32) {
                     emitters: EmitterSampling::Rays,
                     ..Plan::default()
                 };
-                let state = solved(&stage, storage, plan, Stop::Bounces(BOUNCES));
-                let label = format!("{name}, albedo {albedo}, {storage:?}, {sampler}");
+                let state = solved(&stage, method, plan, Stop::Bounces(BOUNCES));
+                let label = format!("{name}, albedo {albedo}, {method}, {sampler}");
                 assert!(state.valid.iter().all(|valid| *valid), "{label}: a node counts as hidden");
                 let mut series = 0.0;
                 let mut totals = vec![0.0; state.valid.len()];
@@ -115,11 +115,11 @@ fn closed_forms_of_a_glowing_tetrahedron_add_up_without_noise() {
     let stage = Stage::new(tetrahedron(0.5));
     for sampler in SamplerKind::ALL {
         let plan = Plan { sampler, emitters: EmitterSampling::Lights, direct_samples: 16, ..Plan::default() };
-        for storage in Storage::ALL {
-            let state = solved(&stage, storage, plan, Stop::Bounces(0));
+        for method in Method::ALL {
+            let state = solved(&stage, method, plan, Stop::Bounces(0));
             for (node, e) in state.bounces[0].values().iter().enumerate() {
                 // Origins start a thousandth inside the room; the room is closed as seen from anywhere.
-                assert!((e.x - 1.0).abs() < 1e-5, "{storage:?}, {sampler}, node {node}: {}", e.x);
+                assert!((e.x - 1.0).abs() < 1e-5, "{method}, {sampler}, node {node}: {}", e.x);
             }
         }
     }
@@ -130,7 +130,7 @@ fn sampling_the_glow_as_lights_gives_the_same_mean() {
     // Twelve triangles: chosen by power. Uniform in solid angle, so that touching walls keep a finite variance.
     let stage = Stage::new(cube(1, [(); 6].map(|()| grey(0.5, 1.0))));
     for sampler in SamplerKind::ALL {
-        for storage in Storage::ALL {
+        for method in Method::ALL {
             let means: Vec<[f64; 2]> = (0..32)
                 .map(|seed| {
                     let plan = Plan {
@@ -140,14 +140,14 @@ fn sampling_the_glow_as_lights_gives_the_same_mean() {
                         light_sampling: LightSampling::Analytic,
                         direct_samples: 128,
                         indirect_samples: 32,
-                        second_half: false,
+                        range: lumel_transport::SampleRange::First,
                     };
-                    let operator = stage.operator(storage, plan);
+                    let operator = stage.operator(method, plan);
                     let state = solved_by(&operator, &stage, Stop::Bounces(2));
                     [mean(&operator, &state.bounces[0]), mean(&operator, &state.total())]
                 })
                 .collect();
-            let label = |what| format!("{what}, {storage:?}, {sampler}");
+            let label = |what| format!("{what}, {method}, {sampler}");
             // Every corner of the cube is a node: 64 samples of light as uneven as itself bias a ratio by 1.4 %, with
             // the sign of a correlation that vanishes here by symmetry.
             Estimate::new(means.iter().map(|m| m[0])).assert_near(1.0, 1e-3, label("direct"));

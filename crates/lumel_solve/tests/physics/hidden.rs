@@ -6,7 +6,7 @@ use lumel_scene::{ObjectMesh, Radiance, SceneBuilder};
 use lumel_solve::{SolveState, Stop};
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{grey, scene};
-use lumel_testkit::{Estimate, Stage, Storage, form_factor, hat_average};
+use lumel_testkit::{Estimate, Method, Stage, Storage, form_factor, hat_average};
 use lumel_transport::Plan;
 use std::f64::consts::PI;
 
@@ -64,15 +64,15 @@ fn is_floor((p, n): &(Vec3, Vec3)) -> bool {
 }
 
 /// Direct light of several independent solves.
-fn runs(stage: &Stage, storage: Storage, n: u64) -> Vec<SolveState> {
+fn runs(stage: &Stage, method: Method, n: u64) -> Vec<SolveState> {
     let plan = |seed| Plan { seed, indirect_samples: 256, direct_samples: 512, ..Plan::default() };
-    (0..n).map(|seed| solved(stage, storage, plan(seed), Stop::Bounces(0))).collect()
+    (0..n).map(|seed| solved(stage, method, plan(seed), Stop::Bounces(0))).collect()
 }
 
 #[test]
 fn exactly_the_vertices_under_a_box_are_hidden() {
     let stage = Stage::new(floor_with_box());
-    let state = &runs(&stage, Storage::Vertex, 1)[0];
+    let state = &runs(&stage, Method::VERTEX, 1)[0];
     let hidden = stage.nodes().iter().filter(|node| is_floor(node) && covered(node.0.as_dvec3())).count();
     assert_eq!(hidden, 5);
     for (node, valid) in stage.nodes().iter().zip(&state.valid) {
@@ -84,15 +84,15 @@ fn exactly_the_vertices_under_a_box_are_hidden() {
 #[test]
 fn a_floor_under_a_box_keeps_its_light_one_cell_away() {
     let stage = Stage::new(floor_with_box());
-    for storage in Storage::ALL {
-        let state = &runs(&stage, storage, 1)[0];
+    for method in Method::ALL {
+        let state = &runs(&stage, method, 1)[0];
         let mut n = 0;
         for (node, e) in stage.nodes().iter().zip(state.bounces[0].values()) {
             let at = node.0.as_dvec3();
             if is_floor(node) && !covered(at) && distance(at) >= CELL {
                 n += 1;
                 let off = f64::from(e.x) / truth(at, DVec3::Z) - 1.0;
-                assert!(off.abs() < 0.02, "{storage:?} at {at}: {off:+.4}");
+                assert!(off.abs() < 0.02, "{method} at {at}: {off:+.4}");
             }
         }
         assert!(n > 50, "most of the floor is exposed");
@@ -102,10 +102,10 @@ fn a_floor_under_a_box_keeps_its_light_one_cell_away() {
 #[test]
 fn neighbours_of_hidden_vertices_are_not_darkened() {
     let stage = Stage::new(floor_with_box());
-    for storage in Storage::ALL {
-        let states = runs(&stage, storage, 24);
-        let operator = stage.operator(storage, Plan::default());
-        let expected: Vec<f64> = match storage {
+    for method in Method::ALL {
+        let states = runs(&stage, method, 24);
+        let operator = stage.operator(method, Plan::default());
+        let expected: Vec<f64> = match method.storage {
             Storage::Vertex => stage.expected(&operator, &truth),
             Storage::VertexArea => {
                 // The mean over what is exposed.
@@ -118,16 +118,19 @@ fn neighbours_of_hidden_vertices_are_not_darkened() {
         };
         let exposed = |i: &usize| {
             let node = stage.nodes()[*i];
-            is_floor(&node) && (storage == Storage::VertexArea || !covered(node.0.as_dvec3()))
+            is_floor(&node) && (method.storage == Storage::VertexArea || !covered(node.0.as_dvec3()))
         };
         let floor: Vec<usize> = (0..expected.len()).filter(exposed).collect();
         for &node in &floor {
             let estimate = Estimate::new(states.iter().map(|s| f64::from(s.bounces[0].values()[node].x)));
             // Pieces cut by the outline of the box are counted whole or not at all: 24² of them leave 1 %.
-            let bound =
-                if storage == Storage::VertexArea { 0.01 * expected[node] } else { 1e-3 * expected[node] };
+            let bound = if method.storage == Storage::VertexArea {
+                0.01 * expected[node]
+            } else {
+                1e-3 * expected[node]
+            };
             let at = stage.nodes()[node].0;
-            estimate.assert_near_among(floor.len(), expected[node], bound, format!("{storage:?} at {at}"));
+            estimate.assert_near_among(floor.len(), expected[node], bound, format!("{method} at {at}"));
         }
     }
 }
@@ -135,7 +138,7 @@ fn neighbours_of_hidden_vertices_are_not_darkened() {
 #[test]
 fn hidden_vertices_take_the_light_around_them() {
     let stage = Stage::new(floor_with_box());
-    let state = &runs(&stage, Storage::Vertex, 1)[0];
+    let state = &runs(&stage, Method::VERTEX, 1)[0];
     let floor = |exposed: bool| {
         let nodes: Vec<f32> = stage
             .nodes()
@@ -163,7 +166,7 @@ fn vertices_inside_a_thin_wall_are_hidden_and_their_neighbours_are_not() {
     let stage = Stage::new(under_sky(objects));
     let (near, far) = (f64::from(max.x), f64::from(max.y));
     let side = [[-far, 0.0], [far, 0.0], [far, 0.5], [-far, 0.5]].map(|[y, z]| DVec3::new(near, y, z));
-    let states = runs(&stage, Storage::Vertex, 16);
+    let states = runs(&stage, Method::VERTEX, 16);
     for (i, node) in stage.nodes().iter().enumerate().filter(|(_, node)| is_floor(node)) {
         assert_eq!(states[0].valid[i], node.0.x != 0.0, "{}", node.0);
         if node.0.x != 0.0 {
@@ -175,7 +178,7 @@ fn vertices_inside_a_thin_wall_are_hidden_and_their_neighbours_are_not() {
             estimate.assert_near_among(72, e, 1e-3 * e, node.0);
         }
     }
-    let area = &runs(&stage, Storage::VertexArea, 1)[0];
+    let area = &runs(&stage, Method::AREA, 1)[0];
     let beside = |(node, e): &((Vec3, Vec3), &Vec3)| is_floor(node) && node.0.x == 0.0 && e.x < 1.0;
     let dark = stage.nodes().into_iter().zip(area.bounces[0].values()).filter(beside).count();
     assert_eq!(dark, 0, "beside a wall half of the sky is open");

@@ -8,14 +8,14 @@ mod metamorphic;
 mod spheres;
 mod watching;
 
-use lumel_basis::Field;
-use lumel_solve::{Energy, Silent, SolveState, Stop, solve};
-use lumel_testkit::{Operator, Stage, Storage};
+use lumel_basis::{Basis, Field};
+use lumel_solve::{Gather, Integrals, Silent, SolveState, Stop, solve};
+use lumel_testkit::{Method, Operator, Stage};
 use lumel_transport::{Control, Plan};
 
 /// Solves from scratch.
-fn solved(stage: &Stage, storage: Storage, plan: Plan, stop: Stop) -> SolveState {
-    solved_by(&stage.operator(storage, plan), stage, stop)
+fn solved(stage: &Stage, method: Method, plan: Plan, stop: Stop) -> SolveState {
+    solved_by(&stage.operator(method, plan), stage, stop)
 }
 
 fn solved_by(operator: &Operator, stage: &Stage, stop: Stop) -> SolveState {
@@ -26,15 +26,22 @@ fn solved_by(operator: &Operator, stage: &Stage, stop: Stop) -> SolveState {
 
 /// Goes on solving.
 fn go_on(operator: &Operator, stage: &Stage, stop: Stop, state: &mut SolveState) {
-    let energy = Energy::new(stage.scene(), &*operator.basis);
     let control = Control::default();
-    solve(&*operator.transport, &*operator.basis, &energy, stop, state, &control, &Silent)
+    solve(as_solved(operator), &integrals(stage, operator), &Gather { stop }, state, &control, &Silent)
         .expect("nobody cancels");
+}
+
+fn as_solved(operator: &Operator) -> lumel_solve::Operator<'_> {
+    lumel_solve::Operator { transport: &*operator.transport, basis: &*operator.basis }
+}
+
+fn integrals(stage: &Stage, operator: &Operator) -> Integrals {
+    Integrals::new(operator.basis.node_areas().to_vec(), stage.reflecting_areas())
 }
 
 /// The mean of the first channel by area.
 fn mean(operator: &Operator, field: &Field) -> f64 {
     let areas = operator.basis.node_areas();
-    let sum: f64 = field.values().iter().zip(&areas).map(|(e, a)| f64::from(e.x) * f64::from(*a)).sum();
+    let sum: f64 = field.values().iter().zip(areas).map(|(e, a)| f64::from(e.x) * f64::from(*a)).sum();
     sum / areas.iter().map(|&a| f64::from(a)).sum::<f64>()
 }

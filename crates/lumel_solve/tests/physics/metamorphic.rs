@@ -7,7 +7,7 @@ use lumel_scene::{Light, RectLight, SceneBuilder};
 use lumel_solve::Stop;
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{ceiling_light, grey, scene, two_sided};
-use lumel_testkit::{Estimate, Stage, Storage, rms};
+use lumel_testkit::{Estimate, Method, Stage, rms};
 use lumel_transport::Plan;
 
 const STOP: Stop = Stop::Bounces(3);
@@ -55,8 +55,8 @@ fn transformed(mut builder: SceneBuilder, matrix: Mat3) -> SceneBuilder {
     builder
 }
 
-fn total(builder: SceneBuilder, storage: Storage, seed: u64) -> Field {
-    solved(&Stage::new(builder), storage, plan(seed), STOP).total()
+fn total(builder: SceneBuilder, method: Method, seed: u64) -> Field {
+    solved(&Stage::new(builder), method, plan(seed), STOP).total()
 }
 
 fn relative_rms(a: &Field, b: &Field) -> f64 {
@@ -66,14 +66,14 @@ fn relative_rms(a: &Field, b: &Field) -> f64 {
 
 #[test]
 fn scaling_the_scene_changes_nothing_under_lights_of_given_radiance() {
-    for storage in Storage::ALL {
-        let original = total(room(&[lamp()]), storage, 1);
+    for method in Method::ALL {
+        let original = total(room(&[lamp()]), method, 1);
         for scale in [0.25, 8.0, 100.0] {
             let scaled =
-                total(transformed(room(&[lamp()]), Mat3::from_diagonal(Vec3::splat(scale))), storage, 1);
+                total(transformed(room(&[lamp()]), Mat3::from_diagonal(Vec3::splat(scale))), method, 1);
             // The same samples: only rays that graze an edge may decide otherwise, one of a thousand of 64.
             let off = relative_rms(&original, &scaled);
-            assert!(off < 2e-3, "{storage:?}, scale {scale}: {off}");
+            assert!(off < 2e-3, "{method}, scale {scale}: {off}");
         }
     }
 }
@@ -81,20 +81,23 @@ fn scaling_the_scene_changes_nothing_under_lights_of_given_radiance() {
 #[test]
 fn turning_the_scene_changes_nothing_but_noise() {
     let turn = Mat3::from_quat(Quat::from_euler(glam::EulerRot::XYZ, 0.7, -1.1, 2.3));
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         let runs = |builder: SceneBuilder, from: u64| {
             let stage = Stage::new(builder);
-            (from..from + 24)
-                .map(|seed| solved(&stage, storage, plan(seed), STOP).total())
-                .collect::<Vec<_>>()
+            (from..from + 24).map(|seed| solved(&stage, method, plan(seed), STOP).total()).collect::<Vec<_>>()
         };
         let (straight, turned) = (runs(room(&[lamp()]), 0), runs(transformed(room(&[lamp()]), turn), 100));
-        for node in 0..straight[0].len() {
+        for node in 0..straight[0].node_count() {
             let (a, b) = (Estimate::of_node(&straight, node), Estimate::of_node(&turned, node));
             // Welch: the difference of two means.
             let difference = Estimate { mean: a.mean - b.mean, error: a.error.hypot(b.error), count: 24 };
             let bound = 1e-4 * a.mean;
-            difference.assert_near_among(straight[0].len(), 0.0, bound, format!("{storage:?}, node {node}"));
+            difference.assert_near_among(
+                straight[0].node_count(),
+                0.0,
+                bound,
+                format!("{method}, node {node}"),
+            );
         }
     }
 }
@@ -102,52 +105,53 @@ fn turning_the_scene_changes_nothing_but_noise() {
 #[test]
 fn twice_the_emission_is_exactly_twice_the_light() {
     let bright = RectLight { radiance: lamp().radiance * 2.0, ..lamp() };
-    for storage in Storage::ALL {
-        let (once, twice) = (total(room(&[lamp()]), storage, 3), total(room(&[bright]), storage, 3));
-        assert!(once.values().iter().zip(twice.values()).all(|(a, b)| *a * 2.0 == *b), "{storage:?}");
+    for method in Method::ALL {
+        let (once, twice) = (total(room(&[lamp()]), method, 3), total(room(&[bright]), method, 3));
+        assert!(once.values().iter().zip(twice.values()).all(|(a, b)| *a * 2.0 == *b), "{method}");
     }
 }
 
 #[test]
 fn two_lights_are_the_sum_of_each() {
-    for storage in Storage::ALL {
-        let together = total(empty_room(&[lamp(), other_lamp()]), storage, 5);
-        let [one, two] = [lamp(), other_lamp()].map(|light| total(empty_room(&[light]), storage, 5));
-        let sum = Field::sum(one.len(), [&one, &two]);
+    for method in Method::ALL {
+        let together = total(empty_room(&[lamp(), other_lamp()]), method, 5);
+        let [one, two] = [lamp(), other_lamp()].map(|light| total(empty_room(&[light]), method, 5));
+        let sum = Field::sum(one.node_count(), [&one, &two]);
         // Nothing blocks the lights, so their closed forms have no noise; the bounces are linear for given samples.
-        assert!(relative_rms(&together, &sum) < 1e-6, "{storage:?}: {}", relative_rms(&together, &sum));
+        assert!(relative_rms(&together, &sum) < 1e-6, "{method}: {}", relative_rms(&together, &sum));
     }
 }
 
 #[test]
 fn two_lights_are_the_sum_of_each_behind_a_box_too() {
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         let runs = |lights: &[RectLight], from: u64| {
             let stage = Stage::new(room(lights));
-            let operator = |seed| stage.operator(storage, plan(seed));
+            let operator = |seed| stage.operator(method, plan(seed));
             (from..from + 24).map(|seed| solved_by(&operator(seed), &stage, STOP).total()).collect::<Vec<_>>()
         };
         let together = runs(&[lamp(), other_lamp()], 0);
         let (one, two) = (runs(&[lamp()], 100), runs(&[other_lamp()], 200));
-        let sums: Vec<Field> = one.iter().zip(&two).map(|(a, b)| Field::sum(a.len(), [a, b])).collect();
-        for node in 0..sums[0].len() {
+        let sums: Vec<Field> =
+            one.iter().zip(&two).map(|(a, b)| Field::sum(a.node_count(), [a, b])).collect();
+        for node in 0..sums[0].node_count() {
             let (a, b) = (Estimate::of_node(&together, node), Estimate::of_node(&sums, node));
             let difference = Estimate { mean: a.mean - b.mean, error: a.error.hypot(b.error), count: 24 };
             let bound = 1e-5 * a.mean;
-            difference.assert_near_among(sums[0].len(), 0.0, bound, format!("{storage:?}, node {node}"));
+            difference.assert_near_among(sums[0].node_count(), 0.0, bound, format!("{method}, node {node}"));
         }
     }
 }
 
 #[test]
 fn black_walls_send_nothing_back() {
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         let mut builder = room(&[lamp()]);
         builder.materials = vec![grey(0.0, 0.0), grey(0.0, 0.0)];
-        let state = solved(&Stage::new(builder), storage, plan(0), STOP);
+        let state = solved(&Stage::new(builder), method, plan(0), STOP);
         assert!(state.bounces[0].values().iter().any(|e| e.x > 0.0));
         let indirect = state.bounces[1..].iter().flat_map(|field| field.values());
-        assert!(indirect.into_iter().all(|e| *e == Vec3::ZERO), "{storage:?}");
+        assert!(indirect.into_iter().all(|e| *e == Vec3::ZERO), "{method}");
     }
 }
 
@@ -161,8 +165,8 @@ fn light_does_not_leak_through_a_thin_wall() {
     let light = Light::Rect(ceiling_light(Vec3::new(0.8, 0.5, 0.9), 0.3, 0.5, 10.0));
     let builder = scene(objects, vec![grey(0.0, 0.0), two_sided(grey(0.9, 0.0))], vec![light]);
     let stage = Stage::new(builder);
-    for storage in Storage::ALL {
-        let total = solved(&stage, storage, plan(2), STOP).total();
+    for method in Method::ALL {
+        let total = solved(&stage, method, plan(2), STOP).total();
         let (mut lit, mut dark) = (0, 0);
         for ((position, normal), e) in stage.nodes().iter().zip(total.values()) {
             let inside = position.min_element() >= 0.0 && position.max_element() <= 1.0;
@@ -172,7 +176,7 @@ fn light_does_not_leak_through_a_thin_wall() {
             // Area sampling measures the vertices on the dividing line over both of its sides.
             if inside && (position.x < 0.49 || (position.x == 0.5 && normal.x < -0.9)) {
                 dark += 1;
-                assert_eq!(*e, Vec3::ZERO, "{storage:?} at {position}, normal {normal}");
+                assert_eq!(*e, Vec3::ZERO, "{method} at {position}, normal {normal}");
             }
         }
         assert!(lit > 50 && dark > 50, "{lit} {dark}");

@@ -26,14 +26,15 @@ fn assert_floor_under(light: RectLight, others: Vec<ObjectMesh>) {
     let stage = Stage::new(scene(objects, vec![grey(0.0, 0.0)], vec![Light::Rect(light)]));
     let corners = light.corners().map(|p| p.as_dvec3());
     for combination in Combination::all() {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(256, 1));
+        let operator = stage.operator(combination.method, combination.estimator.plan(256, 1));
         let expected = stage.expected(&operator, &|point, normal| {
             let e = f64::from(light.radiance.0.x) * PI * form_factor::polygon(&corners, point, normal);
             if point.z < 0.1 { e } else { f64::NAN }
         });
-        let fields = replicates(&*operator.transport, Source::Emitters, 48);
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 48);
         // A corner has a triangle of 128 samples, over which light varies by its own size.
-        let bound = if combination.storage == Storage::VertexArea { ratio_bias(128, 1.0) } else { 2e-4 };
+        let bound =
+            if combination.method.storage == Storage::VertexArea { ratio_bias(128, 1.0) } else { 2e-4 };
         assert_nodes_near(&fields, &expected, bound, combination);
     }
 }
@@ -82,9 +83,9 @@ fn neighbouring_vertices_have_independent_noise() {
     let on_floor: Vec<usize> =
         stage.nodes().iter().enumerate().filter(|(_, (p, _))| p.z < 0.1).map(|(i, _)| i).collect();
     let passes = 64;
-    for combination in Combination::all().filter(|c| c.storage == Storage::Vertex) {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(16, 16));
-        for source in [Source::Emitters, Source::Field(&lit)] {
+    for combination in Combination::all().filter(|c| c.method.storage == Storage::Vertex) {
+        let operator = stage.operator(combination.method, combination.estimator.plan(16, 16));
+        for source in [Source::Emitters(None), Source::Field(&lit)] {
             let fields = replicates(&*operator.transport, source, passes);
             let series: Vec<Vec<f64>> = on_floor
                 .iter()
@@ -118,7 +119,7 @@ fn quantities_have_their_factor_of_pi_and_no_other() {
     for sampler in SamplerKind::ALL {
         let e = |builder, n| {
             let stage = Stage::new(builder);
-            let fields = replicates(&*stage.points(&[up], plan(sampler)), Source::Emitters, n);
+            let fields = replicates(&*stage.points(&[up], plan(sampler)), Source::Emitters(None), n);
             Estimate::of_node(&fields, 0)
         };
         let mut sky = scene(vec![floor()], black.clone(), vec![]);

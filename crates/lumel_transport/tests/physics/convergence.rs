@@ -1,12 +1,12 @@
 //! How fast the complete estimators converge.
 
 use glam::Vec3;
-use lumel_basis::Field;
+use lumel_basis::{Basis, Field};
 use lumel_sample::SamplerKind;
 use lumel_scene::Light;
 use lumel_testkit::mesh::quad;
 use lumel_testkit::scene::{ceiling_light, cube, grey, scene};
-use lumel_testkit::{Stage, Storage, fitted_slope, measure, rms};
+use lumel_testkit::{Method, Stage, fitted_slope, measure, rms};
 use lumel_transport::{LightSampling, Plan, Source, Transport};
 
 /// Receivers at one point times passes: independent replicates.
@@ -72,10 +72,10 @@ fn direct_light_in_a_penumbra_converges_faster_than_random() {
             stage.points(&points, Plan { sampler, light_sampling, direct_samples: n, ..Plan::default() })
         };
         let best = at(SamplerKind::Sobol, 1 << 15);
-        let values = measure(&*best, Source::Emitters, 99).field;
+        let values = measure(&*best, Source::Emitters(None), 99).field;
         let truth = values.values().iter().map(|e| f64::from(e.x)).sum::<f64>() / AT_ONCE as f64;
         for sampler in SamplerKind::ALL {
-            let (errors, slope) = errors(|n| at(sampler, n), Source::Emitters, truth);
+            let (errors, slope) = errors(|n| at(sampler, n), Source::Emitters(None), truth);
             // The analytic estimator leaves noise to the penumbra's share alone: it may be steeper than random.
             if light_sampling == LightSampling::Area || sampler != SamplerKind::Random {
                 assert_slope(sampler, errors, slope, &format!("penumbra, {light_sampling:?}"));
@@ -105,11 +105,11 @@ fn area_sampling_of_light_and_sky_converges_faster_than_random() {
             indirect_samples: 2 * n,
             ..Plan::default()
         };
-        let operator = stage.operator(Storage::VertexArea, plan);
-        let field = measure(&*operator.transport, Source::Emitters, pass).field;
+        let operator = stage.operator(Method::AREA, plan);
+        let field = measure(&*operator.transport, Source::Emitters(None), pass).field;
         let areas = operator.basis.node_areas();
         let on_floor = |(node, _): &(usize, f32)| stage.nodes()[*node].1.z > 0.9;
-        let nodes = areas.into_iter().enumerate().filter(on_floor);
+        let nodes = areas.iter().copied().enumerate().filter(on_floor);
         nodes.map(|(node, area)| f64::from(field.values()[node].x * area)).sum::<f64>()
     };
     let passes = 100u32;

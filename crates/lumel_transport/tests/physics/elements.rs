@@ -17,7 +17,7 @@ fn assert_form_factor(light: RectLight, normal: Vec3, factor: f64, what: &str) {
     let stage = Stage::new(lights_only(vec![Light::Rect(light)]));
     for estimator in Estimator::all() {
         let transport = stage.points(&[(Vec3::ZERO, normal)], estimator.plan(16, 1));
-        let fields = replicates(&*transport, Source::Emitters, 64);
+        let fields = replicates(&*transport, Source::Emitters(None), 64);
         let estimate = Estimate::of_node(&fields, 0);
         estimate.assert_near(PI * factor, ORIGIN_SHIFT * PI * factor, format!("{what}, {estimator}"));
         if estimator.light == LightSampling::Analytic {
@@ -103,7 +103,7 @@ fn assert_glow(mesh: lumel_scene::ObjectMesh, points: &[(Vec3, Vec3)], truth: &[
     for emitters in [EmitterSampling::Lights, EmitterSampling::Rays] {
         for estimator in Estimator::all() {
             let plan = Plan { emitters, ..estimator.plan(64, 64) };
-            let fields = replicates(&*stage.points(points, plan), Source::Emitters, 64);
+            let fields = replicates(&*stage.points(points, plan), Source::Emitters(None), 64);
             for (point, &truth) in truth.iter().enumerate() {
                 let label = format!("{what}, point {point}, {emitters:?}, {estimator}");
                 Estimate::of_node(&fields, point).assert_near(truth, ORIGIN_SHIFT * truth, label);
@@ -157,7 +157,7 @@ fn point_lights_follow_the_inverse_square_and_the_cosine() {
     ];
     for (x, lux) in known {
         let transport = stage.points(&[(Vec3::X * x, Vec3::Z)], Plan::default());
-        let e = f64::from(measure(&*transport, Source::Emitters, 0).field.values()[0].x);
+        let e = f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x);
         assert!((e / lux - 1.0).abs() < ORIGIN_SHIFT, "x = {x}: {e}");
     }
 }
@@ -173,7 +173,8 @@ fn an_area_source_lights_floor_and_wall_as_the_polygon_formula_says() {
     let on_wall = wall.map(|(z, lux)| ((Vec3::new(2.0, 0.0, z), -Vec3::X), lux));
     for (point, lux) in on_floor.into_iter().chain(on_wall) {
         for estimator in Estimator::all() {
-            let fields = replicates(&*stage.points(&[point], estimator.plan(16, 1)), Source::Emitters, 64);
+            let fields =
+                replicates(&*stage.points(&[point], estimator.plan(16, 1)), Source::Emitters(None), 64);
             // Half a metre below the light the wall's origin is pushed by up to 3.1e-5 of its coordinate.
             let label = format!("{point:?}, {estimator}");
             Estimate::of_node(&fields, 0).assert_near(lux, 2.0 * ORIGIN_SHIFT * lux, label);
@@ -189,7 +190,7 @@ fn sky_of_radiance_one_lights_an_open_element_with_pi() {
     let stage = Stage::new(builder);
     for estimator in Estimator::all() {
         let transport = stage.points(&[(Vec3::Z, Vec3::new(0.2, 0.3, 1.0))], estimator.plan(1, 1));
-        let e = f64::from(measure(&*transport, Source::Emitters, 0).field.values()[0].x);
+        let e = f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x);
         assert!((e / PI - 1.0).abs() < ROUNDING, "{estimator}: {e}");
     }
 }

@@ -5,8 +5,8 @@ use lumel_sample::SamplerKind;
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{backdrop, cube, grey, scene};
 use lumel_testkit::{
-    Estimate, Estimator, ROUNDING, Stage, Storage, assert_nodes_near, form_factor, measure, ratio_bias,
-    replicates,
+    Estimate, Estimator, Method, ROUNDING, Stage, Storage, assert_nodes_near, form_factor, measure,
+    ratio_bias, replicates,
 };
 use lumel_transport::{EmitterSampling, Plan, Source};
 use std::f64::consts::PI;
@@ -68,7 +68,7 @@ fn glowing_walls_light_the_same_by_rays_and_as_lights() {
     for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
         for estimator in Estimator::all() {
             let plan = Plan { emitters, ..estimator.plan(64, 64) };
-            let fields = replicates(&*stage.points(&[POINT], plan), Source::Emitters, 64);
+            let fields = replicates(&*stage.points(&[POINT], plan), Source::Emitters(None), 64);
             let label = format!("{emitters:?}, {estimator}");
             Estimate::of_node(&fields, 0).assert_near(IRRADIANCE, ORIGIN_SHIFT * IRRADIANCE, label);
         }
@@ -80,16 +80,16 @@ fn every_node_of_a_cube_gathers_the_opposite_wall_by_its_form_factor() {
     let stage = Stage::new(cube(2, [(); 6].map(|()| grey(0.5, 0.0))));
     let source = stage.field(|_, n| if n.z < -0.9 { 2.0 } else { 0.0 });
     let ceiling = form_factor::facing_down([0.0, 1.0], [0.0, 1.0], 1.0);
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         for sampler in SamplerKind::ALL {
-            let operator = stage.operator(storage, plan(sampler, 64));
+            let operator = stage.operator(method, plan(sampler, 64));
             let expected = stage.expected(&operator, &|point, normal| {
                 // On walls irradiance is not smooth at the ceiling's edge: their quadrature is not exact.
                 if normal.z > 0.9 { form_factor::polygon(&ceiling, point, normal) } else { f64::NAN }
             });
             let fields = replicates(&*operator.transport, Source::Field(&source), 48);
-            let bound = if storage == Storage::VertexArea { ratio_bias(32, 0.15) } else { 1e-4 };
-            assert_nodes_near(&fields, &expected, bound, format!("{storage:?}, {sampler}"));
+            let bound = if method.storage == Storage::VertexArea { ratio_bias(32, 0.15) } else { 1e-4 };
+            assert_nodes_near(&fields, &expected, bound, format!("{method}, {sampler}"));
             let on_ceiling =
                 stage.nodes().into_iter().zip(fields[0].values()).filter(|((_, n), _)| n.z < -0.9);
             on_ceiling.for_each(|(_, e)| assert_eq!(*e, Vec3::ZERO, "a wall does not see itself"));
@@ -164,10 +164,10 @@ fn a_screen_hides_part_of_a_secondary_source() {
 fn albedo_zero_sends_nothing_on() {
     let stage = Stage::new(cube(2, [(); 6].map(|()| grey(0.0, 0.0))));
     let source = stage.field(|_, _| 1000.0);
-    for storage in Storage::ALL {
-        let operator = stage.operator(storage, plan(SamplerKind::Sobol, 16));
+    for method in Method::ALL {
+        let operator = stage.operator(method, plan(SamplerKind::Sobol, 16));
         let field = measure(&*operator.transport, Source::Field(&source), 0).field;
-        assert!(field.values().iter().all(|e| *e == Vec3::ZERO), "{storage:?}");
+        assert!(field.values().iter().all(|e| *e == Vec3::ZERO), "{method}");
     }
 }
 
@@ -200,13 +200,13 @@ fn corners_of_a_room_see_the_whole_room() {
     let (min, max) = (Vec3::new(-1.3, 0.2, -0.7), Vec3::new(0.9, 1.1, 2.5));
     let stage = Stage::new(scene(cuboid(min, max, 2, Facing::Inward, [0; 6]), vec![grey(0.5, 0.0)], vec![]));
     let source = stage.field(|_, _| 2.0);
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         for sampler in SamplerKind::ALL {
-            let operator = stage.operator(storage, plan(sampler, 256));
+            let operator = stage.operator(method, plan(sampler, 256));
             let field = measure(&*operator.transport, Source::Field(&source), 0).field;
             for (node, e) in field.values().iter().enumerate() {
                 let off = f64::from(e.x) - 1.0;
-                assert!(off.abs() < ROUNDING, "{storage:?}, {sampler}, node {node}: off by {off:e}");
+                assert!(off.abs() < ROUNDING, "{method}, {sampler}, node {node}: off by {off:e}");
             }
         }
     }
@@ -227,9 +227,9 @@ fn the_back_of_a_one_sided_wall_is_black_for_every_basis() {
     let source = stage.field(|_, n| if n.z < 0.0 { 2.0 } else { 0.0 });
     let [lit, hidden] = [([-8.0, 8.0], [-8.0, 8.0], 1.0), ([0.0, 1.0], [-1.0, 1.0], 0.5)]
         .map(|(x, y, z)| form_factor::facing_down(x, y, z));
-    for storage in Storage::ALL {
+    for method in Method::ALL {
         for sampler in SamplerKind::ALL {
-            let operator = stage.operator(storage, plan(sampler, 64));
+            let operator = stage.operator(method, plan(sampler, 64));
             let expected = stage.expected(&operator, &|p, n| {
                 if p.z > 0.1 {
                     f64::NAN
@@ -239,9 +239,10 @@ fn the_back_of_a_one_sided_wall_is_black_for_every_basis() {
             });
             // A third of the hemisphere is the screen's back. Of the origins there that are asked, one in fifty
             // counts as inside by chance: 0.7 % of all samples, all of them dark.
-            let bound = if storage == Storage::VertexArea { ratio_bias(32, 0.15) + 7e-3 } else { 1e-4 };
+            let bound =
+                if method.storage == Storage::VertexArea { ratio_bias(32, 0.15) + 7e-3 } else { 1e-4 };
             let fields = replicates(&*operator.transport, Source::Field(&source), 48);
-            assert_nodes_near(&fields, &expected, bound, format!("{storage:?}, {sampler}"));
+            assert_nodes_near(&fields, &expected, bound, format!("{method}, {sampler}"));
         }
     }
 }

@@ -8,8 +8,8 @@ use lumel_scene::{
 use lumel_testkit::mesh::quad;
 use lumel_testkit::scene::{ceiling_light, grey, lights_only, scene};
 use lumel_testkit::{
-    Combination, Estimate, Estimator, ROUNDING, Stage, Storage, assert_nodes_near, form_factor, measure,
-    ratio_bias, replicates,
+    Combination, Estimate, Estimator, Method, ROUNDING, Stage, Storage, assert_nodes_near, form_factor,
+    measure, ratio_bias, replicates,
 };
 use lumel_transport::{EmitterSampling, Plan, Source};
 use std::f64::consts::PI;
@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 fn lit(light: Light, point: Vec3, normal: Vec3) -> f64 {
     let stage = Stage::new(lights_only(vec![light]));
     let transport = stage.points(&[(point, normal)], Plan::default());
-    f64::from(measure(&*transport, Source::Emitters, 0).field.values()[0].x)
+    f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x)
 }
 
 /// `[0, 1]²` in the xy plane, facing up.
@@ -79,11 +79,11 @@ fn lights_without_area_throw_sharp_shadows_in_every_basis() {
         Light::Directional(DirectionalLight { direction: -Vec3::Z, irradiance: Vec3::ONE }),
     ];
     for light in lights {
-        for storage in Storage::ALL {
+        for method in Method::ALL {
             let dark = |objects| {
                 let stage = Stage::new(scene(objects, vec![grey(0.0, 0.0)], vec![light]));
-                let operator = stage.operator(storage, Plan { direct_samples: 16, ..Plan::default() });
-                let field = measure(&*operator.transport, Source::Emitters, 0).field;
+                let operator = stage.operator(method, Plan { direct_samples: 16, ..Plan::default() });
+                let field = measure(&*operator.transport, Source::Emitters(None), 0).field;
                 stage
                     .nodes()
                     .iter()
@@ -91,8 +91,8 @@ fn lights_without_area_throw_sharp_shadows_in_every_basis() {
                     .filter(|((p, _), _)| p.z < 0.5)
                     .all(|(_, e)| *e == Vec3::ZERO)
             };
-            assert!(!dark(vec![floor(2)]), "{storage:?}: nothing is in the way");
-            assert!(dark(vec![floor(2), screen.clone()]), "{storage:?}, {light:?}");
+            assert!(!dark(vec![floor(2)]), "{method}: nothing is in the way");
+            assert!(dark(vec![floor(2), screen.clone()]), "{method}, {light:?}");
         }
     }
 }
@@ -112,12 +112,13 @@ fn several_lights_add_up_in_every_combination() {
     ];
     let stage = Stage::new(scene(vec![floor(2)], vec![grey(0.0, 0.0)], rects.map(Light::Rect).into()));
     for combination in Combination::all() {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(128, 1));
+        let operator = stage.operator(combination.method, combination.estimator.plan(128, 1));
         let truth =
             |p: DVec3, n: DVec3| rects.iter().map(|r| f64::from(r.radiance.0.x) * rect_truth(r, p, n)).sum();
         let expected = stage.expected(&operator, &truth);
-        let fields = replicates(&*operator.transport, Source::Emitters, 48);
-        let bound = if combination.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 48);
+        let bound =
+            if combination.method.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
         assert_nodes_near(&fields, &expected, bound, combination);
     }
 }
@@ -129,10 +130,11 @@ fn sky_and_lights_add_up_in_every_combination() {
     builder.sky = lumel_scene::Radiance::splat(0.5);
     let stage = Stage::new(builder);
     for combination in Combination::all() {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(128, 16));
+        let operator = stage.operator(combination.method, combination.estimator.plan(128, 16));
         let expected = stage.expected(&operator, &|p, n| 0.5 * PI + rect_truth(&rect, p, n));
-        let fields = replicates(&*operator.transport, Source::Emitters, 32);
-        let bound = if combination.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 32);
+        let bound =
+            if combination.method.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
         assert_nodes_near(&fields, &expected, bound, combination);
     }
 }
@@ -148,12 +150,13 @@ fn many_lights_are_chosen_without_bias() {
     let lights = rects.iter().copied().map(Light::Rect).collect();
     let stage = Stage::new(scene(vec![floor(2)], vec![grey(0.0, 0.0)], lights));
     for combination in Combination::all() {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(128, 1));
+        let operator = stage.operator(combination.method, combination.estimator.plan(128, 1));
         let truth =
             |p: DVec3, n: DVec3| rects.iter().map(|r| f64::from(r.radiance.0.x) * rect_truth(r, p, n)).sum();
         let expected = stage.expected(&operator, &truth);
-        let fields = replicates(&*operator.transport, Source::Emitters, 48);
-        let bound = if combination.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 48);
+        let bound =
+            if combination.method.storage == Storage::VertexArea { ratio_bias(64, 0.3) } else { 1e-4 };
         assert_nodes_near(&fields, &expected, bound, combination);
     }
 }
@@ -194,7 +197,7 @@ fn a_textured_light_equals_the_sum_of_its_constant_pieces() {
     let lights = vec![Light::Rect(rect)];
     let stage = Stage::new(SceneBuilder { textures: vec![picture()], ..lights_only(lights) });
     for estimator in Estimator::all() {
-        let fields = replicates(&*stage.points(&points, estimator.plan(256, 1)), Source::Emitters, 64);
+        let fields = replicates(&*stage.points(&points, estimator.plan(256, 1)), Source::Emitters(None), 64);
         for (i, (point, normal)) in points.into_iter().enumerate() {
             let truth = picture_truth(&rect, &picture(), point.as_dvec3(), normal.as_dvec3());
             Estimate::of_node(&fields, i).assert_near(truth, 1e-3 * truth, format!("point {i}, {estimator}"));
@@ -215,7 +218,7 @@ fn a_textured_mesh_light_equals_the_textured_rectangle() {
     for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
         for estimator in Estimator::all() {
             let plan = Plan { emitters, ..estimator.plan(256, 256) };
-            let fields = replicates(&*stage.points(&[point], plan), Source::Emitters, 64);
+            let fields = replicates(&*stage.points(&[point], plan), Source::Emitters(None), 64);
             Estimate::of_node(&fields, 0).assert_near(
                 truth,
                 1e-3 * truth,
@@ -247,7 +250,7 @@ fn textured_triangles_are_chosen_without_bias_though_a_texel_hides_between_their
     let truth = truth_in_pieces(&rect, &picture, point.0.as_dvec3(), DVec3::Z, 16 * SIDE as u32);
     for estimator in Estimator::all() {
         let plan = Plan { emitters: EmitterSampling::Lights, ..estimator.plan(4096, 1) };
-        let fields = replicates(&*stage.points(&[point], plan), Source::Emitters, 64);
+        let fields = replicates(&*stage.points(&[point], plan), Source::Emitters(None), 64);
         Estimate::of_node(&fields, 0).assert_near(truth, 1e-3 * truth, estimator.to_string());
     }
 }

@@ -1,13 +1,13 @@
 //! Light on whole surfaces: form factors between areas, and flux.
 
 use glam::Vec3;
-use lumel_basis::Field;
+use lumel_basis::{Basis, Field};
 use lumel_scene::{Light, Radiance, RectLight};
 use lumel_testkit::mesh::{Facing, cuboid, equal_area_radius, quad, sphere};
 use lumel_testkit::scene::{ceiling_light, grey, scene};
 use lumel_testkit::{
-    Combination, Estimate, Operator, Stage, Storage, assert_nodes_near, form_factor, measure, ratio_bias,
-    replicates,
+    Combination, Estimate, Method, Operator, Stage, Storage, assert_nodes_near, form_factor, measure,
+    ratio_bias, replicates,
 };
 use lumel_transport::{EmitterSampling, LightSampling, Plan, Source};
 use std::f64::consts::PI;
@@ -59,7 +59,7 @@ impl Pair {
 /// The area average of a field's values.
 fn average(operator: &Operator, values: impl IntoIterator<Item = f64>) -> f64 {
     let areas = operator.basis.node_areas();
-    let sum: f64 = values.into_iter().zip(&areas).map(|(value, &area)| value * f64::from(area)).sum();
+    let sum: f64 = values.into_iter().zip(areas).map(|(value, &area)| value * f64::from(area)).sum();
     sum / areas.iter().map(|&area| f64::from(area)).sum::<f64>()
 }
 
@@ -74,13 +74,13 @@ fn assert_pair(pair: &Pair, known: f64, what: &str) {
     // On an edge of the light the variance of area sampling is infinite: no number of samples has a standard error.
     let finite = |c: &Combination| !pair.touches || c.estimator.light == LightSampling::Analytic;
     for combination in Combination::all().filter(finite) {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(64, 1));
+        let operator = stage.operator(combination.method, combination.estimator.plan(64, 1));
         let expected = pair.expected(&stage, &operator);
-        let fields = replicates(&*operator.transport, Source::Emitters, 32);
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 32);
         let label = format!("{what}, {combination}");
         let estimate = Estimate::new(fields.iter().map(|field| field_average(&operator, field)));
         let discrete = average(&operator, expected.iter().copied());
-        match combination.storage {
+        match combination.method.storage {
             // Where light and floor touch, irradiance jumps at the common corners: there only the mean is compared,
             // with what the same points measure without noise.
             Storage::Vertex => estimate.assert_near(discrete, 1e-4 * known, label),
@@ -109,8 +109,8 @@ fn the_average_over_vertices_converges_with_the_square_of_the_mesh() {
     let errors = [4, 8].map(|cells| {
         let stage = pair.stage(cells);
         let plan = Plan { light_sampling: LightSampling::Analytic, ..Plan::default() };
-        let operator = stage.operator(Storage::Vertex, plan);
-        let field = measure(&*operator.transport, Source::Emitters, 0).field;
+        let operator = stage.operator(Method::VERTEX, plan);
+        let field = measure(&*operator.transport, Source::Emitters(None), 0).field;
         (field_average(&operator, &field) - pair.factor).abs()
     });
     let order = (errors[0] / errors[1]).log2();
@@ -122,10 +122,11 @@ fn every_node_of_a_floor_measures_its_own_part_of_the_light() {
     let pair = Pair::opposed(2.0, 1.0);
     let stage = pair.stage(4);
     for combination in Combination::all() {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(64, 1));
+        let operator = stage.operator(combination.method, combination.estimator.plan(64, 1));
         let expected = pair.expected(&stage, &operator);
-        let fields = replicates(&*operator.transport, Source::Emitters, 48);
-        let bound = if combination.storage == Storage::VertexArea { ratio_bias(32, 0.15) } else { 1e-4 };
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 48);
+        let bound =
+            if combination.method.storage == Storage::VertexArea { ratio_bias(32, 0.15) } else { 1e-4 };
         assert_nodes_near(&fields, &expected, bound, combination);
     }
 }
@@ -137,17 +138,17 @@ fn a_sphere_around_another_receives_all_its_light() {
     let inner = sphere(Vec3::ZERO, radius(0.5), level, Facing::Outward, 1);
     let outer = sphere(Vec3::ZERO, radius(1.0), level, Facing::Inward, 0);
     let stage = Stage::new(scene(vec![inner, outer], vec![grey(0.0, 0.0), grey(0.0, 1.0)], vec![]));
-    for combination in Combination::all().filter(|c| c.storage == Storage::VertexArea) {
+    for combination in Combination::all().filter(|c| c.method.storage == Storage::VertexArea) {
         for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
             let plan = Plan { emitters, ..combination.estimator.plan(32, 32) };
-            let operator = stage.operator(combination.storage, plan);
+            let operator = stage.operator(combination.method, plan);
             let areas = operator.basis.node_areas();
             let outside: Vec<bool> = stage.nodes().iter().map(|(p, _)| p.length() > 0.75).collect();
             let flux = |field: &Field| -> f64 {
-                let nodes = field.values().iter().zip(&areas).zip(&outside);
+                let nodes = field.values().iter().zip(areas).zip(&outside);
                 nodes.map(|((e, a), out)| if *out { f64::from(e.x * a) } else { 0.0 }).sum()
             };
-            let fields = replicates(&*operator.transport, Source::Emitters, 12);
+            let fields = replicates(&*operator.transport, Source::Emitters(None), 12);
             // F from inner to outer is 1, so F from outer to inner is 1/4 and π arrives, the area of the inner.
             let label = format!("{combination}, {emitters:?}");
             Estimate::new(fields.iter().map(flux)).assert_near(PI, ratio_bias(96, 0.1) * PI, label);
@@ -170,11 +171,11 @@ fn flux_from_a_ceiling_light_arrives_on_the_walls_by_their_form_factors() {
     let room = cuboid(min, max, 4, Facing::Inward, [0; 6]);
     let stage = Stage::new(scene(room, vec![grey(0.0, 0.0)], vec![Light::Rect(light)]));
     let known = [161.915991, 161.915991, 161.915991, 161.915991, 352.336037, 0.0];
-    for combination in Combination::all().filter(|c| c.storage == Storage::VertexArea) {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(64, 1));
+    for combination in Combination::all().filter(|c| c.method.storage == Storage::VertexArea) {
+        let operator = stage.operator(combination.method, combination.estimator.plan(64, 1));
         let areas = operator.basis.node_areas();
         let nodes = stage.nodes();
-        let fields = replicates(&*operator.transport, Source::Emitters, 16);
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 16);
         for (wall, known) in known.into_iter().enumerate() {
             let inward = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z][wall];
             let flux = |field: &Field| -> f64 {
@@ -207,12 +208,13 @@ fn a_mesh_light_equals_the_rectangle_it_fills() {
     for combination in Combination::all() {
         for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
             let plan = Plan { emitters, ..combination.estimator.plan(64, 64) };
-            let operator = stage.operator(combination.storage, plan);
+            let operator = stage.operator(combination.method, plan);
             let expected = stage.expected(&operator, &|p, n| {
                 if n.z < 0.0 { 0.0 } else { form_factor::polygon(&corners, p, n) }
             });
-            let fields = replicates(&*operator.transport, Source::Emitters, 48);
-            let bound = if combination.storage == Storage::VertexArea { ratio_bias(32, 0.15) } else { 1e-4 };
+            let fields = replicates(&*operator.transport, Source::Emitters(None), 48);
+            let bound =
+                if combination.method.storage == Storage::VertexArea { ratio_bias(32, 0.15) } else { 1e-4 };
             assert_nodes_near(&fields, &expected, bound, format!("{combination}, {emitters:?}"));
         }
     }

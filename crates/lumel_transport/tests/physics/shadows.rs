@@ -52,7 +52,8 @@ fn penumbra_is_light_minus_the_projected_screen() {
         assert!((truth(DVec3::X * x) - e).abs() < 1e-9, "{x}: {}", truth(DVec3::X * x));
         for estimator in Estimator::all() {
             let point = (Vec3::X * x as f32, Vec3::Z);
-            let fields = replicates(&*stage.points(&[point], estimator.plan(64, 1)), Source::Emitters, 64);
+            let fields =
+                replicates(&*stage.points(&[point], estimator.plan(64, 1)), Source::Emitters(None), 64);
             // Origins are pushed up by 1.5e-5: the shadow moves by as much, the light comes closer by less.
             let shift = 5e-5 * e;
             Estimate::of_node(&fields, 0).assert_near(e, shift, format!("x = {x}, {estimator}"));
@@ -66,7 +67,7 @@ fn umbra_is_black_and_full_light_has_no_noise_with_analytic_lights() {
     for estimator in Estimator::all().filter(|e| e.light == LightSampling::Analytic) {
         let at = |x: f32| {
             let transport = stage.points(&[(Vec3::X * x, Vec3::Z)], estimator.plan(16, 1));
-            let fields = replicates(&*transport, Source::Emitters, 16);
+            let fields = replicates(&*transport, Source::Emitters(None), 16);
             Estimate::of_node(&fields, 0)
         };
         for x in [0.6, 1.0, 1.4] {
@@ -88,11 +89,11 @@ fn every_basis_measures_the_penumbra_on_a_floor() {
     let stage = Stage::new(screened(Some((-1.1, 0.7))));
     let floor = |point: DVec3, normal: DVec3| if normal.z > 0.0 { truth(point) } else { f64::NAN };
     for combination in Combination::all() {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(64, 1));
+        let operator = stage.operator(combination.method, combination.estimator.plan(64, 1));
         let expected = stage.expected(&operator, &floor);
-        let fields = replicates(&*operator.transport, Source::Emitters, 48);
+        let fields = replicates(&*operator.transport, Source::Emitters(None), 48);
         // A corner has a triangle of 32 samples. Quadrature of the kink at the edge of the umbra adds less than 1e-3.
-        let bound = match combination.storage {
+        let bound = match combination.method.storage {
             Storage::Vertex => 1e-4,
             Storage::VertexArea => ratio_bias(32, 0.3) + 1e-3,
         };
@@ -104,8 +105,8 @@ fn every_basis_measures_the_penumbra_on_a_floor() {
 fn a_floor_in_the_umbra_is_black_in_every_basis_with_analytic_lights() {
     let stage = Stage::new(screened(Some((0.6, 1.4))));
     for combination in Combination::all().filter(|c| c.estimator.light == LightSampling::Analytic) {
-        let operator = stage.operator(combination.storage, combination.estimator.plan(16, 1));
-        let field = measure(&*operator.transport, Source::Emitters, 0).field;
+        let operator = stage.operator(combination.method, combination.estimator.plan(16, 1));
+        let field = measure(&*operator.transport, Source::Emitters(None), 0).field;
         for ((point, _), e) in stage.nodes().into_iter().zip(field.values()).filter(|((_, n), _)| n.z > 0.0) {
             assert_eq!(*e, Vec3::ZERO, "{combination} at {point}");
         }

@@ -79,6 +79,7 @@ fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
         },
         Phase::FinalGather => "Final gather".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),
+        Phase::Layer(layer) => format!("Layer {}", layer + 1),
         Phase::StandardError => "Measuring the standard error".to_owned(),
         Phase::Ended(_) => String::new(),
     };

@@ -1,0 +1,115 @@
+//! The operators that settings ask for.
+
+use crate::method::Method;
+use crate::settings::{BasisKind, Memory, Settings, SolverKind, TargetError};
+use crate::surfaces::{Ordered, Surfaces};
+use crate::target::{self, StoredReplicates};
+use lumel_basis::{Receivers, Sampling};
+use lumel_scene::Scene;
+use lumel_solve::{REPLICATES, Replicates, Target};
+use lumel_transport::{CachedTransport, CpuTransport, Plan, Rows, Stored, Transport};
+use std::sync::Arc;
+
+/// What solves a scene with certain settings.
+pub(crate) struct Assembly {
+    pub(crate) method: Method,
+    /// Measures direct light and bounces.
+    pub(crate) transport: Box<dyn Transport>,
+    /// The rays that it stores.
+    pub(crate) stored: Option<Stored>,
+    pub(crate) rest: Rest,
+}
+
+/// What an operator's transport alone does not do.
+pub(crate) enum Rest {
+    Nothing,
+    /// Gathers all light once more, where not all rays are stored.
+    Gather(Box<dyn Transport>),
+    /// Solves with independent samples instead, where the settings have a target error.
+    Replicates(Target, Box<dyn Replicates + Send>),
+}
+
+impl Assembly {
+    /// The operators of a scene; `stored` rays of the same surfaces are used again where they are the same.
+    pub(crate) fn new(
+        scene: &Arc<Scene>,
+        surfaces: &Surfaces,
+        settings: &Settings,
+        stored: Option<&Stored>,
+    ) -> Self {
+        match settings.basis {
+            BasisKind::Vertex => {
+                Parts { scene, surfaces, measured: surfaces.at_vertices(), settings }.assembly(stored)
+            }
+            BasisKind::VertexArea => {
+                Parts { scene, surfaces, measured: surfaces.over_areas(), settings }.assembly(stored)
+            }
+        }
+    }
+
+    /// The operator with so many samples, every job of which traces rays of its own.
+    pub(crate) fn traced(
+        scene: &Arc<Scene>,
+        surfaces: &Surfaces,
+        settings: &Settings,
+        [direct_samples, indirect_samples]: [u32; 2],
+    ) -> Box<dyn Transport> {
+        let (solver, target_error) = (SolverKind::Neumann, TargetError::Off);
+        let settings =
+            Settings { direct_samples, indirect_samples, solver, target_error, ..settings.clone() };
+        Self::new(scene, surfaces, &settings, None).transport
+    }
+}
+
+/// How settings solve a scene with so many elements.
+pub(crate) fn method(scene: &Scene, (elements, sampling): (usize, Sampling), settings: &Settings) -> Method {
+    let textured = scene.has_varying_albedo();
+    let bytes = |rays: u32| {
+        let plan = Plan { indirect_samples: rays, ..settings.plan() };
+        Rows::bytes_for(elements, plan.rays_per_element(sampling), textured)
+    };
+    if let Some(target) = target::target(settings) {
+        let rays = target::first_rays(settings, bytes);
+        return Method::Replicates { target, rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
+    }
+    Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
+}
+
+/// What operators are made of.
+struct Parts<'a, R> {
+    scene: &'a Arc<Scene>,
+    surfaces: &'a Surfaces,
+    measured: &'a Ordered<R>,
+    settings: &'a Settings,
+}
+
+impl<R: Receivers + 'static> Parts<'_, R> {
+    fn assembly(self, stored: Option<&Stored>) -> Assembly {
+        let receivers = &*self.measured.receivers;
+        let method = method(self.scene, (receivers.element_count(), receivers.sampling()), self.settings);
+        let traced = || -> Box<dyn Transport> { Box::new(self.traced(self.settings.plan())) };
+        let cached = |indirect_samples| {
+            let plan = Plan { indirect_samples, ..self.settings.plan() };
+            let cached = CachedTransport::new(self.traced(plan), stored);
+            let stored = cached.stored();
+            (Box::new(cached) as Box<dyn Transport>, Some(stored))
+        };
+        let ((transport, stored), rest) = match method {
+            Method::Neumann => ((traced(), None), Rest::Nothing),
+            Method::Cached { .. } => (cached(self.settings.indirect_samples), Rest::Nothing),
+            Method::FinalGather { stored, .. } => (cached(stored), Rest::Gather(traced())),
+            Method::Replicates { target, rays, .. } => {
+                let first = target::first_plan(self.settings, rays);
+                let like = CachedTransport::new(self.traced(first), None);
+                ((traced(), None), Rest::Replicates(target, Box::new(StoredReplicates { like, first })))
+            }
+        };
+        Assembly { method, transport, stored, rest }
+    }
+
+    fn traced(&self, plan: Plan) -> CpuTransport<lumel_basis::VertexBasis, R> {
+        let Surfaces { tracer, basis, .. } = self.surfaces;
+        let measured = (Arc::clone(&self.measured.receivers), self.measured.order.clone());
+        CpuTransport::in_order(Arc::clone(self.scene), Arc::clone(tracer), Arc::clone(basis), measured, plan)
+    }
+}

@@ -1,0 +1,73 @@
+//! Where light is measured.
+
+use crate::{Identity, NodeId, NodeWeights};
+use glam::Vec3;
+use lumel_sample::Frame;
+use lumel_scene::TriId;
+
+/// A unit of measuring: a vertex, a triangle, a lumel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ElementId(pub u32);
+
+impl ElementId {
+    /// The index as a `usize`, for slices.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A place where light is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Site {
+    /// Where rays start: on the surface, pushed off it along its geometric normal.
+    pub origin: Vec3,
+    /// The hemisphere that is measured, in world space.
+    pub frame: Frame,
+    /// The traced triangle the site lies on, which rays from here do not see.
+    pub skip: Option<TriId>,
+}
+
+/// How an element is sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Sampling {
+    /// At one point: all rays of an element share an origin.
+    Point,
+    /// Over an area: every ray has an origin of its own.
+    Area,
+}
+
+/// Where light is measured, and which nodes a measurement counts towards.
+///
+/// The nodes are those of a basis where light is carried from bounce to bounce; they are nobody's where light is only
+/// asked for, as at [points](crate::PointReceivers).
+pub trait Receivers: Send + Sync {
+    /// What decides its elements, their sites and the nodes they count towards.
+    fn identity(&self) -> Identity;
+
+    /// Number of coefficients.
+    fn node_count(&self) -> usize;
+
+    /// Number of elements.
+    fn element_count(&self) -> usize;
+
+    /// How elements are sampled.
+    fn sampling(&self) -> Sampling;
+
+    /// Adds all nodes that measurements of an element may count towards.
+    fn nodes_of(&self, element: ElementId, nodes: &mut Vec<NodeId>);
+
+    /// A place of an element, chosen by `u` in the unit square if elements have an area.
+    ///
+    /// Adds the nodes that a measurement there counts towards, and how much. A node's value is the mean of all its
+    /// measurements by weight, so weights need no common scale.
+    fn site(&self, element: ElementId, u: [f32; 2], towards: &mut NodeWeights) -> Site;
+
+    /// A place that stands for all of an element: its own, or about the middle of its area.
+    fn central_site(&self, element: ElementId) -> Site {
+        self.site(element, CENTER, &mut NodeWeights::default())
+    }
+}
+
+/// The coordinates of the one site of an element without area.
+pub const CENTER: [f32; 2] = [0.5, 0.5];

@@ -1,0 +1,57 @@
+//! The light of some emitters, apart from that of the others.
+
+use crate::SolveState;
+use crate::integrals::{Integrals, scaled};
+use crate::observer::{Observer, Step};
+use crate::solver::{Operator, SolveError, measured_step};
+use lumel_basis::Field;
+use lumel_transport::{Control, EmitterMask, Job, Source};
+
+/// Finds the part that each mask of emitters has in the total of a finished solve.
+///
+/// The solve is repeated for each, with as many bounces, the same samples and the same factors for its tail. As light is
+/// linear, layers of masks that make up all emitters add up to the total, to the rounding of single precision. On stored
+/// rays a layer costs its own shadow rays and no hemisphere ray.
+///
+/// # Errors
+/// When it is cancelled or the transport fails; `state` is as before then.
+pub fn solve_layers(
+    operator: Operator<'_>,
+    final_gather: Option<Operator<'_>>,
+    integrals: &Integrals,
+    masks: &[EmitterMask],
+    state: &mut SolveState,
+    control: &Control,
+    observer: &dyn Observer,
+) -> Result<(), SolveError> {
+    let tail_factors = state.tail.as_ref().and_then(|_| integrals.tail_factors(&state.bounces));
+    let mut layers = Vec::with_capacity(masks.len());
+    for (number, mask) in (0..).zip(masks) {
+        let step = Step::Layer(number);
+        observer.step_started(step);
+        let mut layer = SolveState { basis: state.basis, valid: state.valid.clone(), ..SolveState::new() };
+        for bounce in 0..state.bounces.len() as u32 {
+            let source = layer.unshot().map_or(Source::Emitters(Some(mask)), Source::Field);
+            let job = Job { source, bounce, pass: 0, active: operator.active(&state.valid) };
+            let field = measured_step(operator, &job, control, None)?.field;
+            layer.bounces.push(field);
+        }
+        layer.tail = tail_factors.zip(layer.bounces.last()).map(|(factors, last)| scaled(last, factors));
+        if let Some(operator) = final_gather.filter(|_| state.gathered.is_some()) {
+            layer.gathered = Some(crate::solver::gathered(operator, &layer, control)?);
+        }
+        layers.push(layer.total());
+        observer.step_done(step, state);
+    }
+    state.layers = layers;
+    Ok(())
+}
+
+/// The weighted sum of layers: all light with every emitter dimmed to its share.
+///
+/// `shares` are per layer and colour channel, 1 for as solved.
+pub fn mix(layers: &[Field], shares: &[glam::Vec3]) -> Field {
+    let nodes = layers.first().map_or(0, Field::node_count);
+    let dimmed: Vec<Field> = layers.iter().zip(shares).map(|(layer, &share)| scaled(layer, share)).collect();
+    Field::sum(nodes, &dimmed)
+}

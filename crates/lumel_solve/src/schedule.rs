@@ -1,0 +1,75 @@
+//! In which order light is transported, and when a solve is finished.
+
+use crate::{Integrals, SolveState};
+use lumel_basis::Field;
+use serde::{Deserialize, Serialize};
+
+/// The light that one step transports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shot {
+    /// What emitters send: direct light.
+    Emitters,
+    /// All light that is unshot: one bounce.
+    All,
+}
+
+/// Decides what is transported next.
+///
+/// Called between steps with the state so far; must depend on nothing else, or resumed solves would differ.
+pub trait Schedule {
+    /// The next shot; `None` when the solve is finished.
+    fn next(&self, state: &SolveState, integrals: &Integrals) -> Option<Shot>;
+}
+
+/// Bounce by bounce: direct light, then all unshot light at once, until [`Stop`] is reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gather {
+    /// When enough bounces have been computed.
+    pub stop: Stop,
+}
+
+impl Schedule for Gather {
+    fn next(&self, state: &SolveState, integrals: &Integrals) -> Option<Shot> {
+        let next = if state.bounces.is_empty() { Shot::Emitters } else { Shot::All };
+        (!self.stop.is_reached(integrals, &state.bounces)).then_some(next)
+    }
+}
+
+/// When enough bounces have been computed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// After this many; 0 is direct light only.
+    Bounces(u32),
+    /// When the bounces to come would bring less than this share of all light, but after `at_most` in any case.
+    Remainder {
+        /// The share.
+        fraction: f32,
+        /// The limit.
+        at_most: u32,
+    },
+}
+
+impl Stop {
+    /// Whether these bounces, direct light included, are enough: the one rule for when a solve is finished.
+    pub fn is_reached(self, integrals: &Integrals, bounces: &[Field]) -> bool {
+        self.wanted(integrals, bounces).is_some()
+    }
+
+    /// How many of these bounces an uninterrupted solve computes before it is finished; `None` if it needs more.
+    ///
+    /// What went further, under another rule, is cut to that: results do not depend on how far a solve went before.
+    pub fn wanted(self, integrals: &Integrals, bounces: &[Field]) -> Option<usize> {
+        match self {
+            Self::Bounces(n) => (bounces.len() > n as usize).then_some(n as usize + 1),
+            Self::Remainder { fraction, at_most } => {
+                let powers: Vec<f64> = bounces.iter().map(|bounce| integrals.power(bounce)).collect();
+                let is_enough = |n: &usize| {
+                    let left = integrals.remainder_after(&powers[..*n], &bounces[..*n]);
+                    *n > at_most as usize || left.is_some_and(|left| left < f64::from(fraction))
+                };
+                (1..=bounces.len()).find(is_enough)
+            }
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! What an operator on this machine is made of.
+
+use crate::job::{Job, Shape, Source};
+use crate::lights::LightSet;
+use crate::order::Order;
+use crate::plan::Plan;
+use lumel_accel::RayTracer;
+use lumel_basis::{Basis, ElementId, Identity, Receivers};
+use lumel_sample::StreamKey;
+use lumel_scene::Scene;
+use std::sync::Arc;
+
+/// Measures the elements of `R` under light that is read from the basis `B`, tracing rays for every job.
+///
+/// Runs on the threads of the caller's rayon pool.
+pub struct CpuTransport<B, R> {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) tracer: Arc<dyn RayTracer>,
+    /// Where light is read.
+    pub(crate) basis: Arc<B>,
+    /// Where it is measured.
+    pub(crate) receivers: Arc<R>,
+    pub(crate) lights: Arc<LightSet>,
+    pub(crate) plan: Plan,
+    /// The elements that are measured, in the order of chunks.
+    pub(crate) order: Order,
+    /// What decides those elements and their sites.
+    elements: Identity,
+}
+
+impl<B: Basis, R: Receivers> CpuTransport<B, R> {
+    /// The operator of a scene.
+    pub fn new(
+        scene: Arc<Scene>,
+        tracer: Arc<dyn RayTracer>,
+        basis: Arc<B>,
+        receivers: Arc<R>,
+        plan: Plan,
+    ) -> Self {
+        let order = Order::new(&*receivers);
+        Self::in_order(scene, tracer, basis, (receivers, order), plan)
+    }
+
+    /// The operator of a scene, for receivers that have been ordered before.
+    pub fn in_order(
+        scene: Arc<Scene>,
+        tracer: Arc<dyn RayTracer>,
+        basis: Arc<B>,
+        (receivers, order): (Arc<R>, Order),
+        plan: Plan,
+    ) -> Self {
+        let lights = Arc::new(LightSet::new(&scene, plan.emitters));
+        let elements = receivers.identity();
+        Self { scene, tracer, basis, receivers, lights, plan, order, elements }
+    }
+
+    /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
+    ///
+    /// All else is shared, and so `plan.emitters` has no effect. Nodes beside those asked for may be measured in part.
+    pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
+        let order: Order = self.elements_towards(nodes).collect();
+        let whole = order.elements().len() == self.order.elements().len();
+        Self {
+            scene: Arc::clone(&self.scene),
+            tracer: Arc::clone(&self.tracer),
+            basis: Arc::clone(&self.basis),
+            receivers: Arc::clone(&self.receivers),
+            lights: Arc::clone(&self.lights),
+            plan,
+            elements: if whole { self.elements } else { order.identity_within(&self.elements) },
+            order,
+        }
+    }
+
+    /// The elements that count towards one of certain nodes.
+    pub(crate) fn elements_towards(&self, nodes: &[bool]) -> impl Iterator<Item = ElementId> {
+        let mut towards = Vec::new();
+        self.order.elements().iter().copied().filter(move |&element| {
+            towards.clear();
+            self.receivers.nodes_of(element, &mut towards);
+            towards.iter().any(|node| nodes[node.index()])
+        })
+    }
+
+    /// What decides its elements and their sites.
+    pub(crate) fn elements_identity(&self) -> Identity {
+        self.elements
+    }
+
+    /// The elements of a chunk.
+    pub(crate) fn elements(&self, chunk: u32) -> &[ElementId] {
+        self.order.chunk(chunk)
+    }
+
+    /// The elements of a chunk that a job measures.
+    pub(crate) fn active(&self, job: &Job<'_>, chunk: u32) -> Vec<ElementId> {
+        self.elements(chunk).iter().copied().filter(|&element| job.measures(element)).collect()
+    }
+
+    /// The sample points of an element in a job.
+    pub(crate) fn key(&self, job: &Job<'_>, element: ElementId) -> StreamKey {
+        // Validity is no bounce; it must not share the points of one.
+        let bounce = if matches!(job.source, Source::Nothing) { u32::MAX } else { job.bounce };
+        StreamKey::new(self.plan.seed).element(element.0).bounce(bounce).pass(job.pass)
+    }
+
+    /// Its sizes.
+    pub(crate) fn sizes(&self) -> Shape {
+        Shape {
+            nodes: self.receivers.node_count(),
+            channels: 1,
+            elements: self.order.elements().len(),
+            chunks: self.order.chunk_count(),
+            sampling: self.receivers.sampling(),
+        }
+    }
+}

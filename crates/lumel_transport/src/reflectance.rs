@@ -1,0 +1,134 @@
+//! What surfaces reflect where stored rays end.
+
+use crate::ends::{RayEnd, StoredEnd};
+use crate::hemisphere;
+use glam::Vec4;
+use lumel_basis::{Basis, Field, Identity, NodeWeights};
+use lumel_scene::{Albedo, Scene, TriId};
+use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
+
+/// Albedos that are stored per ray come in steps of this.
+const STEP: f32 = 1.0 / u16::MAX as f32;
+
+// What has been multiplied already is multiplied by exactly one.
+const _: () = assert!(u16::MAX as f32 * STEP == 1.0);
+
+/// The albedos of a scene, as the rows of an operator need them.
+pub(crate) struct Reflectance {
+    basis: Identity,
+    /// That of each triangle, `None` where it is not the same all over it. Empty if the basis is not linear over
+    /// triangles.
+    triangles: Arc<[Option<Albedo>]>,
+    /// Per chunk, the albedos at the ends of its rays; only where there are any that vary within a triangle.
+    at_ends: Option<Vec<OnceLock<AlbedosAtEnds>>>,
+}
+
+type AlbedosAtEnds = Box<[[u16; 3]]>;
+
+impl Reflectance {
+    pub(crate) fn new<B: Basis>(scene: &Scene, basis: &B, n_chunks: usize) -> Self {
+        let n_triangles = if basis.corner_nodes().is_some() { scene.triangle_count() as u32 } else { 0 };
+        let albedo = |tri: u32| scene.uniform_albedo(TriId(tri));
+        let triangles: Vec<Option<Albedo>> = (0..n_triangles).into_par_iter().map(albedo).collect();
+        let varies = triangles.contains(&None);
+        Self { basis: basis.identity(), triangles: triangles.into(), at_ends: Self::slots(varies, n_chunks) }
+    }
+
+    /// The same for rays in other chunks.
+    pub(crate) fn for_chunks(&self, n_chunks: usize) -> Self {
+        let triangles = Arc::clone(&self.triangles);
+        Self { basis: self.basis, triangles, at_ends: Self::slots(self.varies(), n_chunks) }
+    }
+
+    fn slots(varies: bool, n_chunks: usize) -> Option<Vec<OnceLock<AlbedosAtEnds>>> {
+        varies.then(|| (0..n_chunks).map(|_| OnceLock::new()).collect())
+    }
+
+    /// The basis it is for.
+    pub(crate) fn basis(&self) -> Identity {
+        self.basis
+    }
+
+    /// Whether albedos have to be kept per ray.
+    pub(crate) fn varies(&self) -> bool {
+        self.at_ends.is_some()
+    }
+
+    /// The radiosity that surfaces reflect of a field.
+    pub(crate) fn of<'a, B: Basis>(&'a self, basis: &B, field: &'a Field) -> Reflected<'a> {
+        let corner_nodes = basis.corner_nodes().unwrap_or_default();
+        let plane = |(nodes, albedo): (&[_; 3], &Option<Albedo>)| {
+            let albedo = albedo.map_or(Vec4::ONE, |albedo| albedo.0.extend(0.0));
+            let [a, b, c] = nodes.map(|node| field.node(node).0.extend(0.0) * albedo);
+            [c, (a - c) * StoredEnd::STEP, (b - c) * StoredEnd::STEP]
+        };
+        let triangles = corner_nodes.par_iter().zip(&self.triangles[..]);
+        Reflected { reflectance: self, field, planes: triangles.map(plane).collect() }
+    }
+
+    fn albedo_at(&self, scene: &Scene, end: StoredEnd) -> [u16; 3] {
+        let varies = self.triangles.get(end.tri as usize).is_some_and(Option::is_none);
+        match end.end() {
+            Some(RayEnd::Surface(at)) if varies => scene
+                .albedo(at)
+                .0
+                .to_array()
+                .map(|albedo| (albedo / STEP + 0.5).clamp(0.0, u16::MAX.into()) as u16),
+            _ => [u16::MAX; 3],
+        }
+    }
+}
+
+/// The radiosity that surfaces reflect, as stored rays read it.
+pub(crate) struct Reflected<'a> {
+    reflectance: &'a Reflectance,
+    field: &'a Field,
+    /// What each triangle reflects, or where its albedo varies, what reaches it: at its third corner, and how it changes
+    /// with each of the two numbers that tell where a ray ends. All that a ray reads lies together.
+    planes: Vec<[Vec4; 3]>,
+}
+
+impl Reflected<'_> {
+    /// The albedos at the ends of a chunk's rays, looked up once; one where all of the triangle has the same.
+    pub(crate) fn albedos(&self, scene: &Scene, chunk: u32, ends: &[StoredEnd]) -> Option<&[[u16; 3]]> {
+        let slot = &self.reflectance.at_ends.as_ref()?[chunk as usize];
+        Some(slot.get_or_init(|| ends.iter().map(|end| self.reflectance.albedo_at(scene, *end)).collect()))
+    }
+
+    /// Whether every basis function is linear over triangles, so that [`plane_at`](Self::plane_at) is all.
+    pub(crate) fn is_linear(&self) -> bool {
+        !self.planes.is_empty()
+    }
+
+    /// The radiosity of a triangle where a ray ends, before the albedo of the ray; zero for sky and back faces.
+    #[inline(always)]
+    pub(crate) fn plane_at(&self, end: StoredEnd) -> Vec4 {
+        let Some([c, du, dv]) = self.planes.get(end.tri as usize) else { return Vec4::ZERO };
+        *c + *du * f32::from(end.u) + *dv * f32::from(end.v)
+    }
+
+    /// The light `ρE` at the end of a ray, in W·m⁻² as a cosine sample counts it.
+    #[inline(always)]
+    pub(crate) fn at<B: Basis>(
+        &self,
+        scene: &Scene,
+        basis: &B,
+        end: StoredEnd,
+        albedo: Option<[u16; 3]>,
+        weights: &mut NodeWeights,
+    ) -> Vec4 {
+        if self.is_linear() {
+            let radiosity = self.plane_at(end);
+            return albedo.map_or(radiosity, |albedo| radiosity * unpacked(albedo));
+        }
+        let end = end.end().unwrap_or(RayEnd::BackFace);
+        hemisphere::reflected(scene, basis, self.field, &end, weights).0.extend(0.0)
+    }
+}
+
+/// An albedo as it was before it was stored per ray.
+#[inline(always)]
+pub(crate) fn unpacked([r, g, b]: [u16; 3]) -> Vec4 {
+    Vec4::new(f32::from(r), f32::from(g), f32::from(b), 0.0) * STEP
+}
