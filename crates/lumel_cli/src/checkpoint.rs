@@ -1,4 +1,4 @@
-//! The state of a bake on disk, so that hours of it survive whatever happens.
+//! The state of a bake on disk, so that hours of work survive a crash.
 
 use crate::console::Console;
 use crate::failure;
@@ -15,14 +15,14 @@ pub(crate) struct Checkpoint {
     on_disk: Mutex<OnDisk>,
 }
 
-/// What is known of the file.
+/// What is known about the file.
 #[derive(Default)]
 struct OnDisk {
-    /// Whether it is there and holds the last finished bounce.
+    /// Whether it exists and contains the last finished bounce.
     current: bool,
-    /// Whether this bake made it, or went on from it.
+    /// Whether this bake wrote it or resumed from it.
     ours: bool,
-    /// Whether the user knows that it cannot be written.
+    /// Whether it was reported that it cannot be written.
     failure_told: bool,
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn path_for(first_output: &Path) -> PathBuf {
 }
 
 impl Checkpoint {
-    /// A checkpoint that is not written yet.
+    /// A checkpoint that has not been written yet.
     pub(crate) fn new(path: PathBuf, console: &Arc<Console>) -> Self {
         Self { path, console: Arc::clone(console), on_disk: Mutex::default() }
     }
@@ -43,7 +43,7 @@ impl Checkpoint {
         &self.path
     }
 
-    /// The bake goes on from this file, which may be the checkpoint itself.
+    /// The bake resumes from this file, which may be the checkpoint itself.
     pub(crate) fn resumed_from(&self, file: &Path) {
         let same = file.canonicalize().ok().zip(self.path.canonicalize().ok()).is_some_and(|(a, b)| a == b);
         if same {
@@ -52,7 +52,7 @@ impl Checkpoint {
         }
     }
 
-    /// Keeps the bounces that are done. A disk that is full costs the checkpoint, not the bake.
+    /// Saves the finished bounces. If that fails, for example on a full disk, the bake continues without a checkpoint.
     pub(crate) fn save(&self, baker: &Baker, state: &SolveState) {
         let mut solution = baker.solution(state);
         solution.meta.complete = false;
@@ -64,7 +64,7 @@ impl Checkpoint {
             && !std::mem::replace(&mut on_disk.failure_told, true)
         {
             let problem = failure::text(&error.into());
-            self.console.warning(&format!("no checkpoint, the bake goes on without: {problem}"));
+            self.console.warning(&format!("no checkpoint; the bake continues without one: {problem}"));
         }
     }
 
@@ -73,7 +73,7 @@ impl Checkpoint {
         self.lock().current
     }
 
-    /// Removes the file if it is that of this bake.
+    /// Removes the file if it belongs to this bake.
     pub(crate) fn remove(&self) {
         if self.lock().ours
             && let Err(error) = fs::remove_file(&self.path)

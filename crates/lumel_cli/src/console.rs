@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) enum Messages {
     /// Lines of text.
     Text,
-    /// One JSON object a line.
+    /// One JSON object per line.
     Json,
 }
 
@@ -35,12 +35,12 @@ impl Console {
         Self { messages, color, n_warnings: AtomicUsize::new(0), bar: Mutex::new(None) }
     }
 
-    /// Messages go above this bar from now on.
+    /// From now on, messages are written above this bar.
     pub(crate) fn set_bar(&self, bar: Option<ProgressBar>) {
         *self.bar.lock().unwrap_or_else(PoisonError::into_inner) = bar;
     }
 
-    /// Something that lumel went on without.
+    /// A warning: something that lumel continues without.
     pub(crate) fn warning(&self, message: &str) {
         self.n_warnings.fetch_add(1, Ordering::Relaxed);
         self.message("warning", "33", message, None);
@@ -51,12 +51,12 @@ impl Console {
         self.n_warnings.load(Ordering::Relaxed)
     }
 
-    /// How a command ends that is done; warnings count only if `strict`.
+    /// The outcome of a finished command; warnings count only if `strict`.
     pub(crate) fn outcome(&self, strict: bool) -> Outcome {
         if strict && self.warning_count() > 0 { Outcome::Objected } else { Outcome::Done }
     }
 
-    /// Something good to know.
+    /// A note.
     pub(crate) fn note(&self, message: &str) {
         self.message("note", "36", message, None);
     }
@@ -84,14 +84,14 @@ impl Console {
         }
     }
 
-    /// A JSON object on a line of its own.
+    /// A JSON object on its own line.
     pub(crate) fn event(&self, event: &Value) {
         self.line(&event.to_string());
     }
 
     /// A line of text.
     pub(crate) fn line(&self, line: &str) {
-        // Whoever closed stderr does not want to know.
+        // If stderr is closed, nobody reads messages.
         let write = || {
             let _ = writeln!(io::stderr().lock(), "{line}");
         };
@@ -102,7 +102,7 @@ impl Console {
     }
 }
 
-/// Writes a result to stdout. A reader that has seen enough is no error.
+/// Writes a result to stdout. A closed pipe is not an error.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     print_bytes(text.as_bytes())
 }

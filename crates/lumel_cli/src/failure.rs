@@ -5,7 +5,7 @@ use std::fmt;
 use std::panic;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// An error with advice.
+/// An error with a hint.
 #[derive(Debug)]
 struct Hinted {
     message: String,
@@ -25,12 +25,12 @@ pub(crate) fn hinted(message: impl Into<String>, hint: impl Into<String>) -> Err
     Hinted { message: message.into(), hint: hint.into() }.into()
 }
 
-/// The same error with advice.
+/// The same error with a hint.
 pub(crate) fn with_hint(error: impl Into<Error>, hint: impl Into<String>) -> Error {
     hinted(text(&error.into()), hint)
 }
 
-/// The whole error in one text, causes last; causes that the text before them contains already are left out.
+/// The error and its causes in one text, causes last; a cause that the text already contains is omitted.
 pub(crate) fn text(error: &Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
@@ -43,16 +43,16 @@ pub(crate) fn text(error: &Error) -> String {
     text
 }
 
-/// What to do about an error, if it says.
+/// The hint of an error, if it has one.
 pub(crate) fn hint(error: &Error) -> Option<&str> {
     error.chain().find_map(|cause| cause.downcast_ref::<Hinted>()).map(|hinted| hinted.hint.as_str())
 }
 
-/// What panics said, instead of printing it.
+/// Panic messages, kept instead of printed.
 #[derive(Clone, Default)]
 pub(crate) struct Bugs(Arc<Mutex<Option<String>>>);
 
-/// Keeps the message of the first panic, from whichever thread, to be told in an orderly way.
+/// Keeps the message of the first panic on any thread, to be reported as an error.
 pub(crate) fn catch_panic_messages() -> Bugs {
     let bugs = Bugs::default();
     let kept = bugs.clone();
@@ -72,7 +72,7 @@ impl Bugs {
         let said = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         hinted(
             format!("this is a bug in lumel: {}", said.unwrap_or_else(|| "no message".to_owned())),
-            "please report it with this message, the command and, if you can, the scene",
+            "please report it with this message, the command and, if possible, the scene",
         )
     }
 }

@@ -7,9 +7,10 @@ use lumel::Control;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What the user wants to be stopped.
+/// Requests of the user to stop.
 ///
-/// Where there is something to save, the first signal only asks; elsewhere, and the second time, it ends the program.
+/// While a caller heeds them, the first signal only requests a stop; otherwise, and for the second signal, the program
+/// ends.
 #[derive(Clone, Default)]
 pub(crate) struct Interrupt(Arc<Flags>);
 
@@ -22,7 +23,7 @@ struct Flags {
 }
 
 impl Interrupt {
-    /// Listens to the signals.
+    /// Starts to listen for signals.
     pub(crate) fn listen(console: &Arc<Console>) -> anyhow::Result<Self> {
         let interrupt = Self::default();
         let (flags, console) = (Arc::clone(&interrupt.0), Arc::clone(console));
@@ -34,13 +35,13 @@ impl Interrupt {
             }
             flags.control.cancel();
             flags.picture.store(true, Ordering::SeqCst);
-            console.note("stopping; once more stops at once");
+            console.note("stopping; press again to stop at once");
         };
         ctrlc::set_handler(on_signal).context("cannot listen to Ctrl-C")?;
         Ok(interrupt)
     }
 
-    /// The way in and out of measurements.
+    /// The control of measurements.
     pub(crate) fn control(&self) -> &Control {
         &self.0.control
     }
@@ -55,14 +56,14 @@ impl Interrupt {
         self.0.requested.load(Ordering::SeqCst)
     }
 
-    /// From now until the result is dropped the caller looks at the flags.
+    /// Until the result is dropped, the caller checks the flags.
     pub(crate) fn heed(&self) -> Heeding<'_> {
         self.0.heeded.store(true, Ordering::SeqCst);
         Heeding(&self.0)
     }
 }
 
-/// Someone looks at the flags.
+/// A caller checks the flags.
 pub(crate) struct Heeding<'a>(&'a Flags);
 
 impl Drop for Heeding<'_> {

@@ -12,16 +12,16 @@ use lumel_scene::{Radiance, TriId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// More warnings than this are only counted: a broken file can have one for each of its faces.
+/// Further warnings are only counted: a broken file can have one per face.
 const MAX_WARNINGS: usize = 20;
 
-/// A scene with what came with it.
+/// A scene with its settings and warnings.
 pub(crate) struct Loaded {
-    /// The scene, changed as the command line asks.
+    /// The scene with the changes from the command line.
     pub(crate) scene: Arc<Scene>,
     /// The bake settings of its project.
     pub(crate) patch: SettingsPatch,
-    /// What had to be left out.
+    /// What was left out.
     pub(crate) warnings: Warnings,
 }
 
@@ -42,14 +42,14 @@ pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
     Ok(Loaded { scene: Arc::new(scene), patch, warnings })
 }
 
-/// As [`load`], and tells the warnings.
+/// Like [`load`], and reports the warnings.
 pub(crate) fn load_and_warn(args: &SceneArgs, console: &Console) -> anyhow::Result<Loaded> {
     let loaded = load(args)?;
     for warning in loaded.warnings.iter().take(MAX_WARNINGS) {
         console.warning(&warning.to_string());
     }
     if let Some(more) = loaded.warnings.len().checked_sub(MAX_WARNINGS).filter(|&n| n > 0) {
-        console.warning(&format!("{more} more about this scene; see `lumel info {}`", args.scene));
+        console.warning(&format!("{more} more warnings about this scene; see `lumel info {}`", args.scene));
     }
     Ok(loaded)
 }
@@ -101,9 +101,9 @@ pub(crate) fn check_shines(scene: &Scene, emitters: EmitterSampling) -> anyhow::
     if surfaces || !scene.sky().is_zero() || scene.lights().iter().any(shines) {
         return Ok(());
     }
-    let but = if emissive { " once --no-emissive leaves out its emissive surfaces" } else { "" };
+    let but = if emissive { " with --no-emissive" } else { "" };
     Err(hinted(
-        format!("nothing shines in scene \"{}\"{but}", scene.name()),
+        format!("nothing emits light in scene \"{}\"{but}", scene.name()),
         format!("add a light, for example --light '{}', or a sky, --sky 1,1,1", light_for(scene)),
     ))
 }
@@ -118,7 +118,7 @@ fn shines(light: &Light) -> bool {
     power != Vec3::ZERO
 }
 
-/// A light that looks down, a fifth as wide as the scene: below the top of a room, above what is flat.
+/// A light that faces down, a fifth as wide as the scene: below the top of a room, above a flat scene.
 fn light_for(scene: &Scene) -> String {
     let bounds = scene.bounds();
     let size = bounds.max - bounds.min;
@@ -136,7 +136,7 @@ fn light_for(scene: &Scene) -> String {
     )
 }
 
-/// The files that a scene is read from, as far as they are named on the command line or in the project.
+/// The files of a scene that the command line or the project names.
 pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
     let path = Path::new(scene);
     let mut files = vec![path.to_owned()];
@@ -148,14 +148,14 @@ pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
     files
 }
 
-/// The name of a scene for its files: that of the file it comes from, without extensions.
+/// The name of a scene for output files: its file name without extensions.
 pub(crate) fn file_stem(scene: &str) -> String {
     let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
     let stem = stem.strip_suffix(".lumel").unwrap_or(&stem);
     if stem.is_empty() { "scene".to_owned() } else { stem.to_owned() }
 }
 
-/// Advice for light that does not fit its scene.
+/// Adds a hint to the error for light that does not match the scene.
 pub(crate) fn light_hint(error: LightFileError) -> anyhow::Error {
     match error {
         LightFileError::OtherScene { .. } | LightFileError::OtherPositions { .. } => belongs_hint(error),
@@ -163,9 +163,9 @@ pub(crate) fn light_hint(error: LightFileError) -> anyhow::Error {
     }
 }
 
-/// Advice for a solution that does not fit its scene.
+/// Adds a hint to the error for a solution that does not match the scene.
 pub(crate) fn belongs_hint(error: impl Into<anyhow::Error>) -> anyhow::Error {
-    with_hint(error, "give the scene with the --max-edge and --subdivide of the bake")
+    with_hint(error, "use the scene with the --max-edge and --subdivide of the bake")
 }
 
 #[cfg(test)]

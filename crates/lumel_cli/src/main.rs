@@ -38,7 +38,7 @@ fn main() -> ExitCode {
     ExitCode::from(guarded(&console, || commands::run(&cli.command, &console)))
 }
 
-/// Runs a command and tells what went wrong, even if that is lumel's own fault. Returns the exit code.
+/// Runs a command and reports errors, including panics. Returns the exit code.
 fn guarded(console: &Arc<Console>, run: impl FnOnce() -> anyhow::Result<Outcome>) -> u8 {
     let bugs = failure::catch_panic_messages();
     let result = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| Err(bugs.take()));
@@ -52,7 +52,7 @@ fn guarded(console: &Arc<Console>, run: impl FnOnce() -> anyhow::Result<Outcome>
 }
 
 impl Command {
-    /// How messages are to be written for this command.
+    /// How messages of this command are written.
     fn messages(&self) -> console::Messages {
         match self {
             Self::Bake(args) => args.run.progress.messages(),

@@ -1,11 +1,11 @@
 //! How a command ends.
 
-/// How a command ended that did not fail.
+/// How a command ended without failing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// All is well.
+    /// Done.
     Done,
-    /// Done, but with what the user asked to be told of: warnings, or a difference above a limit.
+    /// Done, but with warnings under `--strict`, or with a difference above the limit.
     Objected,
     /// Stopped by the user.
     Cancelled,

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// What a file holds.
+/// What a file contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     /// The solution.
@@ -18,9 +18,9 @@ enum Format {
     Glb,
     /// The lit mesh.
     Ply,
-    /// The lit mesh without irradiance, and files beside it.
+    /// The lit mesh without irradiance, with its material and texture files.
     Obj,
-    /// Irradiance over π.
+    /// Irradiance divided by π.
     Rad,
     /// A picture.
     Png,
@@ -39,13 +39,13 @@ const FORMATS: [(&str, Format); 6] = [
 /// A file to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Output {
-    /// Where.
+    /// Its path.
     pub(crate) path: PathBuf,
     format: Format,
 }
 
 impl Output {
-    /// A file whose extension tells the format.
+    /// A file whose extension selects the format.
     pub(crate) fn new(path: &Path) -> anyhow::Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let Some((_, format)) = FORMATS.iter().find(|(known, _)| *known == extension) else {
@@ -64,7 +64,7 @@ impl Output {
         self.format == Format::Png
     }
 
-    /// Checks that what is written beside it replaces no files of others.
+    /// Checks that the additional files of this format do not replace existing foreign files.
     pub(crate) fn check_company(&self) -> anyhow::Result<()> {
         if self.format == Format::Obj {
             check_obj(&self.path)?;
@@ -98,7 +98,7 @@ impl Output {
     }
 }
 
-/// Checks before hours of baking that all files can be written and that none would replace what it is made from.
+/// Checks before a long bake that all files can be written and that none would replace a source of the scene.
 pub(crate) fn check(paths: &[&Path], sources: &[PathBuf]) -> anyhow::Result<()> {
     let sources: Vec<PathBuf> = sources.iter().filter_map(|path| path.canonicalize().ok()).collect();
     let mut seen = Vec::new();
@@ -117,7 +117,7 @@ pub(crate) fn check(paths: &[&Path], sources: &[PathBuf]) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// Checks that a file can be written, by writing another beside it.
+/// Checks that a file can be written by creating a temporary one in its folder.
 pub(crate) fn check_writable(path: &Path) -> anyhow::Result<()> {
     let folder = folder_of(path);
     if path.file_name().is_none() || path.is_dir() {
@@ -144,7 +144,7 @@ pub(crate) fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The cause without the name of a file that no user has heard of.
+/// The cause without the name of the temporary file.
 trait InnerError {
     fn into_inner_error(self) -> std::io::Error;
 }

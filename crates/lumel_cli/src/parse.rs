@@ -5,31 +5,31 @@ use lumel::{Camera, RectLight, spec};
 use lumel_render_cpu::{MAX_PIXELS, Show, ToneMapper};
 use std::ops::RangeInclusive;
 
-/// How a light is written.
+/// An example of a light.
 const LIGHT_EXAMPLE: &str = "rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10";
-/// How a camera is written.
+/// An example of a camera.
 const CAMERA_EXAMPLE: &str = "position=0,1,3 target=0,1,0 fov=50";
 
 /// What a picture can show.
 pub(crate) fn named_show() -> impl TypedValueParser<Value = Show> {
     let values = [
-        ("radiance", "what the eye would see"),
-        ("irradiance", "the light that arrives, as on white surfaces"),
-        ("albedo", "the share that surfaces reflect"),
-        ("normals", "where surfaces look: red is +x, green +y, blue +z"),
-        ("false-color", "luminance of the irradiance as colours, with a legend"),
+        ("radiance", "the lit scene as the eye would see it"),
+        ("irradiance", "the arriving light, as on white surfaces"),
+        ("albedo", "the reflected fraction"),
+        ("normals", "the directions surfaces face: red is +x, green +y, blue +z"),
+        ("false-color", "luminance of the irradiance in false colour, with a legend"),
     ];
     PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
         .try_map(|name| name.parse::<Show>())
 }
 
-/// The curves from light to pixels.
+/// The tone curves.
 pub(crate) fn named_tone() -> impl TypedValueParser<Value = ToneMapper> {
     let values = [
-        ("none", "cut off: proportional to light until white"),
-        ("reinhard", "compress luminance, keep hue and saturation"),
-        ("aces", "contrast of film"),
-        ("agx", "softer than film, hues hold longer"),
+        ("none", "linear, clipped at white"),
+        ("reinhard", "compresses luminance, keeps hue and saturation"),
+        ("aces", "the contrast of film"),
+        ("agx", "softer than film, keeps hues longer"),
     ];
     PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
         .try_map(|name| name.parse::<ToneMapper>())
@@ -39,13 +39,13 @@ fn finite(text: &str) -> Result<f32, String> {
     spec::number(text).map_err(|error| error.to_string())
 }
 
-/// A length above zero, metres.
+/// A positive length, metres.
 pub(crate) fn length(text: &str) -> Result<f32, String> {
     let length = finite(text)?;
-    if length > 0.0 { Ok(length) } else { Err("a length must be above zero".to_owned()) }
+    if length > 0.0 { Ok(length) } else { Err("a length must be greater than zero".to_owned()) }
 }
 
-/// The largest error that is allowed: zero or more.
+/// The largest allowed error, zero or more.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
     if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("it must be zero or more".to_owned()) }
@@ -64,7 +64,7 @@ pub(crate) fn light(text: &str) -> Result<RectLight, String> {
     spec::light(text).map_err(|error| format!("{error}\n  hint: for example --light '{LIGHT_EXAMPLE}'"))
 }
 
-/// A viewpoint: the name of a camera of the scene or where to look from.
+/// A viewpoint: a camera of the scene by name, or an explicit camera.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum CameraChoice {
     /// By name.
@@ -87,10 +87,10 @@ pub(crate) fn camera(text: &str) -> Result<CameraChoice, String> {
 pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let [width, height]: [u32; 2] =
-        sides.ok_or_else(|| "a size is written WIDTHxHEIGHT, such as 1280x720".to_owned())?;
+        sides.ok_or_else(|| "the size must be WIDTHxHEIGHT, for example 1280x720".to_owned())?;
     match u64::from(width) * u64::from(height) {
         1..=MAX_PIXELS => Ok([width, height]),
-        0 => Err("a picture needs pixels".to_owned()),
+        0 => Err("an image needs at least one pixel".to_owned()),
         _ => Err(format!("the limit is {MAX_PIXELS} pixels")),
     }
 }
@@ -100,8 +100,8 @@ pub(crate) fn range(text: &str) -> Result<[f32; 2], String> {
     let numbers = text.split(',').map(finite).collect::<Result<Vec<f32>, String>>()?;
     match numbers[..] {
         [lo, hi] if lo < hi => Ok([lo, hi]),
-        [_, _] => Err("the second number must be the larger one".to_owned()),
-        _ => Err("two numbers lo,hi are needed".to_owned()),
+        [_, _] => Err("the second number must be the larger".to_owned()),
+        _ => Err("two numbers lo,hi are required".to_owned()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Pictures as PNG files.
+//! Images as PNG files.
 
 use anyhow::Context;
 use glam::Vec3;
@@ -8,7 +8,7 @@ use lumel_render_cpu::{Display, Picture, Resolution, VertexLight, View, camera_f
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// The size of pictures that are not told otherwise.
+/// The default size, pixels.
 const DEFAULT_SIZE: [u32; 2] = [960, 720];
 
 /// What to draw.
@@ -19,7 +19,7 @@ pub(crate) struct Subject<'a> {
     pub(crate) tracer: &'a dyn RayTracer,
     /// Irradiance at the vertices, W·m⁻².
     pub(crate) light: &'a [Vec3],
-    /// From where.
+    /// The viewpoint.
     pub(crate) camera: &'a Camera,
 }
 
@@ -41,14 +41,14 @@ pub(crate) fn write(
         ("Software", concat!("lumel ", env!("CARGO_PKG_VERSION"))),
         ("Comment", &comment),
     ];
-    // A PNG text ends at a zero.
+    // A PNG text ends at a zero byte.
     let texts = texts.map(|(key, text)| (key, text.replace('\0', " ")));
     let texts = texts.each_ref().map(|(key, text)| (*key, text.as_str()));
     write_png(path, picture.width(), picture.height(), picture.pixels(), &texts)?;
     Ok(picture)
 }
 
-/// Draws and writes the picture that comes with a bake.
+/// Draws and writes the image of a bake.
 pub(crate) fn write_default(
     path: &Path,
     scene: &Scene,

@@ -8,25 +8,26 @@ use lumel_basis::PointReceivers;
 use lumel_export::{ArrayData, NpzReader};
 use std::path::Path;
 
-/// Points and the directions they look in.
+/// Points and their normals.
 #[derive(Debug)]
 pub(crate) struct Points {
     /// Metres.
     pub(crate) positions: Vec<Vec3>,
-    /// Of any length but zero.
+    /// Of any non-zero length.
     pub(crate) normals: Vec<Vec3>,
 }
 
 impl Points {
-    /// The points of the command line or of the file it names.
+    /// The points from the command line or from the file that it names.
     pub(crate) fn from_args(args: &MeasureArgs) -> anyhow::Result<Self> {
         if let Some(file) = &args.points_file {
             return Self::read(file);
         }
         let (positions, normals) = (args.points.clone(), args.normals.clone());
         if positions.len() != normals.len() {
-            let message = format!("{} --point and {} --normal are given", positions.len(), normals.len());
-            return Err(hinted(message, "give a --normal for each --point, in the same order"));
+            let message =
+                format!("there are {} --point but {} --normal options", positions.len(), normals.len());
+            return Err(hinted(message, "add one --normal for each --point, in the same order"));
         }
         Ok(Self { positions, normals })
     }
@@ -44,11 +45,11 @@ impl Points {
         Ok(Self { positions, normals })
     }
 
-    /// The receivers there.
+    /// The receivers at the points.
     pub(crate) fn receivers(&self) -> anyhow::Result<PointReceivers> {
         let pairs = self.positions.iter().copied().zip(self.normals.iter().copied());
         PointReceivers::new(pairs)
-            .map_err(|i| anyhow::anyhow!("point {i} is not finite or its normal has no direction"))
+            .map_err(|i| anyhow::anyhow!("point {i} is not finite, or its normal has no direction"))
     }
 }
 

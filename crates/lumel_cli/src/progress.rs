@@ -1,4 +1,4 @@
-//! What the program is doing, for people and for programs.
+//! Progress, as a bar, as text and as JSON.
 
 use crate::args::ProgressMode;
 use crate::clock::Clock;
@@ -13,7 +13,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Steps of a bar: enough to move smoothly.
+/// Steps of the bar: enough for smooth movement.
 const BAR_STEPS: u64 = 1000;
 
 /// How progress is shown.
@@ -23,7 +23,7 @@ enum Display {
     Json,
 }
 
-/// Shows progress from a thread of its own, until it is dropped.
+/// Shows progress from its own thread until it is dropped.
 pub(crate) struct Progress {
     shared: Option<Arc<Shared>>,
     ticker: Option<JoinHandle<()>>,
@@ -38,14 +38,14 @@ struct Shared {
     ended: Condvar,
 }
 
-/// What is going on.
+/// The current activity.
 #[derive(Default)]
 struct State {
     ended: bool,
     phase: String,
     /// Follows the solve, while the phase is one of its steps.
     tracker: Option<Arc<Mutex<Tracker>>>,
-    /// The last phase that was told of by its name alone.
+    /// The last phase that was reported by name only.
     told: Option<String>,
 }
 
@@ -77,13 +77,13 @@ impl Progress {
             ended: Condvar::new(),
         });
         let ticking = Arc::clone(&shared);
-        // A system without threads to spare does without the display.
+        // If no thread can be started, there is no display.
         let ticker =
             std::thread::Builder::new().name("progress".into()).spawn(move || ticking.tick(interval));
         Self { shared: Some(shared), ticker: ticker.ok() }
     }
 
-    /// Something that is no step of a solve begins: "build".
+    /// A phase outside the solve begins, such as "build".
     pub(crate) fn phase(&self, name: &str) {
         if let Some(shared) = &self.shared {
             shared.enter(name.to_owned(), None);

@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Formatting of numbers for people.
 
 /// Seconds: `1.23 s`, `4 min 05 s`, `3 h 12 min`.
 pub(crate) fn duration(seconds: f64) -> String {
@@ -30,7 +30,7 @@ pub(crate) fn bytes(bytes: u64) -> String {
     format!("{size:.decimals$} {}", UNITS[unit])
 }
 
-/// A share in percent.
+/// A fraction as a percentage.
 pub(crate) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 || percent >= 0.1 { format!("{percent:.1} %") } else { format!("{percent:.2} %") }

@@ -1,4 +1,4 @@
-//! What is in a scene, for people and for programs.
+//! The contents of a scene, as text and as JSON.
 
 mod text;
 
@@ -6,7 +6,7 @@ use lumel::{Light, Scene};
 use lumel_scene::{Barycentrics, MaterialId, Sides, SurfacePoint, TextureRef, TriId};
 use serde::Serialize;
 
-/// The content of a scene. Lengths in metres, light in W and W·m⁻²·sr⁻¹ (lumen and nits if it is photometric).
+/// The contents of a scene. Lengths in metres, light in W and W·m⁻²·sr⁻¹ (lumen and nits if it is photometric).
 #[derive(Debug, Serialize)]
 pub(crate) struct SceneReport {
     name: String,
@@ -16,7 +16,7 @@ pub(crate) struct SceneReport {
     materials: Vec<MaterialReport>,
     bounds: [[f32; 3]; 2],
     size: [f32; 3],
-    /// All lit sides, m².
+    /// Area of all lit sides, m².
     area: f64,
     lights: Vec<LightReport>,
     emissive: Emissive,
@@ -29,9 +29,9 @@ pub(crate) struct SceneReport {
 #[derive(Debug, Serialize)]
 struct Triangles {
     total: usize,
-    /// Those that rays meet.
+    /// Those that rays can hit.
     traced: usize,
-    /// Second sides of two-sided ones.
+    /// Back faces of two-sided triangles.
     back_sides: usize,
 }
 
@@ -64,7 +64,7 @@ enum LightReport {
     Directional { direction: [f32; 3], irradiance: [f32; 3] },
 }
 
-/// Surfaces that shine.
+/// Emissive surfaces.
 #[derive(Debug, Serialize)]
 struct Emissive {
     triangles: usize,
@@ -81,7 +81,7 @@ struct CameraReport {
 }
 
 impl SceneReport {
-    /// Looks through a scene.
+    /// Describes a scene.
     pub(crate) fn new(scene: &Scene, warnings: Vec<String>) -> Self {
         let tris = || (0..scene.triangle_count() as u32).map(TriId);
         let bounds = scene.bounds();

@@ -1,4 +1,4 @@
-//! What bakes and measurements have in common: threads, signals, progress and the solve.
+//! What bakes and measurements share: threads, signals, progress and the solve.
 
 use crate::args::{ProgressMode, ThreadArgs};
 use crate::checkpoint::Checkpoint;
@@ -18,13 +18,13 @@ pub(crate) fn thread_pool(args: &ThreadArgs) -> anyhow::Result<ThreadPool> {
     ThreadPoolBuilder::new().num_threads(threads).build().context("cannot start the threads")
 }
 
-/// A run of a command that takes its time.
+/// A run of a long command.
 pub(crate) struct Session {
     /// Where messages go.
     pub(crate) console: Arc<Console>,
-    /// Whether the user wants it to stop.
+    /// Requests to stop.
     pub(crate) interrupt: Interrupt,
-    /// What is displayed meanwhile.
+    /// The progress display.
     pub(crate) progress: Progress,
     /// Its time.
     pub(crate) clock: Clock,
@@ -32,16 +32,16 @@ pub(crate) struct Session {
 
 /// What a solve did.
 pub(crate) struct SolveLog {
-    /// Each step and its seconds, without those of its checkpoint.
+    /// Each step and its seconds, without its checkpoint.
     pub(crate) steps: Vec<(Step, f64)>,
-    /// All seconds of the solve but those of checkpoints.
+    /// Seconds of the solve without checkpoints.
     pub(crate) seconds: f64,
     /// Seconds for checkpoints.
     pub(crate) checkpoint_seconds: f64,
 }
 
 impl Session {
-    /// Begins.
+    /// Starts a session.
     pub(crate) fn start(mode: ProgressMode, console: &Arc<Console>) -> anyhow::Result<Self> {
         let clock = Clock::start();
         let interrupt = Interrupt::listen(console)?;
@@ -57,7 +57,7 @@ impl Session {
         (result, self.clock.seconds() - begun)
     }
 
-    /// Solves, going on from `state`. `Ok(None)` when it was cancelled.
+    /// Solves, resuming from `state`. `Ok(None)` if cancelled.
     pub(crate) fn solve(
         &self,
         baker: &Baker,
@@ -88,7 +88,7 @@ impl Session {
     }
 }
 
-/// Follows a solve.
+/// Observes a solve.
 struct Watch<'a> {
     session: &'a Session,
     baker: &'a Baker,

@@ -16,11 +16,11 @@ use std::path::PathBuf;
 
 /// Bakes diffuse global illumination into the vertices of a mesh.
 ///
-/// lumel computes how light bounces between diffuse surfaces and stores the irradiance that arrives at every vertex,
-/// bounce by bounce, in W/m² (lux where a scene's lights are photometric). Metres, +Y up, linear Rec. 709.
+/// lumel computes how light bounces between diffuse surfaces and stores the irradiance at every vertex, bounce by
+/// bounce, in W/m² (in lux if the lights of the scene are photometric). Metres, +Y up, linear Rec. 709.
 ///
-/// Results go to the standard output, messages to the standard error stream. Exit codes: 0 done; 1 done, but with
-/// warnings under --strict or a difference above --max-error; 2 failed; 130 cancelled.
+/// Results are written to standard output, messages to standard error. Exit codes: 0 done; 1 done, but with warnings
+/// under --strict or a difference above --max-error; 2 failed; 130 cancelled.
 #[derive(Debug, Parser)]
 #[command(name = "lumel", version, max_term_width = 100, args_override_self = true, after_help = EXAMPLES)]
 pub(crate) struct Cli {
@@ -46,15 +46,15 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Open the viewer: fly through a scene, move lights and watch the light arrive
     ///
-    /// Runs the program lumel-view that lies beside lumel, else the one on the path, with all that follows;
-    /// `lumel view --help` is its help.
+    /// Runs lumel-view from the folder of lumel, or else from the path, with all arguments that follow; `lumel view
+    /// --help` prints its help.
     #[command(disable_help_flag = true, after_help = "Example:\n  lumel view atrium")]
     View {
-        /// A scene and options of lumel-view.
+        /// A scene and options for lumel-view.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<OsString>,
     },
-    /// Print a script that completes lumel's command lines in a shell
+    /// Print a shell completion script
     #[command(
         after_help = "Example:\n  lumel completions bash > ~/.local/share/bash-completion/completions/lumel"
     )]
@@ -62,21 +62,21 @@ pub(crate) enum Command {
         /// The shell.
         shell: Shell,
     },
-    /// Print the manual page, or write one for each command
+    /// Print the manual page, or write one page per command
     #[command(after_help = "Example:\n  lumel man | man -l -")]
     Man {
-        /// Folder for the pages lumel.1, lumel-bake.1 and so on; without it lumel.1 is printed.
+        /// Folder for lumel.1, lumel-bake.1 and so on; if omitted, lumel.1 is printed.
         dir: Option<PathBuf>,
     },
 }
 
 /// Compute the light in a scene and write it to files.
 ///
-/// Direct light comes first, then one bounce after the other until there are enough or the rest is negligible.
-/// Equal scenes and settings give the same bits on any number of threads.
+/// Direct light comes first, then one bounce after another, up to the requested number or until the remainder is
+/// negligible. The same scene and settings give the same bits on any number of threads.
 ///
-/// After each bounce the state is kept in NAME.checkpoint.npz beside the first output, which is removed when all is
-/// done. After Ctrl-C, or worse, go on with --resume.
+/// After each bounce, the state is saved as NAME.checkpoint.npz next to the first output; the file is removed when the
+/// bake is done. After Ctrl-C or a crash, continue with --resume.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -89,24 +89,23 @@ pub(crate) struct BakeArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
 
-    /// A file to write, any number of times; its extension tells the format.
+    /// A file to write; its extension selects the format. May be repeated.
     ///
-    /// .npz: all bounces as NumPy arrays, for every other command. .glb, .ply: the lit mesh. .obj: the lit mesh in
-    /// colours only, with NAME.mtl and NAME_textures beside it. .rad: irradiance over π per vertex. .png: a picture,
-    /// as `lumel render` draws it by default.
+    /// .npz: all bounces as NumPy arrays, which the other commands read. .glb, .ply: the lit mesh. .obj: the lit mesh
+    /// with colours only, and next to it NAME.mtl and NAME_textures. .rad: irradiance divided by π per vertex. .png: an
+    /// image, as `lumel render` draws it by default.
     ///
-    /// Without any, NAME.npz is written into the current folder, where NAME is that of the scene. Existing files are
-    /// replaced, but only by whole ones.
+    /// By default, NAME.npz is written to the current folder, where NAME is the name of the scene. An existing file is
+    /// replaced only when the new one is complete.
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) outputs: Vec<PathBuf>,
 
     #[command(flatten)]
     pub(crate) settings: SettingsArgs,
 
-    /// Go on from a checkpoint or solution with the same scene, lights and settings.
+    /// Continue from a checkpoint or solution of the same scene, lights and settings.
     ///
-    /// Only --bounces, --remainder and --tail may differ. The result has the same bits as that of a bake that was
-    /// never interrupted.
+    /// Only --bounces, --remainder and --tail may differ. The result has the same bits as an uninterrupted bake.
     #[arg(long, value_name = "FILE.npz", help_heading = "Run")]
     pub(crate) resume: Option<PathBuf>,
 
@@ -118,10 +117,10 @@ pub(crate) struct BakeArgs {
     pub(crate) json: bool,
 }
 
-/// Draw a scene in the light of a solution.
+/// Render an image of a scene lit by a solution.
 ///
-/// Give the scene with the same --max-edge and --subdivide as for the bake: the solution must fit its vertices.
-/// Materials and lights may have changed since; you are warned if they have.
+/// Use the same scene, --max-edge and --subdivide as for the bake: the solution must match the vertices. Materials and
+/// lights may have changed since the bake; lumel warns if they have.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -134,66 +133,66 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
 
-    /// The light: an .npz file of `lumel bake`, or a .rad file.
+    /// The light: an .npz file from `lumel bake`, or a .rad file.
     ///
-    /// Needed unless albedo or normals are shown.
+    /// Required unless albedo or normals are shown.
     #[arg(long, value_name = "FILE", required_unless_present = "show")]
     pub(crate) solution: Option<PathBuf>,
 
-    /// The picture to write, a .png file.
+    /// The image to write, a .png file.
     #[arg(short, long, value_name = "IMAGE.png")]
     pub(crate) output: PathBuf,
 
-    /// Size of the picture in pixels.
+    /// Size of the image in pixels.
     #[arg(long, value_name = "WxH", default_value = "960x720", value_parser = parse::size)]
     pub(crate) size: [u32; 2],
 
-    /// Rays per pixel; powers of two are spread best.
+    /// Rays per pixel; powers of two are distributed best.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = parse::count(1..=MAX_SAMPLES))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) samples: u32,
 
-    /// Where to look from: a camera of the scene by name, or 'position=x,y,z target=x,y,z fov=deg'.
+    /// The camera: a camera of the scene by name, or 'position=x,y,z target=x,y,z fov=deg'.
     ///
-    /// Positions are in metres, fov is the vertical field of view in degrees (default 60); up=x,y,z may be added
-    /// (default 0,1,0). Without --camera: the scene's first camera, or one that suits the scene.
+    /// Positions are in metres; fov is the vertical field of view in degrees (default 60); up=x,y,z is optional
+    /// (default 0,1,0). Without --camera: the first camera of the scene, or else one chosen to suit the scene.
     #[arg(long, value_name = "NAME|VIEW", value_parser = parse::camera)]
     pub(crate) camera: Option<CameraChoice>,
 
-    /// Which light: after K reflections (0 is direct light), or the sum of all.
+    /// The bounce to show: the light after K reflections (0: direct light), or the sum of all.
     #[arg(long, value_name = "K|sum", default_value = "sum", value_parser = parse_bounce)]
     pub(crate) bounce: SolutionSelection,
 
-    /// What to show.
+    /// The quantity to show.
     #[arg(long, value_name = "WHAT", default_value = "radiance", value_parser = parse::named_show())]
     pub(crate) show: Show,
 
-    /// Exposure in stops (EV): light is multiplied by 2^EV; auto meters the scene. Of radiance and irradiance.
+    /// Exposure in stops (EV): light is multiplied by 2^EV; auto meters the scene. For radiance and irradiance.
     #[arg(long, value_name = "EV|auto", default_value = "auto", allow_negative_numbers = true)]
     pub(crate) exposure: Exposure,
 
-    /// How light brighter than the screen is shown. Of radiance and irradiance.
+    /// The tone curve for light brighter than the screen. For radiance and irradiance.
     #[arg(long, value_name = "CURVE", default_value = "agx", value_parser = parse::named_tone())]
     pub(crate) tone: ToneMapper,
 
-    /// Irradiance at both ends of the false colours, W/m²; the range of what is seen by default.
+    /// Irradiance at both ends of the false-colour scale, W/m². [default: the range in view]
     #[arg(long, value_name = "LO,HI", value_parser = parse::range, allow_hyphen_values = true)]
     pub(crate) range: Option<[f32; 2]>,
 
     #[command(flatten)]
     pub(crate) threads: ThreadArgs,
 
-    /// Exit with 1 if there are warnings.
+    /// Exit with code 1 if there are warnings.
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
 /// Measure the irradiance at points.
 ///
-/// The bounces are solved at the vertices, or taken from --solution; each point then gathers them afresh, without
-/// interpolating between vertices. The standard error tells the noise of that gather.
+/// The bounces are solved at the vertices or read from --solution; each point then gathers light with its own rays,
+/// without interpolation between vertices. The standard error is the noise of this gather.
 ///
-/// Prints a table; --json or -o give all bounces.
+/// Prints a table; use --json or -o for all bounces.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -205,26 +204,26 @@ pub(crate) struct MeasureArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
 
-    /// A point, metres; on a surface or above it. Give a --normal for each.
+    /// A point, metres, on a surface or above it. Each needs a --normal. May be repeated.
     #[arg(long = "point", value_name = "X,Y,Z", value_parser = spec::vector, allow_hyphen_values = true)]
     #[arg(help_heading = "Points", required_unless_present = "points_file")]
     pub(crate) points: Vec<Vec3>,
 
-    /// The direction a point looks in, of any length; the first is that of the first point.
+    /// The normal at a point, of any length; given in the order of the points.
     #[arg(long = "normal", value_name = "X,Y,Z", value_parser = spec::direction, allow_hyphen_values = true)]
     #[arg(help_heading = "Points", requires = "points")]
     pub(crate) normals: Vec<Vec3>,
 
-    /// Points from a file with the arrays `points` and `normals`, both (n, 3).
+    /// A file of points, with the arrays `points` and `normals`, both (n, 3).
     #[arg(long = "points", id = "points_file", value_name = "FILE.npz", help_heading = "Points")]
     #[arg(conflicts_with_all = ["points", "normals"])]
     pub(crate) points_file: Option<PathBuf>,
 
-    /// Write `points`, `normals`, `irradiance`, `bounces`, `standard_error` and `bounce_errors` to this file.
+    /// A file to write `points`, `normals`, `irradiance`, `bounces`, `standard_error` and `bounce_errors` to.
     #[arg(short, long, value_name = "FILE.npz")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Take the bounces and settings of this solution instead of solving.
+    /// Use the bounces and settings of this solution instead of solving.
     #[arg(long, value_name = "FILE.npz")]
     #[arg(conflicts_with_all = ["basis", "bounces", "remainder", "tail", "preset", "emitters", "no_emissive"])]
     pub(crate) solution: Option<PathBuf>,
@@ -235,14 +234,14 @@ pub(crate) struct MeasureArgs {
     #[command(flatten)]
     pub(crate) run: RunArgs,
 
-    /// Print all numbers as one JSON object.
+    /// Print all results as one JSON object.
     #[arg(long, help_heading = "Run")]
     pub(crate) json: bool,
 }
 
-/// Say what is in a scene.
+/// Describe the contents of a scene.
 ///
-/// Sizes, materials, lights and cameras, and in warnings everything that had to be left out.
+/// Prints sizes, materials, lights and cameras, and warns about everything that was left out.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -256,16 +255,17 @@ pub(crate) struct InfoArgs {
     #[arg(long)]
     pub(crate) json: bool,
 
-    /// Exit with 1 if there are warnings.
+    /// Exit with code 1 if there are warnings.
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
-/// Say how much two solutions differ.
+/// Compare two solutions.
 ///
-/// Bounce by bounce and in sum. RMSE is the root of the mean squared difference over vertices and channels, W/m²; the relative RMSE is that over
-/// the root of the mean square of B. Mean ratio is the mean of A over that of B. Percentiles are those of |A − B|
-/// over the mean of B. Every vertex counts the same; those that lie inside geometry in A or B do not count.
+/// Prints the differences for each bounce and for the sum. RMSE: the root mean square difference over vertices and
+/// channels, W/m². Relative RMSE: RMSE divided by the root mean square of B. Mean ratio: the mean of A divided by the
+/// mean of B. Percentiles: of |A − B| divided by the mean of B. All vertices have equal weight; vertices that lie inside
+/// geometry in A or B are excluded.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -273,15 +273,15 @@ Examples:
   lumel compare quick.npz reference.npz --max-error 0.02
   lumel compare other-program.rad reference.npz --json")]
 pub(crate) struct CompareArgs {
-    /// A solution: .npz of `lumel bake`, or .rad.
+    /// A solution: an .npz file from `lumel bake`, or a .rad file.
     #[arg(value_name = "A")]
     pub(crate) a: PathBuf,
 
-    /// What it is compared with, of the same scene.
+    /// The solution to compare it with, of the same scene.
     #[arg(value_name = "B")]
     pub(crate) b: PathBuf,
 
-    /// Exit with 1 if the relative RMSE of the sum is above this: 0.01 is one percent.
+    /// Exit with code 1 if the relative RMSE of the sum is above this; 0.01 is one percent.
     #[arg(long, value_name = "X", value_parser = parse::tolerance, allow_negative_numbers = true)]
     pub(crate) max_error: Option<f64>,
 

@@ -16,37 +16,37 @@ pub(crate) struct SceneArgs {
     #[arg(value_name = "SCENE", long_help = scene_help())]
     pub(crate) scene: String,
 
-    /// A rectangle light 'rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b', any number of times.
+    /// A rectangle light: 'rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b'. May be repeated.
     ///
-    /// u and v are half of its edges, metres, perpendicular; light leaves on the u × v side. radiance is in
-    /// W/(m² sr). The lights given here replace those of the scene or project; emissive surfaces and sky stay.
+    /// u and v are half of each edge, metres, and perpendicular; the light emits towards u × v. radiance is in
+    /// W/(m² sr). These lights replace those of the scene or project; emissive surfaces and the sky remain.
     #[arg(long = "light", value_name = "LIGHT", value_parser = parse::light, help_heading = "Scene")]
     pub(crate) lights: Vec<RectLight>,
 
-    /// Radiance from outside the scene in all directions, W/(m² sr); replaces that of the scene.
+    /// Radiance that arrives from outside the scene from all directions, W/(m² sr); replaces the sky of the scene.
     #[arg(long, value_name = "R,G,B", value_parser = spec::color, help_heading = "Scene")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) sky: Option<Vec3>,
 
-    /// Split edges longer than this, metres: light is stored in vertices, and so details need them.
+    /// Split edges longer than this, metres. Light is stored at vertices: fine shadows need short edges.
     #[arg(long, value_name = "L", value_parser = parse::length, help_heading = "Scene")]
     #[arg(allow_negative_numbers = true)]
     pub(crate) max_edge: Option<f32>,
 
-    /// Halve the edges of a built-in scene this often, 0 to 5.
+    /// Halve the edges of a built-in scene this many times, 0 to 5.
     #[arg(long, value_name = "N", help_heading = "Scene")]
     #[arg(value_parser = parse::count(0..=lumel_builtin::MAX_SUBDIVIDE), allow_negative_numbers = true)]
     pub(crate) subdivide: Option<u32>,
 
-    /// Let scene and project files refer to files outside their folder.
+    /// Allow scene and project files to refer to files outside their folder.
     #[arg(long, help_heading = "Scene")]
     pub(crate) allow_outside_paths: bool,
 }
 
 fn scene_help() -> String {
     let mut help = "A mesh file (.obj, .gltf, .glb, .ply), a project file (.lumel.toml) or a built-in scene.\n\n\
-        A project file names a scene, its lights, cameras and bake settings. Built-in scenes, unless there is a file \
-        of that name:"
+        A project file specifies a scene, its lights, cameras and bake settings. Built-in scenes (a file of the same \
+        name takes precedence):"
         .to_owned();
     for name in lumel_builtin::NAMES {
         let about = lumel_builtin::describe(name).unwrap_or_default();
@@ -66,7 +66,7 @@ impl SceneArgs {
 /// How many threads.
 #[derive(Debug, Args)]
 pub(crate) struct ThreadArgs {
-    /// Number of threads; the result does not depend on it. [default: one per core]
+    /// Number of threads; does not affect the result. [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse::count(1..=MAX_THREADS), help_heading = "Run")]
     #[arg(allow_negative_numbers = true)]
     pub(crate) threads: Option<u32>,
@@ -78,11 +78,11 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) threads: ThreadArgs,
 
-    /// How progress is shown on the standard error stream.
+    /// How progress is shown on standard error.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressMode::Auto, help_heading = "Run")]
     pub(crate) progress: ProgressMode,
 
-    /// Exit with 1 if there are warnings.
+    /// Exit with code 1 if there are warnings.
     #[arg(long, help_heading = "Run")]
     pub(crate) strict: bool,
 }
@@ -90,18 +90,18 @@ pub(crate) struct RunArgs {
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ProgressMode {
-    /// A bar on a terminal, else plain lines
+    /// A bar on a terminal, plain lines elsewhere
     Auto,
     /// A line of text every few seconds
     Plain,
-    /// One JSON object a line; warnings and errors too
+    /// One JSON object per line, also for warnings and errors
     Json,
-    /// Nothing but warnings and errors
+    /// Only warnings and errors
     None,
 }
 
 impl ProgressMode {
-    /// How messages are written beside it.
+    /// How messages are written in this mode.
     pub(crate) fn messages(self) -> Messages {
         if self == Self::Json { Messages::Json } else { Messages::Text }
     }

@@ -37,7 +37,7 @@ pub(crate) fn run(args: &BakeArgs, console: &Arc<Console>) -> anyhow::Result<Out
 /// How a bake ended.
 enum Baked {
     Done(Box<Summary>),
-    /// By the user, who wants to know how to go on.
+    /// Stopped by the user; the message says how to continue.
     Stopped(String),
 }
 
@@ -48,7 +48,7 @@ struct Plan {
 }
 
 impl Plan {
-    /// Checks all that can be checked before the work begins.
+    /// Checks everything that can be checked in advance.
     fn new(args: &BakeArgs) -> anyhow::Result<Self> {
         let mut outputs =
             args.outputs.iter().map(|path| Output::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
@@ -58,7 +58,7 @@ impl Plan {
         let checkpoint = checkpoint::path_for(&outputs[0].path);
         let mut paths: Vec<&Path> = outputs.iter().map(|output| output.path.as_path()).collect();
         if paths.contains(&checkpoint.as_path()) {
-            bail!("this name is needed for the checkpoint; choose another: {}", checkpoint.display());
+            bail!("this name is reserved for the checkpoint; choose another: {}", checkpoint.display());
         }
         paths.push(&checkpoint);
         outputs::check(&paths, &load::source_files(&args.scene.scene))?;
@@ -107,7 +107,7 @@ fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Baked
     Ok(Baked::Done(Box::new(summary)))
 }
 
-/// The state to go on from.
+/// The state to resume from.
 fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
     let solution = Solution::load_for(file, baker.scene()).map_err(|error| match error {
         error @ lumel_export::SolutionError::OtherScene { .. } => load::belongs_hint(error),
@@ -117,43 +117,43 @@ fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
         let hint = match error {
             ResumeError::Settings { .. } => "only --bounces, --remainder and --tail may differ",
             ResumeError::TargetError => "leave out --resume",
-            ResumeError::Scene(_) | ResumeError::Lighting => "give the scene and lights it was baked with",
+            ResumeError::Scene(_) | ResumeError::Lighting => "use the scene and lights it was baked with",
         };
-        with_hint(anyhow::Error::new(error).context(format!("cannot go on from {}", file.display())), hint)
+        with_hint(anyhow::Error::new(error).context(format!("cannot resume from {}", file.display())), hint)
     })
 }
 
 fn warn_of_dark_faces(baker: &Baker, state: &SolveState, session: &Session) {
     let n = baker.dark_faces(state);
     if n > 0 {
-        let faces = crate::report::counted(n, "triangle stays", "triangles stay");
+        let faces = crate::report::counted(n, "visible triangle stays", "visible triangles stay");
         session.console.warning(&format!(
-            "{faces} dark though visible: all their vertices lie inside geometry; split them with a smaller --max-edge"
+            "{faces} dark because all vertices lie inside geometry; split edges with a smaller --max-edge"
         ));
     }
 }
 
-/// A target error that was missed.
+/// Warns of a missed target error.
 fn warn_of_error(state: &SolveState, session: &Session) {
     let Some(ended) = state.errors.as_ref().and_then(|errors| errors.accuracy.ended) else { return };
     let why = match ended {
         Ended::Reached => return,
-        Ended::Memory => "more rays do not fit; give more --memory",
-        Ended::Samples => "vertices have 64 times as many samples as at first; begin with more",
+        Ended::Memory => "more rays do not fit into memory; raise --memory",
+        Ended::Samples => "some vertices have 64 times the initial samples; start with more samples",
     };
-    session.console.warning(&format!("the target error is not reached: {why}"));
+    session.console.warning(&format!("the target error was not reached: {why}"));
 }
 
 fn tell_of_old_checkpoint(path: &Path, session: &Session) {
     if path.exists() {
         let name = path.display();
         session.console.note(&format!(
-            "this bake will replace the checkpoint of an earlier one; --resume {name} would go on with that"
+            "this bake will replace the checkpoint of an earlier one; to continue that one, use --resume {name}"
         ));
     }
 }
 
-/// What a user who stopped a bake wants to know.
+/// What to tell a user who stopped a bake.
 fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, first_bounce: usize) -> String {
     let n = state.bounces.len();
     if let Some(errors) = &state.errors
@@ -162,20 +162,20 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
         let rounds = crate::report::counted(errors.accuracy.rounds as usize, "round", "rounds");
         let file = checkpoint.path().display();
         return format!(
-            "stopped; the light after {rounds} of samples is in {file}, but its rays are not: a bake with \
-             --target-error begins anew"
+            "stopped; the light after {rounds} of samples is in {file}, but a bake with --target-error cannot be \
+             resumed"
         );
     }
     if let Some(file) = args.resume.as_ref().filter(|_| n == first_bounce) {
         return format!(
-            "stopped; no bounce was finished, go on as before with the same command and --resume {}",
+            "stopped; no bounce was finished; continue with the same command and --resume {}",
             file.display()
         );
     }
     match n {
-        0 => "stopped before any light was found; the same command begins anew".to_owned(),
+        0 => "stopped before direct light was finished; the same command starts again".to_owned(),
         _ if !checkpoint.is_current() => {
-            "stopped; there is no checkpoint, as it could not be written".to_owned()
+            "stopped; there is no checkpoint because it could not be written".to_owned()
         }
         _ => {
             let done = if n == 1 {
@@ -184,7 +184,7 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
                 format!("direct light and {} are", bounces(n - 1))
             };
             let file = checkpoint.path().display();
-            format!("stopped; {done} in the checkpoint, go on with the same command and --resume {file}")
+            format!("stopped; {done} in the checkpoint; continue with the same command and --resume {file}")
         }
     }
 }
@@ -193,7 +193,7 @@ fn bounces(n: usize) -> String {
     crate::report::counted(n, "bounce", "bounces")
 }
 
-/// The solution, with what it cost.
+/// The solution, with its statistics.
 fn solution(baker: &Baker, state: &SolveState, session: &Session, log: &SolveLog) -> Solution {
     let mut solution = baker.solution(state);
     solution.meta.statistics = serde_json::json!({
@@ -206,7 +206,7 @@ fn solution(baker: &Baker, state: &SolveState, session: &Session, log: &SolveLog
     solution
 }
 
-/// Writes all outputs, the first of them first. `None` when it was cancelled. All light is in the file `kept` too.
+/// Writes all outputs in order. `None` if cancelled. The file `kept` also contains all light.
 fn write(
     plan: &Plan,
     baker: &Baker,
@@ -226,7 +226,8 @@ fn write(
         }
         let bytes = result.map_err(|error| match kept {
             Some(file) => {
-                let hint = format!("the bake itself is done; go on with --resume {}", file.display());
+                let hint =
+                    format!("the bake itself is done; to write the files, use --resume {}", file.display());
                 with_hint(error, hint)
             }
             None => error,

@@ -7,7 +7,7 @@ use crate::outcome::Outcome;
 use crate::scene_report::SceneReport;
 use std::sync::Arc;
 
-/// Says what is in a scene.
+/// Describes a scene.
 pub(crate) fn run(args: &InfoArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
     let Loaded { scene, warnings, .. } = load::load(&args.scene)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();

@@ -48,15 +48,15 @@ pub(crate) fn run(args: &MeasureArgs, console: &Arc<Console>) -> anyhow::Result<
 
 fn check_output(args: &MeasureArgs, output: &Path) -> anyhow::Result<()> {
     if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
-        let message = format!("measurements are written as .npz: {}", output.display());
-        return Err(hinted(message, "use a name that ends in .npz"));
+        let message = format!("measurements can only be written as .npz: {}", output.display());
+        return Err(hinted(message, "use a file name that ends in .npz"));
     }
     let mut sources = load::source_files(&args.scene.scene);
     sources.extend(args.solution.clone());
     outputs::check(&[output], &sources)
 }
 
-/// The measurement on the threads of the pool. `None` when it was cancelled.
+/// Measures on the threads of the pool. `None` if cancelled.
 fn measure(
     args: &MeasureArgs,
     points: &Points,
@@ -75,7 +75,7 @@ fn measure(
     Ok(measure_points(&baker, &state, &receivers, session.interrupt.control()).ok())
 }
 
-/// Light that is solved now. `None` when it was cancelled.
+/// Solves for the light. `None` if cancelled.
 fn solve(
     args: &MeasureArgs,
     patch: SettingsPatch,
@@ -89,7 +89,7 @@ fn solve(
     Ok(session.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
 }
 
-/// The light of a solution, to be gathered with the samples that the command line asks for.
+/// The light of a solution, to be gathered with the sample counts from the command line.
 fn reuse(
     args: &MeasureArgs,
     file: &Path,
@@ -101,9 +101,7 @@ fn reuse(
         error => error.into(),
     })?;
     if !solution.meta.complete {
-        session
-            .console
-            .warning(&format!("this is the checkpoint of a bake that is not done: {}", file.display()));
+        session.console.warning(&format!("this is the checkpoint of an unfinished bake: {}", file.display()));
     }
     let settings = stored_settings(&solution)
         .with_context(|| format!("the settings of this solution are unknown: {}", file.display()))?;
@@ -111,9 +109,9 @@ fn reuse(
     let (baker, _) = session.timed("build", || Baker::new(Arc::clone(scene), settings));
     let mut state = baker.resume(&solution).map_err(|error| {
         let error = anyhow::Error::new(error).context(format!("cannot use {}", file.display()));
-        with_hint(error, "give the scene and lights it was baked with, or leave out --solution")
+        with_hint(error, "use the scene and lights it was baked with, or omit --solution")
     })?;
-    // All bounces are there: this only makes the tail.
+    // All bounces are present: this only computes the tail.
     if session.solve(&baker, &mut state, None)?.is_none() {
         return Ok(None);
     }
@@ -125,7 +123,7 @@ fn reuse(
     Ok(Some((gather, state)))
 }
 
-/// The settings of a solution that ask for what it holds, neither more nor less.
+/// The settings of a solution, reduced to what it contains.
 fn stored_settings(solution: &Solution) -> anyhow::Result<Settings> {
     let settings: Settings = serde_json::from_value(solution.meta.settings.clone())?;
     settings.validate()?;

@@ -20,25 +20,25 @@ use std::sync::Arc;
 pub(crate) fn run(args: &RenderArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
     let display = display(args)?;
     if !Output::new(&args.output).is_ok_and(|output| output.is_picture()) {
-        let message = format!("pictures are written as .png: {}", args.output.display());
-        return Err(hinted(message, "use a name that ends in .png"));
+        let message = format!("images can only be written as .png: {}", args.output.display());
+        return Err(hinted(message, "use a file name that ends in .png"));
     }
     outputs::check(&[&args.output], &load::source_files(&args.scene.scene))?;
     let pool = thread_pool(&args.threads)?;
     let session = Session::start(ProgressMode::None, console)?;
     let Some(picture) = pool.install(|| render(args, &display, &session))? else {
-        console.note("stopped; no picture was written");
+        console.note("stopped; no image was written");
         return Ok(Outcome::Cancelled);
     };
     console::print(&summary(args, &picture)?)?;
     Ok(console.outcome(args.strict))
 }
 
-/// How to show it. Options that would have no effect are refused.
+/// The display settings. Options without effect are rejected.
 fn display(args: &RenderArgs) -> anyhow::Result<Display> {
     let show = args.show;
     let unused = |option: &str, of: &str| {
-        hinted(format!("{option} has no effect with --show {show}"), format!("it goes with --show {of}"))
+        hinted(format!("{option} has no effect with --show {show}"), format!("use it with --show {of}"))
     };
     if args.range.is_some() && show != Show::FalseColor {
         return Err(unused("--range", "false-color"));
@@ -51,13 +51,13 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
     }
     if args.solution.is_none() && !matches!(show, Show::Albedo | Show::Normals) {
         let message = format!("--show {show} needs light");
-        return Err(hinted(message, "give a solution of `lumel bake` with --solution FILE.npz"));
+        return Err(hinted(message, "add --solution FILE.npz, a solution from `lumel bake`"));
     }
     let false_color = FalseColor { range: args.range, ..FalseColor::default() };
     Ok(Display { exposure: args.exposure, tone: args.tone, false_color, ..Display::of(show) })
 }
 
-/// The picture, written; `None` when it was cancelled.
+/// Draws and writes the image. `None` if cancelled.
 fn render(args: &RenderArgs, display: &Display, session: &Session) -> anyhow::Result<Option<Picture>> {
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, &session.console)?;
     let light = light(args, &scene, &session.console)?;
@@ -79,12 +79,12 @@ fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<
     let fitting = LightFile::irradiance_for(path, scene, args.bounce).map_err(load::light_hint)?;
     if !fitting.same_lighting {
         console.warning(&format!(
-            "materials or lights have changed since the bake of {}; the picture mixes old light with new materials",
+            "materials or lights have changed since {} was baked; the image combines old light with new materials",
             path.display()
         ));
     }
     if !fitting.complete {
-        console.warning(&format!("this is the checkpoint of a bake that is not done: {}", path.display()));
+        console.warning(&format!("this is the checkpoint of an unfinished bake: {}", path.display()));
     }
     Ok(fitting.irradiance)
 }
@@ -98,10 +98,8 @@ fn camera(choice: Option<&CameraChoice>, scene: &Scene, tracer: &dyn RayTracer) 
             found.ok_or_else(|| {
                 let names: Vec<&str> = scene.cameras().iter().map(|camera| camera.name.as_str()).collect();
                 let hint = match names.as_slice() {
-                    [] => {
-                        "it has none; say where to look from: --camera 'position=x,y,z target=x,y,z fov=deg'"
-                            .into()
-                    }
+                    [] => "it has none; specify a view with --camera 'position=x,y,z target=x,y,z fov=deg'"
+                        .into(),
                     names => format!("its cameras are {}", names.join(", ")),
                 };
                 hinted(format!("scene \"{}\" has no camera \"{name}\"", scene.name()), hint)

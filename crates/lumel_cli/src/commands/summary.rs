@@ -18,13 +18,13 @@ pub(crate) struct Summary {
     method: String,
     /// Direct light and all bounces.
     steps: Vec<StepReport>,
-    /// Bounces that were there before, direct light included.
+    /// Bounces from the checkpoint, direct light included.
     pub(crate) resumed_bounces: usize,
-    /// Share of all light that is in no bounce.
+    /// Fraction of all light that no bounce contains.
     remainder: Option<f64>,
     /// Whether an estimate of the remainder was added.
     tail: bool,
-    /// What a bake with a target error has reached.
+    /// The accuracy of a bake with a target error.
     error: Option<ErrorReport>,
     rays: u64,
     mrays_per_second: f64,
@@ -34,7 +34,7 @@ pub(crate) struct Summary {
     pub(crate) warnings: usize,
 }
 
-/// Where the time went.
+/// Times by phase.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Seconds {
     pub(crate) load: f64,
@@ -52,16 +52,16 @@ pub(crate) struct Written {
     pub(crate) bytes: u64,
 }
 
-/// A step of the solve by its name.
+/// A step of the solve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
     /// Finding vertices inside geometry.
     Validity,
     /// A bounce; 0 is direct light.
     Bounce(usize),
-    /// Measuring all light but the direct once more.
+    /// A final gather of all indirect light.
     FinalGather,
-    /// More samples for what is above the target error.
+    /// More samples where the error is above the target.
     Round(u32),
     /// Measuring the light of some emitters alone.
     Layer(u32),
@@ -70,21 +70,21 @@ pub(crate) enum Step {
 #[derive(Debug, Serialize)]
 struct StepReport {
     step: String,
-    /// None if it was done before.
+    /// `None` for a step from the checkpoint.
     seconds: Option<f64>,
     /// Share of the light of all bounces.
     share: Option<f64>,
-    /// Whether this was done several times, in rounds, which have the seconds.
+    /// Whether this is part of the rounds, which have the seconds.
     #[serde(skip)]
     in_rounds: bool,
 }
 
-/// How good a bake with a target error is. Errors are half the widths of 95 % intervals, relative.
+/// The accuracy of a bake with a target error. Errors are half the widths of 95 % intervals, relative.
 #[derive(Debug, Serialize)]
 struct ErrorReport {
     target: f64,
     target_share: f64,
-    /// Whether enough values are below the target.
+    /// Whether enough values meet the target.
     reached: bool,
     /// Why there were no more samples: "reached", "samples" or "memory".
     ended: &'static str,
@@ -121,10 +121,11 @@ impl ErrorReport {
     fn text(&self) -> [String; 2] {
         let [share, target, wanted] = [self.share, self.target, self.target_share].map(report::percent);
         let [median, worst] = [self.median, self.worst].map(report::percent);
-        let so_many = format!("accuracy: {share} of values are within {target}");
-        let outcome =
-            if self.reached { format!("{so_many}, as wanted") } else { format!("{so_many}, NOT {wanted}") };
-        [outcome, format!("error of a value, 95 % interval: half are below {median}, the worst is {worst}")]
+        let missed = if self.reached { "" } else { "; not reached" };
+        [
+            format!("accuracy: {share} of values are within {target} (target: {wanted}{missed})"),
+            format!("half-width of the 95 % interval, relative: median {median}, maximum {worst}"),
+        ]
     }
 }
 
@@ -240,8 +241,8 @@ impl Summary {
 
     fn remainder_text(&self) -> String {
         let Some(remainder) = self.remainder else { return "remainder unknown".to_owned() };
-        let fate = if self.tail { "estimated and added" } else { "left out" };
-        format!("remainder {} of the light, in further bounces, is {fate}", report::percent(remainder))
+        let fate = if self.tail { "estimated and added" } else { "not included" };
+        format!("remainder {} of the light, in further bounces: {fate}", report::percent(remainder))
     }
 }
 
@@ -252,7 +253,7 @@ impl StepReport {
         match (self.in_rounds, time, of_light) {
             (true, _, Some(light)) => format!("{} {light}", self.step),
             (_, time, light) => {
-                let time = time.unwrap_or_else(|| "done before".to_owned());
+                let time = time.unwrap_or_else(|| "from the checkpoint".to_owned());
                 let light = light.map(|light| format!(", {light}")).unwrap_or_default();
                 format!("{} {time}{light}", self.step)
             }

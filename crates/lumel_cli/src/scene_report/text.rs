@@ -1,11 +1,11 @@
-//! A scene in lines of text.
+//! A scene report as text.
 
 use super::{Emissive, LightReport, MaterialReport, SceneReport, TextureReport};
 use crate::report::{counted, significant, triple};
 
-/// Objects beyond these are only counted.
+/// Further objects are only counted.
 const MAX_OBJECTS: usize = 12;
-/// Width of the names at the left.
+/// Width of the labels on the left.
 const LABEL: usize = 12;
 
 impl SceneReport {
@@ -18,7 +18,7 @@ impl SceneReport {
             "triangles",
             &match triangles.back_sides {
                 0 => triangles.total.to_string(),
-                n => format!("{}: {} that rays meet and {n} back sides", triangles.total, triangles.traced),
+                n => format!("{}: {} front faces and {n} back faces", triangles.total, triangles.traced),
             },
         );
         page.row("vertices", &self.vertices.to_string());
@@ -39,7 +39,7 @@ impl SceneReport {
         let cameras = self.cameras.iter().map(|camera| {
             let (position, forward) = (triple(camera.position), triple(camera.forward));
             let fov = significant(f64::from(camera.fov_deg));
-            format!("\"{}\" at {position}, looks along {forward}, {fov}° high", camera.name)
+            format!("\"{}\" at {position}, facing {forward}, {fov}° vertical field of view", camera.name)
         });
         page.list("cameras", cameras);
         page.row("warnings", &self.warnings.len().to_string());
@@ -78,7 +78,7 @@ impl LightReport {
             Self::Rect { center, size, normal, radiance, power } => {
                 let [width, height] = size.map(|side| significant(f64::from(side)));
                 format!(
-                    "rectangle {width} x {height} m at {}, faces {}, {} W/(m² sr), {} W",
+                    "rectangle {width} x {height} m at {}, facing {}, {} W/(m² sr), {} W",
                     triple(*center),
                     triple(*normal),
                     triple(*radiance),
@@ -89,14 +89,14 @@ impl LightReport {
                 format!("point at {}, {} W/sr, {} W", triple(*position), triple(*intensity), triple(*power))
             }
             Self::Spot { position, direction, intensity, outer_angle_deg } => format!(
-                "spot at {}, along {}, {}° around, {} W/sr",
+                "spot at {}, facing {}, half-angle {}°, {} W/sr",
                 triple(*position),
                 triple(*direction),
                 significant(f64::from(*outer_angle_deg)),
                 triple(*intensity)
             ),
             Self::Directional { direction, irradiance } => {
-                format!("sun along {}, {} W/m²", triple(*direction), triple(*irradiance))
+                format!("directional along {}, {} W/m²", triple(*direction), triple(*irradiance))
             }
         }
     }
@@ -112,7 +112,7 @@ impl Emissive {
     }
 }
 
-/// Names at the left, what they mean beside them.
+/// Labels on the left, values on the right.
 #[derive(Default)]
 struct Page(String);
 

@@ -153,7 +153,9 @@ fn a_target_error_is_reached_and_told_and_every_value_has_its_standard_error() {
     let line = "bake sphere --bounces 2 --target-error 5% --target-share 0.9 -o a.npz";
     let run = crate::common::run(&mut place.lumel(line)).done();
     assert_eq!(place.files(), ["a.npz"], "no checkpoint is left");
-    for part in ["8 independent solves", "round 1 ", "direct ", "within 5.0 %, as wanted", "95 % interval"] {
+    for part in
+        ["8 independent solves", "round 1 ", "direct ", "within 5.0 % (target: 90.0 %)", "95 % interval"]
+    {
         assert!(run.stdout.contains(part), "no {part} in {}", run.stdout);
     }
     let solution = place.solution("a.npz");
@@ -174,8 +176,13 @@ fn a_target_error_that_is_not_reached_is_said_plainly() {
     let place = Place::new();
     let line = "bake sphere --bounces 1 --target-error 0.01% --memory 12MiB -o a.npz";
     let run = crate::common::run(&mut place.lumel(line)).done();
-    assert!(run.stdout.contains("of values are within 0.01 %, NOT 95.0 %"), "{}", run.stdout);
-    let warning = "warning: the target error is not reached: more rays do not fit; give more --memory";
+    assert!(
+        run.stdout.contains("of values are within 0.01 % (target: 95.0 %; not reached)"),
+        "{}",
+        run.stdout
+    );
+    let warning =
+        "warning: the target error was not reached: more rays do not fit into memory; raise --memory";
     assert!(run.stderr.contains(warning), "{}", run.stderr);
     assert_eq!(crate::common::run(&mut place.lumel(&format!("{line} --strict"))).code, 1);
     let line = "--target-error 1% --memory 1KiB -o b.npz";

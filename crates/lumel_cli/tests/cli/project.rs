@@ -52,7 +52,7 @@ fn a_project_brings_scene_lights_cameras_and_settings() {
     assert_eq!(info["lights"].as_array().unwrap().len(), 1);
     assert_eq!(info["cameras"][0]["name"], "door");
     // Without the project's light nothing is left.
-    run(&mut place.lumel("bake project/meshes/floor.obj -o a.npz")).failed("nothing shines");
+    run(&mut place.lumel("bake project/meshes/floor.obj -o a.npz")).failed("nothing emits light");
 }
 
 #[test]

@@ -89,8 +89,8 @@ fn lights_that_make_no_sense_say_why() {
 #[test]
 fn a_dark_scene_is_refused_with_advice() {
     let place = Place::new();
-    let run =
-        run(&mut place.lumel("bake furnace --no-emissive")).failed("nothing shines in scene \"furnace\"");
+    let run = run(&mut place.lumel("bake furnace --no-emissive"))
+        .failed("nothing emits light in scene \"furnace\"");
     assert!(run.stderr.contains("hint: add a light, for example --light 'rect center="), "{}", run.stderr);
     assert!(place.files().is_empty());
 }

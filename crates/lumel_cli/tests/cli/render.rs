@@ -65,7 +65,7 @@ fn what_cannot_be_drawn_is_refused() {
     refused("furnace --solution a.npz -o x.jpg", ".png");
     refused("furnace --solution a.npz -o x.png --bounce 9", "no bounce 9");
     refused("furnace --solution a.npz -o x.png --camera nobody", "its cameras are");
-    refused("furnace --solution a.npz -o x.png --size 0x10", "pixels");
+    refused("furnace --solution a.npz -o x.png --size 0x10", "at least one pixel");
     refused("furnace --solution a.npz -o x.png --size 99999x99999", "limit");
     refused("furnace --solution a.npz -o x.png --range 0,1", "--show false-color");
     refused("furnace --solution a.npz -o x.png --exposure nan", "exposure");

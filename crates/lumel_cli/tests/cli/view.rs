@@ -52,7 +52,7 @@ fn else_the_viewer_on_the_path_is_run() {
 #[test]
 fn without_a_viewer_one_is_told_how_to_get_it() {
     let place = place();
-    let seen = view(&place, &["atrium"]).failed("neither beside lumel nor on the path");
+    let seen = view(&place, &["atrium"]).failed("neither in the folder of lumel nor on the path");
     for command in ["cargo install --path crates/lumel_view", "cargo run --release -p lumel_view"] {
         assert!(seen.stderr.contains(command), "{}", seen.stderr);
     }
