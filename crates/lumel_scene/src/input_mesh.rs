@@ -1,18 +1,21 @@
-//! The way back from a scene to the vertices and faces it was built from.
+//! From the vertices and faces that a scene was built from to those of the scene.
 
 use crate::face_list::Origin;
 use crate::vertex_map::{Standing, VertexMap};
 use crate::{FaceSide, ObjectId, Scene, TriId, triangle};
 
-/// An object as [`SceneBuilder::build`](crate::SceneBuilder::build) was given it: which vertices and triangles of the
-/// scene stand for its own, past splitting, doubling and dropping.
+/// An object in the order in which [`SceneBuilder::build`](crate::SceneBuilder::build) received it.
 ///
-/// Faces and vertices have the numbers that they had in [`ObjectMesh`](crate::ObjectMesh) when the scene was built.
-/// [`SceneBuilder::tessellate`](crate::SceneBuilder::tessellate) keeps the numbers of vertices and adds its own after
-/// them; where it splits a vertex that has no normal, the number stays with the first of its sides. It does not keep
-/// the numbers of faces.
+/// Maps its vertices and faces to those of the scene, although building splits vertices at creases, gives two-sided
+/// faces a back and drops triangles without area.
 ///
-/// The scene stores this in a few bytes for each gap in the order; everything else is computed when it is asked for.
+/// Indices are those of the [`ObjectMesh`](crate::ObjectMesh) when the scene was built.
+/// [`SceneBuilder::tessellate`](crate::SceneBuilder::tessellate) keeps the indices of existing vertices and appends new
+/// vertices; where it splits a vertex without a normal at a crease, the index stays with the first part, and the others
+/// are among the appended ones. It does not keep the indices of faces.
+///
+/// The scene stores 8 bytes for each gap in the order: a dropped face, an unused vertex, a vertex split at a crease. A
+/// map is computed when it is requested, and nothing of it is kept.
 ///
 /// ```
 /// use lumel_scene::{Face, FaceSide, Material, MaterialId, ObjectId, ObjectMesh, SceneBuilder, Smoothing};
@@ -52,17 +55,17 @@ impl Scene {
 }
 
 impl<'a> InputMesh<'a> {
-    /// How many vertices the mesh had, used or not.
+    /// Number of vertices of the mesh, used or not.
     pub fn vertex_count(&self) -> usize {
         self.origin.vertex_count as usize
     }
 
-    /// How many faces the mesh had, dropped ones included.
+    /// Number of faces of the mesh, dropped ones included.
     pub fn face_count(&self) -> usize {
         self.origin.face_count as usize
     }
 
-    /// The scene's triangle for one side of a face; `None` if the face was dropped, or for the back of a one-sided one.
+    /// The scene's triangle for one side of a face; `None` if the face was dropped or has no such side.
     pub fn triangle(&self, face: usize, side: FaceSide) -> Option<TriId> {
         let position = self.origin.faces.position(u32::try_from(face).ok()?)?;
         self.side_of(TriId(self.origin.first_triangle + position as u32), side)
@@ -71,14 +74,14 @@ impl<'a> InputMesh<'a> {
     /// The scene's vertices at the corners of a face, in the face's own order on either side. `None` where
     /// [`InputMesh::triangle`] is.
     ///
-    /// This is exact: each corner has one vertex.
+    /// Exact, without weights: each corner has one vertex.
     pub fn corners(&self, face: usize, side: FaceSide) -> Option<[u32; 3]> {
         self.triangle(face, side).map(|tri| self.vertices_of(tri, side))
     }
 
     /// The scene's vertices that stand for each vertex of the mesh on one side of its faces.
     ///
-    /// Takes time and memory in proportion to the object.
+    /// Time and memory are proportional to the size of the object.
     pub fn vertex_map(&self, side: FaceSide) -> VertexMap {
         // Vertices of the back are copies of those of the front, one for one.
         let mut angle = vec![0.0; self.origin.vertices.len()];

@@ -20,8 +20,10 @@ pub struct VertexMap {
 pub struct Share {
     /// The scene's vertex.
     pub vertex: u32,
-    /// Its part of the angle that the kept faces of this side take up around the given vertex, 0..=1. Does not depend
-    /// on how the surface is triangulated; sums to 1 over a given vertex, up to rounding, and is 1 for a single one.
+    /// The share of its faces in the angle that all kept faces on this side span at the given vertex, 0..=1.
+    ///
+    /// Independent of the triangulation of the surface. The weights of a given vertex sum to 1 up to rounding; a single
+    /// one is exactly 1.
     pub weight: f32,
 }
 
@@ -43,7 +45,7 @@ impl VertexMap {
         map
     }
 
-    /// How many vertices were given.
+    /// Number of given vertices.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -63,9 +65,10 @@ impl VertexMap {
         (!shares.is_empty()).then_some(shares)
     }
 
-    /// What the given vertices have of a quantity that the scene's vertices have: the mean by [`Share::weight`].
+    /// A quantity at the given vertices from `value`, the quantity at the scene's vertices: the mean weighted by
+    /// [`Share::weight`], and `None` where no vertex stands for the given one.
     ///
-    /// Exact where one vertex stands for the given one.
+    /// Where one vertex does, its value is returned unchanged.
     pub fn mean<T: Mul<f32, Output = T> + Sum>(&self, value: impl Fn(u32) -> T) -> Vec<Option<T>> {
         let mean = |shares: &[Share]| shares.iter().map(|share| value(share.vertex) * share.weight).sum();
         (0..self.len()).map(|given| self.at(given).map(mean)).collect()

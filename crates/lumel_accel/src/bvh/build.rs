@@ -4,7 +4,7 @@ use super::collapse::{Binary, Flat, Subtree, flatten};
 use super::item::Item;
 use glam::{Vec3, Vec3A};
 
-/// The most nodes that may wait to be visited. A tree that would need more is built anew, balanced: then 32 levels
+/// The most nodes that may wait to be visited. A tree that would need more is rebuilt balanced: then 32 levels
 /// hold 2^32 triangles, and a step down leaves seven siblings behind.
 pub(crate) const MAX_STACK: usize = 256;
 
