@@ -1,6 +1,6 @@
 //! Boxes and text on pixels.
 
-use crate::font::{self, GLYPH_HEIGHT, GLYPH_WIDTH, glyph};
+use crate::font;
 
 /// Pixels to draw on; what lies outside is cut.
 pub(crate) struct Canvas<'a> {
@@ -15,8 +15,11 @@ pub(crate) const INK: [u8; 3] = [255; 3];
 /// How much of the picture remains under a shade, in 1/256.
 const UNDER_SHADE: u16 = 72;
 
-/// Pictures get one more pixel per dot of a letter for every so many rows.
-const ROWS_PER_DOT: u32 = 300;
+/// Text and lines get one more pixel per unit for every so many rows.
+const ROWS_PER_UNIT: u32 = 300;
+
+/// The size of the font, units.
+const FONT_SIZE: f32 = 11.0;
 
 impl<'a> Canvas<'a> {
     pub(crate) fn new(pixels: &'a mut [[u8; 3]], width: u32, height: u32) -> Self {
@@ -31,16 +34,19 @@ impl<'a> Canvas<'a> {
         i64::from(self.height)
     }
 
-    /// Pixels per dot of a letter, for letters of the same size in pictures of any size.
+    /// Pixels per unit, for text and lines of the same size in pictures of any size.
     pub(crate) fn text_scale(&self) -> u32 {
-        self.height.div_ceil(ROWS_PER_DOT)
+        self.height.div_ceil(ROWS_PER_UNIT)
     }
 
-    /// Width and height of a line of text.
-    pub(crate) fn text_size(text: &str, scale: u32) -> [u32; 2] {
-        // Letters are one dot apart.
-        let dots = (text.chars().count() as u32).saturating_mul(GLYPH_WIDTH + 1).saturating_sub(1);
-        [dots.saturating_mul(scale), GLYPH_HEIGHT * scale]
+    /// Width and height of a line of text, pixels; from the top of capitals to the bottom of what hangs below the line.
+    pub(crate) fn text_size(text: &str, scale: u32) -> [i64; 2] {
+        font::text_size(text, FONT_SIZE * scale as f32).map(|length| length.ceil() as i64)
+    }
+
+    /// Height of digits, pixels.
+    pub(crate) fn digit_height(scale: u32) -> i64 {
+        font::capital_height(FONT_SIZE * scale as f32).round() as i64
     }
 
     pub(crate) fn fill(&mut self, at: [i64; 2], size: [i64; 2], color: [u8; 3]) {
@@ -67,19 +73,28 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Draws a line of text with its top left at a pixel.
+    /// Draws a line of text; the top of its capitals is at `y`.
     pub(crate) fn text(&mut self, [x, y]: [i64; 2], scale: u32, text: &str) {
-        let dot = i64::from(scale);
-        let advance = i64::from(GLYPH_WIDTH + 1) * dot;
-        for (i, letter) in text.chars().enumerate() {
-            let left = x + i as i64 * advance;
+        for outline in font::outlines(text, FONT_SIZE * scale as f32) {
+            let bounds = outline.px_bounds();
+            let [left, top] = [x + bounds.min.x as i64, y + bounds.min.y as i64];
             if left >= self.width() {
                 break;
             }
-            for (dot_x, dot_y) in font::dots(glyph(letter)) {
-                let at = [left + i64::from(dot_x) * dot, y + i64::from(dot_y) * dot];
-                self.fill(at, [dot, dot], INK);
-            }
+            outline.draw(|column, row, coverage| {
+                self.change([left + i64::from(column), top + i64::from(row)], [1, 1], |pixel| {
+                    *pixel = mixed(*pixel, coverage);
+                });
+            });
         }
     }
+}
+
+/// A pixel of which ink covers a part.
+fn mixed(under: [u8; 3], coverage: f32) -> [u8; 3] {
+    let mix = |under: u8, ink: u8| {
+        let (under, ink) = (f32::from(under), f32::from(ink));
+        (under + (ink - under) * coverage.clamp(0.0, 1.0)).round() as u8
+    };
+    [0, 1, 2].map(|channel| mix(under[channel], INK[channel]))
 }

@@ -1,148 +1,84 @@
-//! A bitmap font of our own: 5 × 7 dots, two more rows for what hangs below the line.
+//! The font of labels and legends, Noto Sans; see `fonts/README.md`.
 
-/// Dots across a glyph.
-pub(crate) const GLYPH_WIDTH: u32 = 5;
+use ab_glyph::{Font, FontRef, Glyph, OutlinedGlyph, PxScale, ScaleFont, point};
+use std::sync::LazyLock;
 
-/// Rows of dots of a glyph, those below the line included.
-pub(crate) const GLYPH_HEIGHT: u32 = 9;
+static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
+    FontRef::try_from_slice(include_bytes!("../fonts/NotoSans-Medium-ascii.ttf"))
+        .expect("the font is part of this crate and can be read")
+});
 
-/// A glyph: rows from the top, the leftmost dot in bit 4.
-pub(crate) type Glyph = [u8; GLYPH_HEIGHT as usize];
+/// Height of a capital and of a digit over the size of the font.
+const CAPITAL: f32 = 0.714;
+/// How far letters reach below the line, over the size of the font.
+const DESCENT: f32 = 0.24;
 
-/// The glyph of a letter: nothing for a space, a box for what the font lacks.
-pub(crate) fn glyph(letter: char) -> Glyph {
-    if letter == ' ' {
-        return [0; GLYPH_HEIGHT as usize];
-    }
-    let drawn = SHEETS.iter().find_map(|(letters, art)| {
-        let column = letters.chars().position(|l| l == letter)? as u32;
-        Some(read(art, column))
-    });
-    drawn.unwrap_or(BOX)
+/// Height of capitals and digits, pixels.
+pub(crate) fn capital_height(size: f32) -> f32 {
+    CAPITAL * size
 }
 
-/// The dots of a glyph, from its top left.
-pub(crate) fn dots(glyph: Glyph) -> impl Iterator<Item = (u32, u32)> {
-    let is_set = move |&(x, y): &(u32, u32)| glyph[y as usize] >> (GLYPH_WIDTH - 1 - x) & 1 == 1;
-    (0..GLYPH_HEIGHT).flat_map(|y| (0..GLYPH_WIDTH).map(move |x| (x, y))).filter(is_set)
+/// Width and height of a line of text in a font of `size` pixels: from the first letter's origin to the end of the last
+/// one's advance, and from the top of capitals to the bottom of letters that hang below the line.
+pub(crate) fn text_size(text: &str, size: f32) -> [f32; 2] {
+    let font = FONT.as_scaled(scale(size));
+    let width = text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum();
+    [width, (CAPITAL + DESCENT) * size]
 }
 
-const BOX: Glyph = [0b11111, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b11111, 0, 0];
-
-/// Reads glyph number `column` of a sheet.
-fn read(art: &Art, column: u32) -> Glyph {
-    let first = (column * (GLYPH_WIDTH + 1)) as usize;
-    art.map(|row| {
-        let cells = row.bytes().skip(first).take(GLYPH_WIDTH as usize);
-        cells.fold(0, |bits, cell| bits << 1 | u8::from(cell == b'#'))
+/// The outlines of a line of text whose capitals have their top at 0, its letters from `x = 0` to the right.
+///
+/// Letters that the font lacks are boxes.
+pub(crate) fn outlines(text: &str, size: f32) -> impl Iterator<Item = OutlinedGlyph> {
+    let scale = scale(size);
+    let mut x = 0.0;
+    text.chars().filter_map(move |letter| {
+        let id = FONT.glyph_id(letter);
+        let position = point(x, capital_height(size));
+        x += FONT.as_scaled(scale).h_advance(id);
+        FONT.outline_glyph(Glyph { id, scale, position })
     })
 }
 
-type Art = [&'static str; GLYPH_HEIGHT as usize];
-
-/// Letters and their drawings from left to right, one blank column apart.
-#[rustfmt::skip]
-const SHEETS: [(&str, Art); 6] = [
-    ("0123456789+-.", [
-        ".###. ..#.. .###. .###. ...#. ##### ..##. ##### .###. .###. ..... ..... .....",
-        "#...# .##.. #...# #...# ..##. #.... .#... ....# #...# #...# ..#.. ..... .....",
-        "#..## ..#.. ....# ....# .#.#. ####. #.... ...#. #...# #...# ..#.. ..... .....",
-        "#.#.# ..#.. ..##. ..##. #..#. ....# ####. ..#.. .###. .#### ##### ##### .....",
-        "##..# ..#.. .#... ....# ##### ....# #...# ..#.. #...# ....# ..#.. ..... .....",
-        "#...# ..#.. #.... #...# ...#. #...# #...# .#... #...# ...#. ..#.. ..... .##..",
-        ".###. .###. ##### .###. ...#. .###. .###. .#... .###. .##.. ..... ..... .##..",
-        "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....",
-        "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....",
-    ]),
-    ("abcdefghijklm", [
-        "..... #.... ..... ....# ..... ..##. ..... #.... ..#.. ...#. #.... .##.. .....",
-        "..... #.... ..... ....# ..... .#..# ..... #.... ..... ..... #.... ..#.. .....",
-        ".###. ####. .###. .#### .###. .#... .#### #.##. .##.. ..##. #..#. ..#.. ##.#.",
-        "....# #...# #...# #...# #...# ###.. #...# ##..# ..#.. ...#. #.#.. ..#.. #.#.#",
-        ".#### #...# #.... #...# ##### .#... #...# #...# ..#.. ...#. ##... ..#.. #.#.#",
-        "#...# #...# #...# #...# #.... .#... #...# #...# ..#.. ...#. #.#.. ..#.. #.#.#",
-        ".#### ####. .###. .#### .###. .#... .#### #...# .###. ...#. #..#. .###. #.#.#",
-        "..... ..... ..... ..... ..... ..... ....# ..... ..... #..#. ..... ..... .....",
-        "..... ..... ..... ..... ..... ..... .###. ..... ..... .##.. ..... ..... .....",
-    ]),
-    ("nopqrstuvwxyz", [
-        "..... ..... ..... ..... ..... ..... .#... ..... ..... ..... ..... ..... .....",
-        "..... ..... ..... ..... ..... ..... .#... ..... ..... ..... ..... ..... .....",
-        "#.##. .###. ####. .#### #.##. .#### ###.. #...# #...# #...# #...# #...# #####",
-        "##..# #...# #...# #...# ##..# #.... .#... #...# #...# #.#.# .#.#. #...# ...#.",
-        "#...# #...# #...# #...# #.... .###. .#... #...# #...# #.#.# ..#.. #...# ..#..",
-        "#...# #...# #...# #...# #.... ....# .#..# #..## .#.#. #.#.# .#.#. #...# .#...",
-        "#...# .###. ####. .#### #.... ####. ..##. .##.# ..#.. .#.#. #...# .#### #####",
-        "..... ..... #.... ....# ..... ..... ..... ..... ..... ..... ..... ....# .....",
-        "..... ..... #.... ....# ..... ..... ..... ..... ..... ..... ..... .###. .....",
-    ]),
-    ("ABCDEFGHIJKLM", [
-        ".###. ####. .###. ####. ##### ##### .###. #...# .###. ..### #...# #.... #...#",
-        "#...# #...# #...# #...# #.... #.... #...# #...# ..#.. ...#. #..#. #.... ##.##",
-        "#...# #...# #.... #...# #.... #.... #.... #...# ..#.. ...#. #.#.. #.... #.#.#",
-        "##### ####. #.... #...# ####. ####. #.### ##### ..#.. ...#. ##... #.... #.#.#",
-        "#...# #...# #.... #...# #.... #.... #...# #...# ..#.. ...#. #.#.. #.... #...#",
-        "#...# #...# #...# #...# #.... #.... #...# #...# ..#.. #..#. #..#. #.... #...#",
-        "#...# ####. .###. ####. ##### #.... .###. #...# .###. .##.. #...# ##### #...#",
-        "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....",
-        "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....",
-    ]),
-    ("NOPQRSTUVWXYZ", [
-        "#...# .###. ####. .###. ####. .#### ##### #...# #...# #...# #...# #...# #####",
-        "##..# #...# #...# #...# #...# #.... ..#.. #...# #...# #...# #...# #...# ....#",
-        "#.#.# #...# #...# #...# #...# #.... ..#.. #...# #...# #...# .#.#. .#.#. ...#.",
-        "#.#.# #...# ####. #...# ####. .###. ..#.. #...# #...# #.#.# ..#.. ..#.. ..#..",
-        "#..## #...# #.... #.#.# #.#.. ....# ..#.. #...# #...# #.#.# .#.#. ..#.. .#...",
-        "#...# #...# #.... #..#. #..#. ....# ..#.. #...# .#.#. #.#.# #...# ..#.. #....",
-        "#...# .###. #.... .##.# #...# ####. ..#.. .###. ..#.. .#.#. #...# ..#.. #####",
-        "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....",
-        "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....",
-    ]),
-    (",:%/()=_'<>²×", [
-        "..... ..... ##... ....# ...#. .#... ..... ..... ..#.. ...#. .#... .##.. .....",
-        "..... .##.. ##..# ....# ..#.. ..#.. ..... ..... ..#.. ..#.. ..#.. #..#. .....",
-        "..... .##.. ...#. ...#. .#... ...#. ##### ..... .#... .#... ...#. ..#.. #...#",
-        "..... ..... ..#.. ..#.. .#... ...#. ..... ..... ..... #.... ....# .#... .#.#.",
-        "..... .##.. .#... .#... .#... ...#. ##### ..... ..... .#... ...#. ####. ..#..",
-        ".##.. .##.. #..## #.... .#... ...#. ..... ..... ..... ..#.. ..#.. ..... .#.#.",
-        ".##.. ..... ...## #.... .#... ...#. ..... ..... ..... ...#. .#... ..... #...#",
-        "..#.. ..... ..... ..... ..#.. ..#.. ..... ##### ..... ..... ..... ..... .....",
-        ".#... ..... ..... ..... ...#. .#... ..... ..... ..... ..... ..... ..... .....",
-    ]),
-];
+/// The font's size in the unit of its library, which counts from the highest ascent to the lowest descent.
+fn scale(size: f32) -> PxScale {
+    let em = FONT.units_per_em().unwrap_or(1.0);
+    PxScale::from(size * FONT.height_unscaled() / em)
+}
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::BTreeSet;
 
-    #[test]
-    fn every_letter_has_a_drawing_of_its_own() {
-        let mut seen = BTreeSet::from([BOX, glyph(' ')]);
-        for (letters, art) in SHEETS {
-            assert!(art.iter().all(|row| row.len() == 6 * letters.chars().count() - 1), "{letters}");
-            for letter in letters.chars().filter(|l| *l != '×') {
-                assert!(seen.insert(glyph(letter)), "{letter}");
-            }
-        }
-        assert!(SHEETS.iter().all(|(_, art)| art.iter().all(|row| row.bytes().all(|c| b".# ".contains(&c)))));
+    fn printable() -> impl Iterator<Item = char> {
+        ('!'..='~').chain(['²', '×'])
     }
 
     #[test]
-    fn labels_and_legends_can_be_written() {
-        let needed = ('a'..='z').chain('A'..='Z').chain('0'..='9').chain("+-.%/:(),=_²".chars());
-        for letter in needed {
-            assert_ne!(glyph(letter), BOX, "{letter}");
+    fn every_printable_letter_has_an_outline_of_its_own() {
+        let missing = FONT.glyph_id('\u{df}');
+        for letter in printable() {
+            assert_ne!(FONT.glyph_id(letter), missing, "{letter}");
+            assert_eq!(outlines(&letter.to_string(), 20.0).count(), 1, "{letter}");
         }
-        assert_eq!(glyph('ß'), BOX);
-        assert_eq!(glyph(' '), [0; 9]);
+        assert_eq!(outlines(" ", 20.0).count(), 0);
+        assert_eq!(outlines("\u{df}", 20.0).count(), 1, "a box");
     }
 
     #[test]
-    fn dots_are_those_of_the_drawing() {
-        let four: Vec<_> = dots(glyph('-')).collect();
-        assert_eq!(four, [0, 1, 2, 3, 4].map(|x| (x, 3)));
-        assert_eq!(dots(glyph('L')).map(|(x, _)| x).filter(|x| *x == 0).count(), 7);
-        assert!(dots(glyph('g')).any(|(_, y)| y == 8));
+    fn capitals_and_descenders_have_the_heights_of_the_constants() {
+        let bounds = |letter: &str| outlines(letter, 100.0).next().unwrap().px_bounds();
+        assert_eq!((bounds("H").min.y, bounds("H").max.y), (0.0, 72.0));
+        assert!((bounds("0").max.y - capital_height(100.0)).abs() < 2.0);
+        let lowest = printable().map(|letter| bounds(&letter.to_string()).max.y).fold(0.0, f32::max);
+        assert!((lowest - text_size("", 100.0)[1]).abs() < 2.0, "{lowest}");
+    }
+
+    #[test]
+    fn digits_have_one_width_so_that_numbers_line_up() {
+        let width = |text: &str| text_size(text, 12.0)[0];
+        assert!(('0'..='9').all(|digit| width(&digit.to_string()) == width("0")));
+        // The rounding of a sum.
+        assert!((width("10.5") - (3.0 * width("0") + width("."))).abs() < 1e-4);
     }
 }

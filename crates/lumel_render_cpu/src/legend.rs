@@ -8,10 +8,10 @@ use crate::false_color::{Scale, false_color};
 /// Pictures that are too small for it stay as they are.
 pub(crate) fn draw_legend(canvas: &mut Canvas<'_>, range: [f32; 2], scale: Scale) {
     let Some(layout) = Layout::fitting(canvas, range, scale) else { return };
-    let Layout { dot, ticks, panel, panel_size, bar, bar_size } = layout;
+    let Layout { unit, ticks, panel, panel_size, bar, bar_size } = layout;
     canvas.shade(panel, panel_size);
-    canvas.text([panel[0] + 4 * dot, panel[1] + 4 * dot], dot as u32, UNIT);
-    canvas.fill([bar[0] - dot, bar[1] - dot], [bar_size[0] + 2 * dot, bar_size[1] + 2 * dot], INK);
+    canvas.text([panel[0] + 4 * unit, panel[1] + 4 * unit], unit as u32, UNIT);
+    canvas.fill([bar[0] - unit, bar[1] - unit], [bar_size[0] + 2 * unit, bar_size[1] + 2 * unit], INK);
     for row in 0..bar_size[1] {
         // The middle of the row, from the bottom.
         let t = 1.0 - (row as f32 + 0.5) / bar_size[1] as f32;
@@ -20,17 +20,18 @@ pub(crate) fn draw_legend(canvas: &mut Canvas<'_>, range: [f32; 2], scale: Scale
     for tick in &ticks {
         let y = bar[1] + ((1.0 - tick.position) * bar_size[1] as f32).round() as i64;
         let right = bar[0] + bar_size[0];
-        canvas.fill([right, y - dot / 2], [4 * dot, dot], INK);
-        // Digits are seven dots high: their middle is on the tick.
-        canvas.text([right + 6 * dot, y - dot / 2 - 3 * dot], dot as u32, &tick.label);
+        canvas.fill([right, y - unit / 2], [4 * unit, unit], INK);
+        // The middle of digits is on that of the tick.
+        let top = y - unit / 2 + (unit - Canvas::digit_height(unit as u32)) / 2;
+        canvas.text([right + 6 * unit, top], unit as u32, &tick.label);
     }
 }
 
 const UNIT: &str = "W/m²";
 
 struct Layout {
-    /// Pixels per dot.
-    dot: i64,
+    /// Pixels per unit of length.
+    unit: i64,
     ticks: Vec<Tick>,
     panel: [i64; 2],
     panel_size: [i64; 2],
@@ -38,28 +39,29 @@ struct Layout {
     bar_size: [i64; 2],
 }
 
-/// Rows of dots of the shortest bar that can be read.
+/// Height of the shortest bar that can be read, units.
 const SHORTEST_BAR: i64 = 40;
 
 impl Layout {
     /// The legend with the largest letters that leave at least three quarters of the picture's width free.
     fn fitting(canvas: &Canvas<'_>, range: [f32; 2], scale: Scale) -> Option<Self> {
         let ticks = ticks(range, scale);
-        let longest = ticks.iter().map(|tick| tick.label.chars().count()).max().unwrap_or(0) as i64;
-        (1..=i64::from(canvas.text_scale())).rev().find_map(|dot| {
+        (1..=i64::from(canvas.text_scale())).rev().find_map(|unit| {
+            let text_width = |text: &str| Canvas::text_size(text, unit as u32)[0];
+            let longest = ticks.iter().map(|tick| text_width(&tick.label)).max().unwrap_or(0);
             // Padding, bar, tick, gap, number, padding; the unit stands above all of it.
-            let inner = (10 + 6 + 6 * longest).max(6 * UNIT.chars().count() as i64);
-            let width = (4 + inner + 4) * dot;
-            let height = (canvas.height() * 7 / 10).max((SHORTEST_BAR + 28) * dot);
+            let inner = ((10 + 6) * unit + longest).max(text_width(UNIT));
+            let width = inner + (4 + 4) * unit;
+            let height = (canvas.height() * 7 / 10).max((SHORTEST_BAR + 28) * unit);
             let fits = 4 * width <= canvas.width() && height <= canvas.height();
-            let panel = [canvas.width() - width - 4 * dot, (canvas.height() - height) / 2];
+            let panel = [canvas.width() - width - 4 * unit, (canvas.height() - height) / 2];
             fits.then(|| Self {
-                dot,
+                unit,
                 ticks: ticks.clone(),
                 panel,
                 panel_size: [width, height],
-                bar: [panel[0] + 5 * dot, panel[1] + 20 * dot],
-                bar_size: [9 * dot, height - 28 * dot],
+                bar: [panel[0] + 5 * unit, panel[1] + 20 * unit],
+                bar_size: [9 * unit, height - 28 * unit],
             })
         })
     }
@@ -147,15 +149,14 @@ mod tests {
         ticks.into_iter().map(|tick| tick.label).collect::<Vec<_>>().join(" ")
     }
 
-    /// Whether a text stands somewhere on the picture, every dot of it and nothing in between.
-    fn shows(picture: &Picture, dot: u32, text: &str) -> bool {
-        let [width, height] = Canvas::text_size(text, dot);
-        let mut wanted = Picture::new(width, height, vec![[0; 3]; (width * height) as usize]).unwrap();
-        wanted.canvas().text([0, 0], dot, text);
-        let is_ink = |picture: &Picture, x, y| picture.pixel(x, y) == Some(INK);
+    /// Whether a text stands somewhere on a picture that is shaded under it and of one colour.
+    fn shows(picture: &Picture, color: [u8; 3], scale: u32, text: &str) -> bool {
+        let [width, height] = Canvas::text_size(text, scale).map(|length| length as u32);
+        let mut wanted = Picture::new(width, height, vec![color; (width * height) as usize]).unwrap();
+        wanted.canvas().shade([0, 0], [width.into(), height.into()]);
+        wanted.canvas().text([0, 0], scale, text);
         let stands_at = |left: u32, top: u32| {
-            (0..height)
-                .all(|y| (0..width).all(|x| is_ink(picture, left + x, top + y) == is_ink(&wanted, x, y)))
+            (0..height).all(|y| (0..width).all(|x| picture.pixel(left + x, top + y) == wanted.pixel(x, y)))
         };
         (0..=picture.height() - height).any(|y| (0..=picture.width() - width).any(|x| stands_at(x, y)))
     }
@@ -166,21 +167,22 @@ mod tests {
 
     #[test]
     fn the_legend_contains_its_unit_and_its_numbers() {
-        for (width, height, dot) in [(320, 240, 1), (640, 480, 2)] {
-            let pixels = vec![[40, 90, 60]; (width * height) as usize];
+        for (width, height, scale) in [(320, 240, 1), (640, 480, 2)] {
+            let color = [40, 90, 60];
+            let pixels = vec![color; (width * height) as usize];
             let mut picture = Picture::new(width, height, pixels).unwrap();
             draw_legend(&mut picture.canvas(), [0.13, 0.86], Scale::Linear);
             for text in ["W/m²", "0.2", "0.4", "0.6", "0.8"] {
-                assert!(shows(&picture, dot, text), "{text} at {width} x {height}");
+                assert!(shows(&picture, color, scale, text), "{text} at {width} x {height}");
             }
-            assert!(!shows(&picture, dot, "0.9") && !shows(&picture, dot, "1.0"));
+            assert!(!shows(&picture, color, scale, "0.9") && !shows(&picture, color, scale, "1.0"));
             // The bar has the ends of the map, the brighter one on top.
             let layout = Layout::fitting(&picture.canvas(), [0.13, 0.86], Scale::Linear).unwrap();
             let [left, top] = layout.bar.map(|v| v as u32);
             let bottom = top + layout.bar_size[1] as u32 - 1;
             let ends = [top, bottom].map(|y| index_of(picture.pixel(left, y).unwrap()));
             assert!(ends[0] >= 253 && ends[1] <= 2, "{ends:?}");
-            assert_eq!(picture.pixel(width / 2, height / 2), Some([40, 90, 60]));
+            assert_eq!(picture.pixel(width / 2, height / 2), Some(color));
         }
     }
 
@@ -190,7 +192,7 @@ mod tests {
         draw_legend(&mut picture.canvas(), [0.0, 10.0], Scale::Linear);
         let layout = Layout::fitting(&picture.canvas(), [0.0, 10.0], Scale::Linear).unwrap();
         let [left, top] = layout.bar.map(|v| v as u32);
-        let right = left + layout.bar_size[0] as u32 + 2 * layout.dot as u32;
+        let right = left + layout.bar_size[0] as u32 + 2 * layout.unit as u32;
         let rows: Vec<u32> = (top - 2..480).filter(|&y| picture.pixel(right, y) == Some(INK)).collect();
         // Ticks are two pixels thick; the second row of a tick lies below its place.
         let mid_tick = rows.chunks(2).nth(2).unwrap()[1];

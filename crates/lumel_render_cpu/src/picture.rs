@@ -61,14 +61,14 @@ impl Picture {
         inside.then(|| self.pixels[y as usize * self.width as usize + x as usize])
     }
 
-    /// A label on a strip at the bottom left: printable ASCII, what else there is becomes boxes.
+    /// A label on a strip at the bottom left: printable ASCII, `²` and `×`; other letters become boxes.
     ///
     /// The letters grow with the picture; a label that does not fit is cut.
     #[must_use]
     pub fn labelled(mut self, text: &str) -> Self {
         let mut canvas = self.canvas();
         let scale = canvas.text_scale();
-        let [text_width, text_height] = Canvas::text_size(text, scale).map(i64::from);
+        let [text_width, text_height] = Canvas::text_size(text, scale);
         let (pad, bottom) = (i64::from(3 * scale), canvas.height());
         let top = bottom - text_height - 2 * pad;
         canvas.shade([0, top], [text_width + 2 * pad, bottom - top]);
