@@ -1,24 +1,25 @@
-//! Diffuse global illumination for meshes: open a scene, bake it, measure it.
+//! Diffuse global illumination for meshes: open or build a scene, bake it, read the light.
+//!
+//! [`Bake`] is the way in: fifteen lines from arrays to irradiance. [`open`] reads scenes from files. [`Baker`] is for
+//! programs that follow a solve, stop and resume it, or light the same surfaces again and again. What each crate below
+//! does, for bases, transports and schedules of your own, is in ARCHITECTURE.md.
 //!
 //! ```
-//! use lumel::{Baker, Control, Settings, Silent, SolveState};
-//! use std::sync::Arc;
+//! use lumel::{Bake, OpenOptions};
 //!
-//! let opened = lumel::open("furnace", &lumel::OpenOptions::default())?;
-//! let (scene, _warnings) = opened.builder.build()?;
-//! let settings = Settings { indirect_samples: 1, ..Settings::default() };
-//! let baker = Baker::new(Arc::new(scene), settings);
-//! let mut state = SolveState::new();
-//! baker.run(&mut state, &Control::default(), &Silent)?;
-//! let solution = baker.solution(&state);
+//! let opened = lumel::open("furnace", &OpenOptions::default())?;
+//! let baked = Bake::new(opened.builder).settings(opened.settings).bounces(1).run()?;
+//! let solution = baked.solution();
 //! assert_eq!(solution.irradiance.len(), solution.positions.len());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod assembly;
+mod bake;
 mod baker;
 mod dark;
 mod difference;
+mod file_format;
 mod light_file;
 mod measure;
 mod method;
@@ -34,14 +35,22 @@ mod surfaces;
 mod target;
 mod workload;
 
+pub use bake::{Bake, BakeError, Baked};
 pub use baker::Baker;
 pub use difference::{Difference, Percentiles};
+pub use file_format::{FileFormat, SaveError};
+pub use glam::{self, Vec3};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use lumel_accel::{Bvh, RayTracer};
+pub use lumel_basis::{Field, PointReceivers};
 pub use lumel_export::{RadFile, Solution, SolutionSelection};
 pub use lumel_import::PathPolicy;
 pub use lumel_sample::SamplerKind;
-pub use lumel_scene::{Camera, Light, RectLight, Scene, SceneBuilder, Warnings};
+pub use lumel_scene::{
+    Camera, DirectionalLight, Face, FaceSide, Irradiance, Light, Material, MaterialId, ObjectId, ObjectMesh,
+    PointLight, Radiance, RectLight, Scene, SceneBuilder, SceneError, Sides, Smoothing, SpotLight, Texture,
+    TextureId, TextureRef, Warnings,
+};
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step};
 pub use lumel_transport::{Control, EmitterSampling, LightSampling, TransportError};

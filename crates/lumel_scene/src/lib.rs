@@ -5,6 +5,7 @@
 //! that were given. Metres, right-handed, +Y up, linear Rec. 709.
 
 mod address;
+mod assemble;
 mod bounds;
 mod build;
 mod builder;

@@ -90,10 +90,10 @@ pub struct Material {
 
 impl Material {
     /// A one-sided material of constant albedo.
-    pub fn diffuse(name: &str, albedo: Vec3) -> Self {
+    pub fn diffuse(name: &str, albedo: impl Into<Vec3>) -> Self {
         Self {
             name: name.to_owned(),
-            albedo,
+            albedo: albedo.into(),
             albedo_texture: None,
             emission: Radiance::ZERO,
             emission_texture: None,
