@@ -67,7 +67,7 @@ impl Window {
 
     /// What the status bar says.
     fn look(&mut self) -> String {
-        let is_status = |text: &str| ["Live:", "Solved:", "Lights or"].iter().any(|s| text.starts_with(s));
+        let is_status = |text: &str| ["Live:", "Solved:", "Lights have"].iter().any(|s| text.starts_with(s));
         self.peer.nodes().into_iter().map(|node| node.text).find(|text| is_status(text)).unwrap_or_default()
     }
 

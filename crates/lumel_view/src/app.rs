@@ -1,26 +1,26 @@
-//! The window: what is shown where, and what the keys do. The work is the [`Session`]'s.
+//! The window: its parts, its keys and its commands. The work is done by the [`Session`].
 
+use crate::actions::{Action, Actions};
 use crate::compare::Comparison;
-use crate::dialogs::{Dialog, Dialogs};
+use crate::dialogs::{Dialogs, FileDialog};
 use crate::dock::{self, Pane};
 use crate::input::{self, Command};
 use crate::notice::Level;
-use crate::panels;
+use crate::panels::Panels;
 use crate::pick::Pick;
 use crate::prefs::{Prefs, ViewPrefs};
 use crate::rhythm::{AT_ONCE, Rhythm};
 use crate::selection::Selection;
-use crate::session::{Hand, Session, Surroundings};
-use crate::solver::{Wake, Wakes};
+use crate::session::{Hand, LightUse, SOLUTION_FORMATS, Session, Surroundings};
 use crate::stage::Stage;
-use crate::theme;
-use crate::viewport::Viewport;
+use crate::theme::{self, Ground};
+use crate::viewport::{Subject, Viewport};
+use crate::wake::{Wake, Wakes};
 use crate::widgets::Toasts;
 use crate::{document::OpenRequest, screenshot};
-use eframe::egui::{self, CentralPanel, Frame, Panel, ViewportCommand};
+use eframe::egui::{self, ViewportCommand};
 use egui_tiles::Tree;
 use lumel::SamplerKind;
-use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,21 +46,10 @@ pub struct StartUp {
     pub picture_folder: PathBuf,
     /// Threads of solves; 0 for all.
     pub threads: usize,
-    /// Who paints what is behind the panels.
+    /// What paints the background of the panels.
     pub ground: Ground,
     /// Set from outside to close the window, keeping unsaved work: Ctrl-C, or the system going down.
     pub quit: Arc<AtomicBool>,
-}
-
-/// Who paints what is behind the panels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ground {
-    /// The panels themselves.
-    #[default]
-    Panels,
-    /// The window, which is cleared in the colour of the panels: a software renderer pays for every pixel that is
-    /// painted twice.
-    Window,
 }
 
 /// The program.
@@ -79,16 +68,14 @@ pub struct App {
     pub comparison: Comparison,
     /// Whether panels are shown.
     pub panels_visible: bool,
-    pub(crate) viewport: Viewport,
-    pub(crate) toasts: Toasts,
-    pub(crate) wake: Wake,
-    pub(crate) picture_folder: PathBuf,
-    pub(crate) ground: Ground,
+    actions: Actions,
+    viewport: Viewport,
+    toasts: Toasts,
+    picture_folder: PathBuf,
+    ground: Ground,
     quit: Arc<AtomicBool>,
     rhythm: Arc<Rhythm>,
     dock: Tree<Pane>,
-    /// Keys that did something and must not fly too while they stay down.
-    pub(crate) spent_keys: HashSet<egui::Key>,
 }
 
 impl App {
@@ -106,28 +93,24 @@ impl App {
         let ctx = cc.egui_ctx.clone();
         let rhythm = Arc::new(Rhythm::new());
         let (glimpsed, beat) = (ctx.clone(), Arc::clone(&rhythm));
-        // Without a delay egui draws two frames, and each is dear on a software renderer.
+        // Without a delay egui draws two frames, and each is expensive on a software renderer.
         let wake: Wake = Arc::new(move || ctx.request_repaint_after(AT_ONCE));
         let glimpse: Wake = Arc::new(move || glimpsed.request_repaint_after(beat.until_next()));
         let mut session = Session::new(Surroundings {
             data_folder: start.data_folder,
             threads: start.threads,
-            wakes: Wakes { event: Arc::clone(&wake), glimpse },
+            wakes: Wakes { event: wake, glimpse },
         })?;
         (session.settings, session.live) = (prefs.settings.clone(), prefs.live);
         let stage = cc.wgpu_render_state.clone().map(Stage::new);
         match &stage {
             Some(stage) if stage.gpu().is_software() => {
-                let text = format!(
-                    "Software renderer: {}. A graphics driver would draw faster.",
-                    stage.gpu().name()
-                );
+                let text =
+                    format!("Software renderer: {}. A graphics driver would be faster.", stage.gpu().name());
                 session.notices.log(Level::Warning, text);
             }
             Some(stage) => session.notices.log(Level::Info, format!("Drawing with {}", stage.gpu().name())),
-            None => {
-                session.notices.push(Level::Error, "There is no graphics device: the scene cannot be shown")
-            }
+            None => session.notices.push(Level::Error, "No graphics device: the scene cannot be shown"),
         }
         if let Some(request) = start.open {
             session.open(request);
@@ -140,15 +123,14 @@ impl App {
             pick: None,
             comparison: Comparison::default(),
             panels_visible: true,
+            actions: Actions::default(),
             viewport: Viewport::default(),
             toasts: Toasts::default(),
-            wake,
             picture_folder: start.picture_folder,
             ground: start.ground,
             quit: start.quit,
             rhythm,
             dock: tree.filter(dock::is_whole).unwrap_or_else(dock::default_tree),
-            spent_keys: HashSet::new(),
         })
     }
 
@@ -157,21 +139,12 @@ impl App {
         &self.prefs.view
     }
 
-    /// Whether something moves in the picture.
-    pub(crate) fn viewport_moves(&self) -> bool {
-        self.viewport.is_moving()
-    }
-
-    /// Opens a scene, after asking if work would be lost.
+    /// Opens a scene; asks first if work would be lost.
     pub fn open(&mut self, request: OpenRequest) {
         match self.session.objection() {
             Some(objection) => self.dialogs.ask(objection, request),
-            None => self.open_now(request),
+            None => self.session.open(request),
         }
-    }
-
-    pub(crate) fn open_now(&mut self, request: OpenRequest) {
-        self.session.open(request);
     }
 
     /// Arranges the panels as they were at first.
@@ -186,23 +159,27 @@ impl App {
         dock::focus(&mut self.dock, pane);
     }
 
-    /// Does what a key, a menu or a button asks for.
+    /// Runs a command.
     pub fn run(&mut self, command: Command, ctx: &egui::Context) {
         match command {
-            Command::Open => self.dialogs.open(Dialog::open_scene(&self.session)),
+            Command::Open => self.dialogs.open(FileDialog::open_scene(&self.session)),
             Command::Reload => {
                 if let Some(request) = self.session.document.as_ref().map(|d| d.request.clone()) {
                     self.open(request);
                 }
             }
             Command::SaveMesh => {
-                self.dialogs.open(Dialog::save_mesh(&self.session, self.prefs.view.selection))
+                self.dialogs.open(FileDialog::save_mesh(&self.session, self.prefs.view.selection))
             }
             Command::SaveProject => self.save_project(),
-            Command::SaveProjectAs => self.dialogs.open(Dialog::save_project(&self.session)),
-            Command::LoadSolution => self.dialogs.open(Dialog::load_solution(&self.session)),
-            Command::SaveSolution => self.dialogs.open(Dialog::save_solution(&self.session)),
-            Command::Screenshot => screenshot::from_window(self),
+            Command::SaveProjectAs => self.dialogs.open(FileDialog::save_project(&self.session)),
+            Command::LoadSolution => self.dialogs.open(FileDialog::load_solution(&self.session)),
+            Command::CompareSolution => self.dialogs.open(FileDialog::compare_solution(&self.session)),
+            Command::SaveSolution => self.dialogs.open(FileDialog::save_solution(&self.session)),
+            Command::Screenshot => {
+                let (stage, view) = (self.stage.as_ref(), &self.prefs.view);
+                screenshot::from_window(&mut self.session, stage, view, &self.picture_folder);
+            }
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Command::Undo => self.session.undo(),
             Command::Redo => self.session.redo(),
@@ -245,11 +222,11 @@ impl App {
                     self.session.notices.push(Level::Error, format!("Cannot save the project: {problem}"));
                 }
             }
-            None => self.dialogs.open(Dialog::save_project(&self.session)),
+            None => self.dialogs.open(FileDialog::save_project(&self.session)),
         }
     }
 
-    /// Closes what is above the picture, else stops the solve, else forgets the picked spot.
+    /// Closes a dialog, else stops the solve, else clears the picked spot.
     fn escape(&mut self) {
         if self.dialogs.close_top() {
             return;
@@ -279,14 +256,14 @@ impl App {
         self.prefs.view.selection = Selection::bounce((shown + step).clamp(0, last) as u32);
     }
 
-    /// Takes in files that were dropped on the window.
+    /// Opens files that were dropped on the window.
     fn take_dropped(&mut self, ctx: &egui::Context) {
         let files: Vec<PathBuf> =
             ctx.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
         for path in files {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            if crate::session::SOLUTION_FORMATS.contains(&extension.as_str()) {
-                self.session.load_solution(&path, crate::session::Purpose::Show);
+            if SOLUTION_FORMATS.contains(&extension.as_str()) {
+                self.session.load_solution(&path, LightUse::Show);
             } else {
                 self.open(OpenRequest::new(path.to_string_lossy()));
             }
@@ -294,7 +271,7 @@ impl App {
     }
 
     fn handle_keys(&mut self, ctx: &egui::Context) {
-        self.spent_keys.retain(|key| ctx.input(|i| i.key_down(*key)));
+        self.viewport.release_keys(|key| ctx.input(|i| i.key_down(key)));
         // Keys belong to whoever writes a text.
         if ctx.text_edit_focused() {
             return;
@@ -310,35 +287,35 @@ impl App {
             if belongs_to_widget || modal || flies {
                 continue;
             }
-            self.spent_keys.insert(key);
+            self.viewport.spend(key);
             self.run(command, ctx);
         }
     }
 
     fn main_area(&mut self, ui: &mut egui::Ui) {
-        if !self.panels_visible {
-            CentralPanel::default().frame(Frame::new()).show(ui, |ui| panels::viewport(self, ui));
-            return;
-        }
-        let frame = panel_frame(self.ground).inner_margin(egui::Margin::symmetric(8, 3));
-        Panel::top("menu").frame(frame).show(ui, |ui| panels::menu(self, ui));
-        Panel::bottom("status").frame(frame).show(ui, |ui| panels::status(self, ui));
-        CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-            let mut tree = std::mem::replace(&mut self.dock, Tree::empty(dock::id()));
-            tree.ui(&mut panels::Panes(self), ui);
-            // A panel may have asked for the default arrangement meanwhile.
-            if self.dock.root.is_none() {
-                self.dock = tree;
-            }
-        });
+        let subject = Subject {
+            session: &mut self.session,
+            prefs: &mut self.prefs,
+            stage: self.stage.as_mut(),
+            comparison: &mut self.comparison,
+            pick: &mut self.pick,
+            in_dialog: self.dialogs.is_any_open(),
+        };
+        let (viewport, actions) = (&mut self.viewport, &mut self.actions);
+        let mut panels = Panels { subject, viewport, actions, ground: self.ground };
+        if self.panels_visible { panels.all(&mut self.dock, ui) } else { panels.picture(ui) }
     }
-}
 
-/// The ground of a panel.
-pub(crate) fn panel_frame(ground: Ground) -> Frame {
-    match ground {
-        Ground::Panels => Frame::new().fill(theme::PANEL),
-        Ground::Window => Frame::new(),
+    /// Runs the queued actions.
+    fn do_actions(&mut self, ctx: &egui::Context) {
+        for action in self.actions.take() {
+            match action {
+                Action::Run(command) => self.run(command, ctx),
+                Action::Open(request) => self.open(request),
+                Action::ShowPanel(pane) => self.show_panel(pane),
+                Action::ArrangePanels => self.reset_panels(),
+            }
+        }
     }
 }
 
@@ -364,7 +341,7 @@ impl eframe::App for App {
             }
         }
         if let Some(pick) = &mut self.pick {
-            pick.measure(self.session.computed().and_then(|c| c.solved.as_ref()), &self.wake);
+            pick.measure(self.session.computed().and_then(|c| c.solved.as_ref()), self.session.wake());
             pick.poll();
         }
     }
@@ -374,7 +351,12 @@ impl eframe::App for App {
         self.take_dropped(&ctx);
         self.handle_keys(&ctx);
         self.main_area(ui);
-        crate::dialogs::show(self, &ctx);
+        self.do_actions(&ctx);
+        self.dialogs.show(&mut self.session, &self.prefs, &mut self.actions, &ctx);
+        self.do_actions(&ctx);
+        if let Some(request) = self.dialogs.show_question(&ctx) {
+            self.session.open(request);
+        }
         self.toasts.add(self.session.notices.take_fresh());
         self.toasts.show(&ctx, self.viewport.area());
         let software = self.stage.as_ref().is_some_and(|stage| stage.gpu().is_software());

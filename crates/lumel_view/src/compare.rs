@@ -1,4 +1,4 @@
-//! Two lights side by side, and how much they differ.
+//! Two solutions side by side, and how much they differ.
 
 use crate::selection::Selection;
 use crate::session::Session;
@@ -10,7 +10,7 @@ use lumel::Difference;
 pub struct Comparison {
     /// Whether the picture is split.
     pub on: bool,
-    /// What is right of the divider.
+    /// The solution right of the divider.
     pub right: Side,
     /// Which bounces right of the divider.
     pub selection: Selection,

@@ -1,4 +1,4 @@
-//! How the panels are arranged; they can be dragged elsewhere.
+//! The layout of the panels, which can be dragged.
 
 use eframe::egui::Id;
 use egui_tiles::{Container, Linear, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
@@ -17,7 +17,7 @@ pub enum Pane {
     Display,
     /// The camera and the slots.
     Camera,
-    /// Two lights side by side.
+    /// Two solutions side by side.
     Compare,
     /// What the scene consists of.
     Scene,
@@ -88,7 +88,7 @@ pub fn default_tree() -> Tree<Pane> {
     Tree::new(id(), root, tiles)
 }
 
-/// Whether a stored arrangement has every panel; one of another version may not.
+/// Whether a stored layout has every panel; one of a different version may not.
 pub fn is_whole(tree: &Tree<Pane>) -> bool {
     let has = |pane: &Pane| tree.tiles.find_pane(pane).is_some();
     tree.root.is_some() && Pane::ALL.iter().all(has)

@@ -1,4 +1,4 @@
-//! What is open: a scene with all that is made from it once.
+//! The open scene, with everything that is made from it once.
 
 use crate::camera::FlyCamera;
 use crate::lights::{EditLight, default_name, shining};
@@ -45,7 +45,7 @@ pub struct Document {
     pub albedos: Vec<Vec3>,
     /// Its ray tracer.
     pub tracer: Arc<dyn RayTracer>,
-    /// What solves are made from: all that the surfaces decide is in it already.
+    /// What solves are made from; holds everything that depends only on the surfaces.
     pub baker: Arc<Baker>,
     /// Which vertices are connected.
     pub neighbours: Arc<Neighbours>,
@@ -55,7 +55,7 @@ pub struct Document {
     pub other_lights: Vec<Light>,
     /// The view it opens with.
     pub home: FlyCamera,
-    /// What had to be left out when it was read.
+    /// Warnings from reading it.
     pub warnings: Vec<String>,
 }
 
@@ -69,7 +69,7 @@ pub struct Contents {
     pub slots: Slots,
 }
 
-/// Opens a scene and makes what is needed to look at it; takes seconds for large ones.
+/// Opens a scene and builds what is needed to show it; takes seconds for large ones.
 ///
 /// # Errors
 /// What is wrong with it, with the name of the file.
@@ -159,11 +159,6 @@ pub fn error_text(error: &dyn std::error::Error) -> String {
 }
 
 impl Document {
-    /// Whether a scene has the materials that this one has now.
-    pub fn has_materials_of(&self, scene: &Scene) -> bool {
-        self.scene.has_surfaces_of(scene) || self.scene.materials() == scene.materials()
-    }
-
     /// The albedos that differ from those that the scene came with, as entries of a project.
     pub fn repainted_materials(&self) -> Vec<MaterialEntry> {
         let materials = self.scene.materials().iter().zip(&self.albedos);
@@ -181,7 +176,7 @@ impl Document {
         self.scene.relit(all).map(Arc::new).map_err(|e| error_text(&e))
     }
 
-    /// Whether anything shines in it under these lights, were emissive surfaces let to.
+    /// Whether the scene has any light source with these lights, emissive surfaces included.
     pub fn shines(&self, lights: &[EditLight]) -> bool {
         lights.iter().any(|light| light.on && light.brightness() > 0.0)
             || !self.other_lights.is_empty()

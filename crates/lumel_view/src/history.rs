@@ -1,6 +1,6 @@
 //! Undo and redo.
 
-/// States that one can go back to; `T` is all that can be undone.
+/// The states to undo and redo; `T` is everything that can be undone.
 #[derive(Clone, Debug)]
 pub struct History<T> {
     past: Vec<T>,
@@ -17,7 +17,7 @@ impl<T: Clone + PartialEq> History<T> {
         Self { past: Vec::new(), future: Vec::new(), present }
     }
 
-    /// Notes what the state is now; called when a change is complete, such as at the end of a drag.
+    /// Records the state after a complete change, such as at the end of a drag.
     pub fn commit(&mut self, now: &T) {
         if *now == self.present {
             return;

@@ -7,7 +7,7 @@ use eframe::egui::{self, Key, Modifiers};
 pub enum Command {
     /// Ask for a scene to open.
     Open,
-    /// Read the scene again.
+    /// Reload the scene.
     Reload,
     /// Ask where to save the lit mesh.
     SaveMesh,
@@ -17,9 +17,11 @@ pub enum Command {
     SaveProjectAs,
     /// Ask for a solution to load.
     LoadSolution,
+    /// Ask for a solution to compare with.
+    CompareSolution,
     /// Ask where to save the solution.
     SaveSolution,
-    /// Save a picture of the view.
+    /// Save a screenshot.
     Screenshot,
     /// Close the window.
     Quit,
@@ -29,7 +31,7 @@ pub enum Command {
     Redo,
     /// Put the active light where the camera is.
     PlaceLight,
-    /// Add a light where the camera is.
+    /// Add a light at the camera.
     AddLight,
     /// Remove the active light.
     RemoveLight,
@@ -37,13 +39,13 @@ pub enum Command {
     ToggleLight,
     /// Make the next light the active one.
     NextLight,
-    /// Make the horizon level.
+    /// Level the horizon.
     AlignUp,
     /// Go back to where the scene was opened.
     ResetCamera,
     /// Start the solve.
     Solve,
-    /// Solve from the beginning.
+    /// Solve from scratch.
     SolveAnew,
     /// Stop the solve; close what is open above the picture.
     Stop,
@@ -55,7 +57,7 @@ pub enum Command {
     ShowDirect,
     /// Show indirect light.
     ShowIndirect,
-    /// Show the bounce before.
+    /// Show the previous bounce.
     PreviousBounce,
     /// Show the bounce after.
     NextBounce,
@@ -71,7 +73,7 @@ pub enum Command {
     Panels,
     /// Full screen, or not.
     FullScreen,
-    /// Keep camera, lights and settings under a digit.
+    /// Save camera, lights and settings under a digit.
     SaveSlot(u8),
     /// Recall them.
     RecallSlot(u8),
@@ -166,38 +168,41 @@ pub const BINDINGS: &[Binding] = &[
         Modifiers::COMMAND,
         bind(Command::Open, Key::O, "Open a mesh, project or built-in scene", Group::Files),
     ),
-    bind(Command::Reload, Key::F5, "Read the scene again", Group::Files),
+    bind(Command::Reload, Key::F5, "Reload the scene", Group::Files),
     bind(Command::SaveMesh, Key::O, "Save the lit mesh (OBJ, GLB, PLY)", Group::Files),
     with(Modifiers::COMMAND, bind(Command::SaveProject, Key::S, "Save the project", Group::Files)),
     with(
         Modifiers::COMMAND.plus(Modifiers::SHIFT),
-        bind(Command::SaveProjectAs, Key::S, "Save the project under another name", Group::Files),
+        bind(Command::SaveProjectAs, Key::S, "Save the project as", Group::Files),
     ),
     bind(Command::LoadSolution, Key::L, "Load a solution", Group::Files),
     bind(Command::SaveSolution, Key::K, "Save the solution", Group::Files),
-    bind(Command::Screenshot, Key::F12, "Save a picture of the view", Group::Files),
+    bind(Command::Screenshot, Key::F12, "Save a screenshot", Group::Files),
     with(Modifiers::COMMAND, bind(Command::Quit, Key::Q, "Quit; unsaved work is kept", Group::Files)),
-    bind(Command::AlignUp, Key::U, "Make the horizon level", Group::Camera),
-    bind(Command::ResetCamera, Key::Home, "Back to where the scene opened", Group::Camera),
-    bind(Command::PlaceLight, Key::Space, "Put the light where the camera is", Group::Lights),
-    bind(Command::AddLight, Key::Insert, "Add a light where the camera is", Group::Lights),
+    bind(Command::AlignUp, Key::U, "Level the horizon", Group::Camera),
+    bind(Command::ResetCamera, Key::Home, "Reset the camera", Group::Camera),
+    bind(Command::PlaceLight, Key::Space, "Move the light to the camera", Group::Lights),
+    bind(Command::AddLight, Key::Insert, "Add a light at the camera", Group::Lights),
     bind(Command::RemoveLight, Key::Delete, "Remove the light", Group::Lights),
     bind(Command::ToggleLight, Key::H, "Hide or show the light", Group::Lights),
-    bind(Command::NextLight, Key::N, "Choose the next light", Group::Lights),
-    with(Modifiers::COMMAND, bind(Command::Undo, Key::Z, "Undo a change of lights or slots", Group::Lights)),
+    bind(Command::NextLight, Key::N, "Select the next light", Group::Lights),
+    with(
+        Modifiers::COMMAND,
+        bind(Command::Undo, Key::Z, "Undo a change to lights, materials or slots", Group::Lights),
+    ),
     with(Modifiers::COMMAND.plus(Modifiers::SHIFT), bind(Command::Redo, Key::Z, "Redo", Group::Lights)),
     with(Modifiers::COMMAND, bind(Command::Redo, Key::Y, "Redo", Group::Lights)),
-    bind(Command::Solve, Key::Enter, "Start the solve, or go on", Group::Solve),
-    with(Modifiers::SHIFT, bind(Command::SolveAnew, Key::Enter, "Solve from the beginning", Group::Solve)),
+    bind(Command::Solve, Key::Enter, "Start or resume the solve", Group::Solve),
+    with(Modifiers::SHIFT, bind(Command::SolveAnew, Key::Enter, "Solve from scratch", Group::Solve)),
     bind(Command::Stop, Key::Escape, "Stop the solve; close a dialog", Group::Solve),
-    bind(Command::ToggleQmc, Key::F2, "Sobol or random samples", Group::Solve),
+    bind(Command::ToggleQmc, Key::F2, "Switch between Sobol and random samples", Group::Solve),
     bind(Command::ShowAll, Key::B, "Show all light", Group::View),
     bind(Command::ShowDirect, Key::G, "Show direct light", Group::View),
     bind(Command::ShowIndirect, Key::J, "Show indirect light", Group::View),
-    bind(Command::PreviousBounce, Key::Comma, "Show the bounce before", Group::View),
+    bind(Command::PreviousBounce, Key::Comma, "Show the previous bounce", Group::View),
     bind(Command::NextBounce, Key::Period, "Show the next bounce", Group::View),
-    bind(Command::Wireframe, Key::X, "Edges of triangles", Group::View),
-    bind(Command::KeepLight, Key::P, "Keep this light to compare with", Group::View),
+    bind(Command::Wireframe, Key::X, "Wireframe", Group::View),
+    bind(Command::KeepLight, Key::P, "Keep this solution for comparison", Group::View),
     bind(Command::Split, Key::C, "Compare side by side", Group::View),
     bind(Command::Help, Key::F1, "Show all keys", Group::View),
     bind(Command::Panels, Key::F10, "Hide or show the panels", Group::View),
@@ -208,7 +213,7 @@ pub const BINDINGS: &[Binding] = &[
 pub const MOTIONS: &[(Motion, Key, &str)] = &[
     (Motion::Forward, Key::W, "Fly forward"),
     (Motion::Left, Key::A, "Fly left"),
-    (Motion::Back, Key::S, "Fly back"),
+    (Motion::Back, Key::S, "Fly backward"),
     (Motion::Right, Key::D, "Fly right"),
     (Motion::Up, Key::R, "Fly up"),
     (Motion::Down, Key::F, "Fly down"),
@@ -223,13 +228,13 @@ pub const MOTIONS: &[(Motion, Key, &str)] = &[
 /// What mouse and modifiers do; the viewport handles them.
 pub const MOUSE: &[(&str, &str, Group)] = &[
     ("Left drag", "Look around", Group::Camera),
-    ("Middle drag", "Move in the plane of the picture", Group::Camera),
-    ("Right drag", "Move forward and back", Group::Camera),
+    ("Middle drag", "Pan", Group::Camera),
+    ("Right drag", "Dolly", Group::Camera),
     ("Wheel", "Fly faster or slower", Group::Camera),
-    ("Shift, Ctrl", "Hold to fly fast, slow", Group::Camera),
-    ("Alt + digit", "Keep camera, lights and settings", Group::Camera),
-    ("Digit", "Recall them", Group::Camera),
-    ("Click", "Read the light on a surface", Group::View),
+    ("Shift, Ctrl", "Hold to fly faster, slower", Group::Camera),
+    ("Alt + digit", "Save camera, lights and settings", Group::Camera),
+    ("Digit", "Recall camera, lights and settings", Group::Camera),
+    ("Click", "Inspect the light on a surface", Group::View),
     ("Drag a handle", "Move or resize the active light", Group::Lights),
 ];
 
@@ -248,7 +253,7 @@ const DIGITS: [Key; 10] = [
 
 /// What a key pressed with these modifiers does.
 ///
-/// Modifiers are those of the key's own event: on a slow frame Alt may be up again when the frame ends.
+/// Pass the modifiers of the key event: on a slow frame, Alt may already be up when the frame ends.
 pub fn command_of(key: Key, modifiers: Modifiers) -> Option<Command> {
     if let Some(digit) = DIGITS.iter().position(|digit| *digit == key) {
         let digit = digit as u8;
@@ -291,7 +296,8 @@ impl Command {
     /// What it does, in words.
     pub fn text(self) -> &'static str {
         match self {
-            Self::SaveSlot(_) => "Keep camera, lights and settings",
+            Self::CompareSolution => "Load a solution for comparison",
+            Self::SaveSlot(_) => "Save camera, lights and settings",
             Self::RecallSlot(_) => "Recall camera, lights and settings",
             _ => BINDINGS.iter().find(|b| b.command == self).map_or("", |b| b.text),
         }

@@ -4,6 +4,7 @@
 //! takes what is done with keys and mouse; the [`Stage`](stage::Stage) draws the scene with `lumel_render_gpu`. Solves run
 //! on threads of their own ([`solver`]) and publish what they know; nothing that draws ever waits for them.
 
+pub mod actions;
 pub mod app;
 pub mod camera;
 pub mod cli;
@@ -14,6 +15,7 @@ pub mod document;
 pub mod gizmo;
 pub mod history;
 pub mod input;
+pub mod inputs;
 pub mod instance;
 pub mod lights;
 pub mod notice;
@@ -22,6 +24,7 @@ pub mod pick;
 pub mod prefs;
 pub mod recovery;
 mod rhythm;
+mod rules;
 pub mod screenshot;
 pub mod selection;
 pub mod session;
@@ -33,4 +36,5 @@ pub mod task;
 pub mod theme;
 pub mod values;
 pub mod viewport;
+pub mod wake;
 pub mod widgets;

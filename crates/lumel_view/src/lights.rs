@@ -1,4 +1,4 @@
-//! Lights as one edits them.
+//! Editable lights.
 
 use glam::{Vec2, Vec3};
 use lumel::{LightEntry, RectLight};
@@ -14,7 +14,7 @@ const LARGEST: f32 = 0.5;
 /// No half-edge is shorter, metres: the square of an area must still be a number above zero.
 const SHORTEST: f32 = 1e-8;
 
-/// What becomes of a light's power when its size changes.
+/// What resizing a light preserves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Resize {
     /// Radiance stays, so that power grows with the area.
@@ -146,7 +146,7 @@ impl EditLight {
     }
 }
 
-/// The lights that shine, as the solver and the renderer take them.
+/// The lights that are on, for the solver and the renderer.
 pub fn shining(lights: &[EditLight]) -> Vec<RectLight> {
     lights.iter().filter(|light| light.on).map(|light| light.rect).collect()
 }

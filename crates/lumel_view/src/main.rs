@@ -3,8 +3,9 @@
 use clap::Parser;
 use eframe::egui::ViewportBuilder;
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup};
-use lumel_view::app::{APP_ID, App, Ground, StartUp};
+use lumel_view::app::{APP_ID, App, StartUp};
 use lumel_view::cli::Cli;
+use lumel_view::theme::Ground;
 use lumel_view::{instance, screenshot};
 use std::io::Write;
 use std::process::ExitCode;
@@ -52,7 +53,7 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         viewport,
         renderer: eframe::Renderer::Wgpu,
         wgpu_options: wgpu,
-        // There are no gradients in the window but those of the picture, which has its own bytes.
+        // The window has no gradients outside the picture, which is drawn undithered.
         dithering: false,
         ..eframe::NativeOptions::default()
     };

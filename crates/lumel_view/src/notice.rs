@@ -1,4 +1,4 @@
-//! What the program has to tell.
+//! Messages to the user.
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,8 +1,9 @@
-//! Reading the light where one clicks.
+//! Inspecting the light where the user clicks.
 
 use crate::selection::Light;
-use crate::solver::{Solved, Wake};
+use crate::solver::Solved;
 use crate::task::Background;
+use crate::wake::Wake;
 use glam::{Vec2, Vec3};
 use lumel::{Camera, Control, PointMeasurement, RayTracer, Scene, measure_points};
 use lumel_basis::PointReceivers;
@@ -90,9 +91,9 @@ impl Pick {
         Self { spot, measured: None, measuring: None, of: None }
     }
 
-    /// Measures the light at the spot anew, with its standard error, on another thread; once for each solve.
+    /// Measures the light at the spot again, with its standard error, on a background thread; once per solve.
     ///
-    /// A measurement that does not belong to the solve, or to none, is forgotten.
+    /// Drops a measurement of a different solve.
     pub fn measure(&mut self, solved: Option<&Arc<Solved>>, wake: &Wake) {
         let same = match (&self.of, solved) {
             (Some(of), Some(solved)) => Arc::ptr_eq(of, solved),

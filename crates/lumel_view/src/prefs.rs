@@ -1,4 +1,4 @@
-//! Settings that are kept from one run to the next.
+//! Preferences, kept between runs.
 
 use crate::selection::Selection;
 use lumel::Settings;
@@ -57,16 +57,14 @@ impl ViewMode {
     /// What it shows.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::Final => "Radiance: albedo × irradiance / π, and what surfaces emit",
-            Self::Irradiance => "Arriving light without albedo, as on white surfaces",
-            Self::Albedo => "The share of light that surfaces reflect",
-            Self::Normals => "Where surfaces look: red +x, green +y, blue +z",
-            Self::FalseColor => "Luminance of the arriving light as colours, with a legend",
-            Self::StandardError => {
-                "Standard error of the arriving light at each vertex, where it was measured"
-            }
-            Self::Validity => "Red vertices lie inside geometry and have their neighbours' light",
-            Self::TriangleSize => "Mean length of the edges around each vertex, as colours",
+            Self::Final => "Radiance: albedo × irradiance / π, plus emission",
+            Self::Irradiance => "Irradiance, as on white surfaces",
+            Self::Albedo => "The fraction of light that surfaces reflect",
+            Self::Normals => "Surface normals: red +X, green +Y, blue +Z",
+            Self::FalseColor => "Luminance of the irradiance in false colours, with a legend",
+            Self::StandardError => "Standard error of the irradiance at each vertex, where it was measured",
+            Self::Validity => "Red vertices lie inside geometry; their light is extrapolated from neighbours",
+            Self::TriangleSize => "Mean edge length around each vertex, in false colours",
         }
     }
 

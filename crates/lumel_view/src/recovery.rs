@@ -1,4 +1,4 @@
-//! Unsaved work on disk, so that neither a closed window nor a power cut loses it.
+//! Unsaved work on disk, so that neither closing the window nor a power cut loses it.
 //!
 //! After each bounce, and when the window is closed, the bounces so far are written as a solution
 //! (`NAME.checkpoint.npz`, which `lumel bake --resume` takes too) with a note of what they belong to
@@ -53,6 +53,15 @@ pub struct Note {
     pub process: u32,
 }
 
+/// Unsaved work that another process left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftBehind {
+    /// Where it is.
+    pub place: Recovery,
+    /// What it belongs to.
+    pub note: Note,
+}
+
 /// The place of one session's unsaved work.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recovery {
@@ -77,7 +86,7 @@ impl Recovery {
     }
 
     /// Unsaved work that other processes left behind, the newest first.
-    pub fn left_behind(folder: &Path) -> Vec<(Self, Note)> {
+    pub fn left_behind(folder: &Path) -> Vec<LeftBehind> {
         let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
         let running = other_processes(folder);
         let mut found: Vec<_> = entries
@@ -85,10 +94,10 @@ impl Recovery {
             .filter_map(|entry| {
                 let file = entry.file_name().to_string_lossy().into_owned();
                 let name = file.strip_suffix(NOTE_END)?.to_owned();
-                let recovery = Self { folder: folder.to_owned(), name };
-                let note = recovery.note()?;
+                let place = Self { folder: folder.to_owned(), name };
+                let note = place.note()?;
                 let modified = entry.metadata().and_then(|m| m.modified()).ok();
-                (!running.contains(&note.process)).then_some((modified, (recovery, note)))
+                (!running.contains(&note.process)).then_some((modified, LeftBehind { place, note }))
             })
             .collect();
         found.sort_by_key(|(modified, _)| std::cmp::Reverse(*modified));
@@ -145,7 +154,7 @@ impl Note {
     /// What it is, for a question.
     pub fn summary(&self) -> String {
         let work = match (self.bounces, self.complete) {
-            (0, _) => "lights and views".to_owned(),
+            (0, _) => "lights, materials and slots".to_owned(),
             (n, true) => format!("a finished solve with {}", bounces(n)),
             (n, false) => format!("a solve stopped after {}", bounces(n)),
         };
@@ -232,9 +241,9 @@ mod tests {
         let recovery = Recovery { folder: folder.path().join("deeper"), name: "unsaved-1".into() };
         recovery.write(&note(), None).unwrap();
         let found = Recovery::left_behind(&folder.path().join("deeper"));
-        assert_eq!(found, [(recovery.clone(), note())]);
-        assert_eq!(found[0].1.request().options.max_edge, Some(0.1));
-        assert_eq!(found[0].1.summary(), "cornell-box: a solve stopped after 2 bounces");
+        assert_eq!(found, [LeftBehind { place: recovery.clone(), note: note() }]);
+        assert_eq!(found[0].note.request().options.max_edge, Some(0.1));
+        assert_eq!(found[0].note.summary(), "cornell-box: a solve stopped after 2 bounces");
         recovery.remove();
         assert_eq!(Recovery::left_behind(&folder.path().join("deeper")), []);
     }
@@ -248,7 +257,7 @@ mod tests {
         let second = Recovery::of_this_process(folder.path());
         assert_ne!(first, second);
         second.remove();
-        assert_eq!(Recovery::left_behind(folder.path()), [(first, note())]);
+        assert_eq!(Recovery::left_behind(folder.path()), [LeftBehind { place: first, note: note() }]);
     }
 
     #[test]
@@ -264,7 +273,7 @@ mod tests {
         assert_eq!(Recovery::left_behind(folder.path()), []);
         // It ends.
         drop(lock);
-        assert_eq!(Recovery::left_behind(folder.path()), [(recovery, note())]);
+        assert_eq!(Recovery::left_behind(folder.path()), [LeftBehind { place: recovery, note: note() }]);
         assert!(!path.exists());
     }
 

@@ -1,12 +1,13 @@
 //! Pictures of the view as PNG files, from the window and without one.
 
-use crate::app::App;
 use crate::cli::ScreenshotArgs;
 use crate::document::{self, error_text};
 use crate::lights::shining;
 use crate::notice::Level;
 use crate::prefs::ViewPrefs;
 use crate::selection::{Light, Selection};
+use crate::session::Session;
+use crate::stage::Stage;
 use anyhow::Context;
 use lumel::LightFile;
 use lumel_export::write_png;
@@ -17,33 +18,30 @@ use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Saves the picture of the window, named by the scene and the time, with its settings inside.
-pub(crate) fn from_window(app: &mut App) {
-    let Some(document) = &app.session.document else {
-        app.session.notices.push(Level::Warning, "Open a scene first");
+pub(crate) fn from_window(session: &mut Session, stage: Option<&Stage>, view: &ViewPrefs, folder: &Path) {
+    let Some(document) = &session.document else {
+        session.notices.push(Level::Warning, "Open a scene first");
         return;
     };
-    let picture =
-        app.stage.as_ref().map_or_else(|| Err("there is no graphics device".to_owned()), |s| s.picture());
+    let picture = stage.map_or_else(|| Err("no graphics device".to_owned()), Stage::picture);
     let picture = match picture {
         Ok(picture) => picture,
         Err(problem) => {
-            app.session.notices.push(Level::Error, format!("No picture was saved: {problem}"));
+            session.notices.push(Level::Error, format!("The screenshot was not saved: {problem}"));
             return;
         }
     };
     let title = document.request.title();
     let stem = title.split('.').next().unwrap_or("scene").to_owned();
-    let path = app.picture_folder.join(format!("{stem}-{}.png", time_stamp(SystemTime::now())));
-    let texts = texts(app);
-    app.session.write(&path, "the picture", None, move |path| save(path, &picture, &texts));
+    let path = folder.join(format!("{stem}-{}.png", time_stamp(SystemTime::now())));
+    let texts = texts(session, view, stage.map_or(0.0, |stage| stage.stops(view)));
+    session.write(&path, "the screenshot", None, move |path| save(path, &picture, &texts));
 }
 
-fn texts(app: &App) -> Vec<(&'static str, String)> {
-    let (view, session) = (&app.prefs.view, &app.session);
+fn texts(session: &Session, view: &ViewPrefs, stops: f32) -> Vec<(&'static str, String)> {
     let camera = session.camera;
     let settings = serde_json::to_string(&session.settings).unwrap_or_default();
     let view_text = serde_json::to_string(view).unwrap_or_default();
-    let stops = app.stage.as_ref().map_or(0.0, |stage| stage.stops(view));
     let position = camera.position;
     vec![
         ("Title", session.document.as_ref().map_or_else(String::new, |d| d.scene.name().to_owned())),

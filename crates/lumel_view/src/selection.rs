@@ -1,4 +1,4 @@
-//! Which bounces one sees.
+//! Which bounces are shown.
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};

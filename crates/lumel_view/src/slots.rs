@@ -1,10 +1,10 @@
-//! Numbered states: camera, lights and settings under a digit.
+//! Slots: camera, lights and settings under a digit.
 
 use crate::camera::FlyCamera;
 use crate::lights::EditLight;
 use lumel::{CameraEntry, Settings, SettingsPatch, SlotEntry};
 
-/// What a digit recalls.
+/// What a slot holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slot {
     /// The view.
@@ -25,7 +25,7 @@ impl Slots {
         self.0.get(usize::from(digit)).and_then(Option::as_ref)
     }
 
-    /// Keeps or forgets the state under a digit.
+    /// Fills or clears a slot.
     pub fn set(&mut self, digit: u8, slot: Option<Slot>) {
         if let Some(place) = self.0.get_mut(usize::from(digit)) {
             *place = slot;
@@ -37,7 +37,7 @@ impl Slots {
         (0..10).filter(|&digit| self.get(digit).is_some())
     }
 
-    /// Those of a project file. Lights keep the names they have there.
+    /// From a project file. Lights keep their names.
     pub fn from_entries(entries: &[SlotEntry]) -> Self {
         let mut slots = Self::default();
         for entry in entries {

@@ -1,6 +1,6 @@
-//! Work that must not hold up the window: files, measurements, pictures.
+//! Background work that must not block the window: files, measurements, pictures.
 
-use crate::solver::Wake;
+use crate::wake::Wake;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -40,13 +40,13 @@ impl<T: Send + 'static> Background<T> {
         match self.result.try_recv() {
             Ok(result) => Some(result),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(format!("{} came to nothing", self.what))),
+            Err(TryRecvError::Disconnected) => Some(Err(format!("{} ended without a result", self.what))),
         }
     }
 
     /// Waits for the result.
     pub fn wait(self) -> Result<T, String> {
-        self.result.recv().unwrap_or_else(|_| Err(format!("{} came to nothing", self.what)))
+        self.result.recv().unwrap_or_else(|_| Err(format!("{} ended without a result", self.what)))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Colours and distances of the window, in one place.
 
-use eframe::egui::{self, Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Vec2};
+use eframe::egui::{
+    self, Color32, CornerRadius, FontFamily, FontId, Frame, Margin, Stroke, TextStyle, Theme, Vec2,
+};
 
 /// What is active or asks for the next step.
 pub const ACCENT: Color32 = Color32::from_rgb(240, 170, 60);
@@ -30,6 +32,27 @@ pub const LABEL_WIDTH: f32 = 104.0;
 
 /// Lines of plots.
 pub const SERIES: [Color32; 3] = [ACCENT, Color32::from_rgb(100, 180, 240), Color32::from_rgb(140, 210, 130)];
+
+/// What paints the background of the panels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ground {
+    /// The panels themselves.
+    #[default]
+    Panels,
+    /// The window, which is cleared in the colour of the panels: a software renderer pays for every pixel it
+    /// paints twice.
+    Window,
+}
+
+impl Ground {
+    /// The frame of a panel.
+    pub fn frame(self) -> Frame {
+        match self {
+            Self::Panels => Frame::new().fill(PANEL),
+            Self::Window => Frame::new(),
+        }
+    }
+}
 
 /// Gives a window its look: dark, so that what is judged by eye is the picture.
 pub fn apply(ctx: &egui::Context) {

@@ -1,19 +1,22 @@
-//! Asking for files: a path to type, a button for the system's dialog, and for scenes what there is to choose from.
+//! The file dialog: a path to type, a button for the system's dialog, and a list of scenes.
 
-use super::{modal, open};
-use crate::app::App;
+use super::open;
+use crate::actions::{Action, Actions};
+use crate::document::OpenRequest;
 use crate::notice::Level;
+use crate::prefs::Prefs;
 use crate::selection::Selection;
-use crate::session::{self, MESH_FORMATS, SOLUTION_FORMATS, Session};
+use crate::session::{LightUse, MESH_FORMATS, SOLUTION_FORMATS, Session};
 use crate::task::Background;
 use crate::theme;
-use crate::widgets::primary_button;
+use crate::wake::Wake;
+use crate::widgets::{modal, primary_button};
 use eframe::egui::{self, Button, RichText, TextEdit};
 use std::path::{Path, PathBuf};
 
 /// What a file is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
+pub enum FilePurpose {
     /// A scene to open.
     OpenScene,
     /// Where to save the lit mesh.
@@ -29,9 +32,9 @@ pub enum Purpose {
 }
 
 /// A question for a file.
-pub struct Dialog {
+pub struct FileDialog {
     /// What for.
-    pub purpose: Purpose,
+    pub purpose: FilePurpose,
     /// The path as it stands in the dialog.
     pub path: String,
     /// Longest edge after tessellation, metres; 0 to leave edges alone.
@@ -42,8 +45,8 @@ pub struct Dialog {
     focus: bool,
 }
 
-impl Dialog {
-    fn new(purpose: Purpose, path: String) -> Self {
+impl FileDialog {
+    fn new(purpose: FilePurpose, path: String) -> Self {
         let (note, max_edge) = (String::new(), 0.0);
         Self { purpose, path, max_edge, note, problem: None, browsing: None, focus: true }
     }
@@ -51,59 +54,60 @@ impl Dialog {
     /// Asks for a scene.
     pub fn open_scene(session: &Session) -> Self {
         let max_edge = session.document.as_ref().and_then(|d| d.request.options.max_edge).unwrap_or(0.0);
-        Self { max_edge, ..Self::new(Purpose::OpenScene, String::new()) }
+        Self { max_edge, ..Self::new(FilePurpose::OpenScene, String::new()) }
     }
 
     /// Asks where to save the lit mesh.
     pub fn save_mesh(session: &Session, selection: Selection) -> Self {
         let note = if session.light.is_empty() {
-            "There is no light yet: the mesh is saved without.".to_owned()
+            "There is no solution yet: the mesh is saved without light.".to_owned()
         } else {
-            format!("The mesh is saved with {selection}, as it is shown.")
+            format!("The mesh is saved with {selection}, as shown.")
         };
-        Self { note, ..Self::new(Purpose::SaveMesh, suggestion(session, "lit.glb")) }
+        Self { note, ..Self::new(FilePurpose::SaveMesh, suggestion(session, "lit.glb")) }
     }
 
     /// Asks where to save the project.
     pub fn save_project(session: &Session) -> Self {
         let note =
-            "Lights, view, settings and slots. Save it beside the mesh, or in a folder above it.".to_owned();
-        Self { note, ..Self::new(Purpose::SaveProject, suggestion(session, "lumel.toml")) }
+            "Saves lights, view, settings and slots. Save it next to the mesh, or in a folder above it."
+                .to_owned();
+        Self { note, ..Self::new(FilePurpose::SaveProject, suggestion(session, "lumel.toml")) }
     }
 
     /// Asks for a solution.
     pub fn load_solution(session: &Session) -> Self {
-        Self::new(Purpose::LoadSolution, suggestion(session, "npz"))
+        Self::new(FilePurpose::LoadSolution, suggestion(session, "npz"))
     }
 
     /// Asks for a solution to compare with.
     pub fn compare_solution(session: &Session) -> Self {
-        Self::new(Purpose::CompareSolution, suggestion(session, "npz"))
+        Self::new(FilePurpose::CompareSolution, suggestion(session, "npz"))
     }
 
     /// Asks where to save the solution.
     pub fn save_solution(session: &Session) -> Self {
-        let note = ".npz holds every bounce; .rad the sum only, over pi.".to_owned();
-        Self { note, ..Self::new(Purpose::SaveSolution, suggestion(session, "npz")) }
+        let note = ".npz holds every bounce; .rad holds their sum divided by pi.".to_owned();
+        Self { note, ..Self::new(FilePurpose::SaveSolution, suggestion(session, "npz")) }
     }
 
     fn title(&self) -> &'static str {
         match self.purpose {
-            Purpose::OpenScene => "Open a scene",
-            Purpose::SaveMesh => "Save the lit mesh",
-            Purpose::SaveProject => "Save the project",
-            Purpose::LoadSolution => "Load a solution",
-            Purpose::CompareSolution => "Compare with a solution",
-            Purpose::SaveSolution => "Save the solution",
+            FilePurpose::OpenScene => "Open a scene",
+            FilePurpose::SaveMesh => "Save the lit mesh",
+            FilePurpose::SaveProject => "Save the project",
+            FilePurpose::LoadSolution => "Load a solution",
+            FilePurpose::CompareSolution => "Compare with a solution",
+            FilePurpose::SaveSolution => "Save the solution",
         }
     }
 
     /// The text on the button that does it.
     fn verb(&self) -> &'static str {
         match self.purpose {
-            Purpose::OpenScene => "Open",
-            Purpose::LoadSolution | Purpose::CompareSolution => "Load",
-            Purpose::SaveMesh | Purpose::SaveProject | Purpose::SaveSolution => "Save",
+            FilePurpose::OpenScene => "Open",
+            FilePurpose::LoadSolution | FilePurpose::CompareSolution => "Load",
+            FilePurpose::SaveMesh | FilePurpose::SaveProject | FilePurpose::SaveSolution => "Save",
         }
     }
 
@@ -113,28 +117,27 @@ impl Dialog {
 
     fn extensions(&self) -> &'static [&'static str] {
         match self.purpose {
-            Purpose::OpenScene => &["obj", "gltf", "glb", "ply", "toml"],
-            Purpose::SaveMesh => &MESH_FORMATS,
-            Purpose::SaveProject => &["toml"],
+            FilePurpose::OpenScene => &["obj", "gltf", "glb", "ply", "toml"],
+            FilePurpose::SaveMesh => &MESH_FORMATS,
+            FilePurpose::SaveProject => &["toml"],
             _ => &SOLUTION_FORMATS,
         }
     }
 
     /// Opens the system's own dialog on a thread of its own; it may not be there.
-    fn browse(&mut self, wake: &crate::solver::Wake) {
+    fn browse(&mut self, wake: &Wake) {
         let (title, extensions, saving) = (self.title(), self.extensions(), self.is_saving());
         let path = PathBuf::from(&self.path);
-        self.browsing =
-            Some(Background::start("asking for a file", std::sync::Arc::clone(wake), move || {
-                let mut dialog = rfd::FileDialog::new().set_title(title).add_filter("files", extensions);
-                if let Some(folder) = path.parent().and_then(|folder| folder.canonicalize().ok()) {
-                    dialog = dialog.set_directory(folder);
-                }
-                if let Some(name) = path.file_name() {
-                    dialog = dialog.set_file_name(name.to_string_lossy());
-                }
-                Ok(if saving { dialog.save_file() } else { dialog.pick_file() })
-            }));
+        self.browsing = Some(Background::start("choosing a file", std::sync::Arc::clone(wake), move || {
+            let mut dialog = rfd::FileDialog::new().set_title(title).add_filter("files", extensions);
+            if let Some(folder) = path.parent().and_then(|folder| folder.canonicalize().ok()) {
+                dialog = dialog.set_directory(folder);
+            }
+            if let Some(name) = path.file_name() {
+                dialog = dialog.set_file_name(name.to_string_lossy());
+            }
+            Ok(if saving { dialog.save_file() } else { dialog.pick_file() })
+        }));
     }
 
     fn poll(&mut self) {
@@ -165,53 +168,61 @@ enum Decision {
     Cancel,
 }
 
-pub(super) fn show(app: &mut App, ctx: &egui::Context) {
-    let Some(mut dialog) = app.dialogs.file.take() else { return };
-    dialog.poll();
-    let mut decision = None;
-    let mut chosen = None;
-    let width = if dialog.purpose == Purpose::OpenScene { 620.0 } else { 520.0 };
-    modal(ctx, "file", width, |ui| {
-        ui.heading(dialog.title());
-        ui.add_space(6.0);
-        if dialog.purpose == Purpose::OpenScene {
-            chosen = open::choices(ui, &app.prefs.recent, &mut dialog.max_edge);
-        }
-        decision = path_row(ui, &mut dialog, &app.wake);
-        if !dialog.note.is_empty() {
-            ui.label(RichText::new(&dialog.note).color(theme::WEAK));
-        }
-        if let Some(problem) = &dialog.problem {
-            ui.add(egui::Label::new(RichText::new(problem).color(theme::ERROR)).wrap());
-        } else if dialog.is_saving() && Path::new(&dialog.path).exists() {
-            ui.label(RichText::new("This file exists and will be replaced.").color(theme::WARNING));
-        }
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            if primary_button(ui, dialog.verb(), 110.0).clicked() {
-                decision = Some(Decision::Do);
+impl FileDialog {
+    /// Draws it and does what it is for; `None` once it is closed.
+    pub(super) fn show(
+        mut self,
+        session: &mut Session,
+        prefs: &Prefs,
+        actions: &mut Actions,
+        ctx: &egui::Context,
+    ) -> Option<Self> {
+        self.poll();
+        let mut decision = None;
+        let mut chosen = None;
+        let width = if self.purpose == FilePurpose::OpenScene { 620.0 } else { 520.0 };
+        modal(ctx, "file", width, |ui| {
+            ui.heading(self.title());
+            ui.add_space(6.0);
+            if self.purpose == FilePurpose::OpenScene {
+                chosen = open::choices(ui, &prefs.recent, &mut self.max_edge);
             }
-            if ui.add_sized([100.0, 30.0], Button::new("Cancel")).clicked() {
-                decision = Some(Decision::Cancel);
+            decision = path_row(ui, &mut self, session.wake());
+            if !self.note.is_empty() {
+                ui.label(RichText::new(&self.note).color(theme::WEAK));
             }
+            if let Some(problem) = &self.problem {
+                ui.add(egui::Label::new(RichText::new(problem).color(theme::ERROR)).wrap());
+            } else if self.is_saving() && Path::new(&self.path).exists() {
+                ui.label(RichText::new("This file exists and will be overwritten.").color(theme::WARNING));
+            }
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                if primary_button(ui, self.verb(), 110.0).clicked() {
+                    decision = Some(Decision::Do);
+                }
+                if ui.add_sized([100.0, 30.0], Button::new("Cancel")).clicked() {
+                    decision = Some(Decision::Cancel);
+                }
+            });
         });
-    });
-    if let Some(name) = chosen {
-        dialog.path = name;
-        decision = Some(Decision::Do);
+        if let Some(name) = chosen {
+            self.path = name;
+            decision = Some(Decision::Do);
+        }
+        match decision {
+            Some(Decision::Cancel) => return None,
+            Some(Decision::Do) => match act(session, prefs, actions, &self) {
+                Ok(()) => return None,
+                Err(problem) => self.problem = Some(problem),
+            },
+            None => {}
+        }
+        Some(self)
     }
-    match decision {
-        Some(Decision::Cancel) => return,
-        Some(Decision::Do) => match act(app, &dialog) {
-            Ok(()) => return,
-            Err(problem) => dialog.problem = Some(problem),
-        },
-        None => {}
-    }
-    app.dialogs.file = Some(dialog);
 }
 
-fn path_row(ui: &mut egui::Ui, dialog: &mut Dialog, wake: &crate::solver::Wake) -> Option<Decision> {
+fn path_row(ui: &mut egui::Ui, dialog: &mut FileDialog, wake: &Wake) -> Option<Decision> {
     let mut decision = None;
     ui.horizontal(|ui| {
         let label = ui.label(RichText::new("Path").color(theme::WEAK));
@@ -227,7 +238,7 @@ fn path_row(ui: &mut egui::Ui, dialog: &mut Dialog, wake: &crate::solver::Wake) 
             decision = Some(Decision::Do);
         }
         let browse = ui.add_enabled(dialog.browsing.is_none(), Button::new("Browse..."));
-        if browse.on_hover_text("The system's own dialog, where there is one").clicked() {
+        if browse.on_hover_text("Opens the system's file dialog, if there is one").clicked() {
             dialog.browse(wake);
         }
     });
@@ -235,33 +246,38 @@ fn path_row(ui: &mut egui::Ui, dialog: &mut Dialog, wake: &crate::solver::Wake) 
 }
 
 /// Does what the dialog is for.
-fn act(app: &mut App, dialog: &Dialog) -> Result<(), String> {
+fn act(
+    session: &mut Session,
+    prefs: &Prefs,
+    actions: &mut Actions,
+    dialog: &FileDialog,
+) -> Result<(), String> {
     let name = dialog.path.trim();
     if name.is_empty() {
-        return Err("give a path".to_owned());
+        return Err("enter a path".to_owned());
     }
     let path = Path::new(name);
     match dialog.purpose {
-        Purpose::OpenScene => {
-            let mut request = crate::document::OpenRequest::new(name);
+        FilePurpose::OpenScene => {
+            let mut request = OpenRequest::new(name);
             request.options.max_edge = (dialog.max_edge > 0.0).then_some(dialog.max_edge);
-            app.open(request);
+            actions.push(Action::Open(request));
         }
-        Purpose::SaveMesh => app.session.save_mesh(path, app.prefs.view.selection)?,
-        Purpose::SaveProject => app.session.save_project(path)?,
-        Purpose::SaveSolution => app.session.save_solution(path)?,
-        Purpose::LoadSolution | Purpose::CompareSolution => {
+        FilePurpose::SaveMesh => session.save_mesh(path, prefs.view.selection)?,
+        FilePurpose::SaveProject => session.save_project(path)?,
+        FilePurpose::SaveSolution => session.save_solution(path)?,
+        FilePurpose::LoadSolution | FilePurpose::CompareSolution => {
             if !path.exists() {
                 return Err(format!("there is no such file: {name}"));
             }
-            let show = dialog.purpose == Purpose::LoadSolution;
-            if show && app.session.has_unsaved_light() {
+            let show = dialog.purpose == FilePurpose::LoadSolution;
+            if show && session.has_unsaved_light() {
                 let text = "The unsaved solution was kept for comparison";
-                app.session.keep_light();
-                app.session.notices.push(Level::Info, text);
+                session.keep_light();
+                session.notices.push(Level::Info, text);
             }
-            let purpose = if show { session::Purpose::Show } else { session::Purpose::Compare };
-            app.session.load_solution(path, purpose);
+            let purpose = if show { LightUse::Show } else { LightUse::Compare };
+            session.load_solution(path, purpose);
         }
     }
     Ok(())

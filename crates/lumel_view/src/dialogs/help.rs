@@ -1,12 +1,12 @@
 //! All keys, from the table that handles them.
 
-use super::modal;
-use crate::app::App;
 use crate::input::{Group, help};
 use crate::theme;
+use crate::widgets::modal;
 use eframe::egui::{self, Grid, RichText, ScrollArea};
 
-pub(super) fn show(app: &mut App, ctx: &egui::Context) {
+/// Shows the keys; true when they are to be closed.
+pub(super) fn show(ctx: &egui::Context) -> bool {
     let mut close = false;
     modal(ctx, "help", 860.0, |ui| {
         ui.horizontal(|ui| {
@@ -28,9 +28,7 @@ pub(super) fn show(app: &mut App, ctx: &egui::Context) {
             });
         });
     });
-    if close {
-        app.dialogs.toggle_help();
-    }
+    close
 }
 
 fn group(ui: &mut egui::Ui, group: Group) {

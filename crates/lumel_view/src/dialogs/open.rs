@@ -17,11 +17,11 @@ pub(super) fn choices(ui: &mut egui::Ui, recent: &[String], max_edge: &mut f32) 
                 chosen = Some(name.to_owned());
             }
         }
-        right.label(RichText::new("Opened last").strong());
+        right.label(RichText::new("Recent").strong());
         let files: Vec<&String> =
             recent.iter().filter(|name| !lumel_builtin::NAMES.contains(&name.as_str())).collect();
         if files.is_empty() {
-            right.label(RichText::new("Files you open are listed here.").color(theme::WEAK));
+            right.label(RichText::new("Files you open appear here.").color(theme::WEAK));
         }
         for name in files {
             let file = Path::new(name).file_name().unwrap_or_default().to_string_lossy();
@@ -32,8 +32,8 @@ pub(super) fn choices(ui: &mut egui::Ui, recent: &[String], max_edge: &mut f32) 
     });
     ui.add_space(6.0);
     ui.separator();
-    let hint = "Longer edges are split when the scene is opened, in metres: light changes only where there are \
-                vertices. 0 leaves the mesh as it is.";
+    let hint = "Longer edges are split when the scene is opened: light is stored at vertices. 0 leaves the mesh \
+                unchanged.";
     let drag = DragValue::new(max_edge).speed(0.005).range(0.0..=1000.0).max_decimals(3).suffix(" m");
     number(ui, "Longest edge", hint, drag);
     chosen

@@ -1,48 +1,48 @@
 //! The camera, the views of the scene and the slots.
 
-use crate::app::App;
+use crate::actions::Actions;
 use crate::camera::{FOV_DEG, FlyCamera};
 use crate::input::Command;
-use crate::prefs::SPEED;
+use crate::prefs::{Prefs, SPEED};
+use crate::session::Session;
 use crate::theme;
-use crate::widgets::{heading, row, slider, vector};
+use crate::widgets::{heading, hint, row, slider, vector};
 use eframe::egui::{Button, DragValue, RichText, Slider, Ui};
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(document) = &app.session.document else {
-        super::hint(ui, "Open a scene first.");
+pub(super) fn show(session: &mut Session, prefs: &mut Prefs, actions: &mut Actions, ui: &mut Ui) {
+    let Some(document) = &session.document else {
+        hint(ui, "Open a scene first.");
         return;
     };
     let diagonal = document.diagonal();
     let views: Vec<(String, Option<FlyCamera>)> =
         document.scene.cameras().iter().map(|c| (c.name.clone(), FlyCamera::from_camera(c))).collect();
-    slots(app, ui);
-    let ctx = ui.ctx().clone();
+    slots(session, ui);
     ui.horizontal(|ui| {
         for (command, text) in [(Command::ResetCamera, "Reset camera"), (Command::AlignUp, "Align up")] {
-            let hint = format!("{} ({})", command.text(), command.keys());
-            if ui.button(text).on_hover_text(hint).clicked() {
-                app.run(command, &ctx);
+            let keys = format!("{} ({})", command.text(), command.keys());
+            if ui.button(text).on_hover_text(keys).clicked() {
+                actions.push(command);
             }
         }
     });
-    let camera = &mut app.session.camera;
+    let camera = &mut session.camera;
     vector(ui, "Camera", "Position, metres", &mut camera.position, 0.002 * diagonal);
-    angle(ui, "Yaw", "To the left about +Y, from -z", &mut camera.yaw_deg, 180.0);
-    angle(ui, "Pitch", "Upwards", &mut camera.pitch_deg, 89.9);
+    angle(ui, "Yaw", "Counterclockwise about +Y, from -Z", &mut camera.yaw_deg, 180.0);
+    angle(ui, "Pitch", "Above the horizon", &mut camera.pitch_deg, 89.9);
     angle(ui, "Roll", "Clockwise", &mut camera.roll_deg, 180.0);
     let fov = Slider::new(&mut camera.fov_deg, FOV_DEG[0]..=FOV_DEG[1]).suffix("°").max_decimals(1);
     slider(ui, "Field of view", "Vertical", fov);
-    let speed = Slider::new(&mut app.prefs.speed, SPEED[0]..=SPEED[1]).logarithmic(true).max_decimals(2);
-    slider(ui, "Flying speed", "Relative to the size of the scene; the wheel changes it too", speed);
-    let look = Slider::new(&mut app.prefs.look_speed, 0.02..=1.0).max_decimals(2);
-    slider(ui, "Look speed", "Degrees per point that is dragged", look);
+    let speed = Slider::new(&mut prefs.speed, SPEED[0]..=SPEED[1]).logarithmic(true).max_decimals(2);
+    slider(ui, "Flying speed", "Relative to the size of the scene; also set by the wheel", speed);
+    let look = Slider::new(&mut prefs.look_speed, 0.02..=1.0).max_decimals(2);
+    slider(ui, "Look speed", "Degrees per point of drag", look);
     if !views.is_empty() {
         heading(ui, "Views of the scene");
         ui.horizontal_wrapped(|ui| {
             for (name, view) in views {
                 if let (true, Some(view)) = (ui.button(name).clicked(), view) {
-                    app.session.camera = view;
+                    session.camera = view;
                 }
             }
         });
@@ -60,9 +60,9 @@ fn angle(ui: &mut Ui, name: &str, hint: &str, value: &mut f32, limit: f32) {
 }
 
 /// Ten digits: click recalls, with Alt keeps.
-fn slots(app: &mut App, ui: &mut Ui) {
+fn slots(session: &mut Session, ui: &mut Ui) {
     ui.label(
-        RichText::new("Slots: Alt+digit keeps camera, lights and settings, the digit recalls them")
+        RichText::new("Slots: Alt+digit saves camera, lights and settings; the digit recalls them")
             .color(theme::WEAK)
             .small(),
     );
@@ -71,7 +71,7 @@ fn slots(app: &mut App, ui: &mut Ui) {
         ui.spacing_mut().button_padding.x = 2.0;
         let width = ((ui.available_width() - 36.0) / 10.0).floor().clamp(16.0, 30.0);
         for digit in [1, 2, 3, 4, 5, 6, 7, 8, 9, 0] {
-            let kept = app.session.slots.get(digit).is_some();
+            let kept = session.slots.get(digit).is_some();
             let text = RichText::new(digit.to_string());
             let text = if kept { text.strong().color(theme::ON_ACCENT) } else { text.color(theme::WEAK) };
             let button = Button::new(text).min_size(eframe::egui::vec2(width, 22.0));
@@ -82,13 +82,13 @@ fn slots(app: &mut App, ui: &mut Ui) {
                 eframe::egui::WidgetInfo::labeled(eframe::egui::accesskit::Role::Button, true, &name)
             });
             let hint = if kept {
-                "Click recalls, Alt+click replaces"
+                "Click to recall, Alt+click to overwrite"
             } else {
-                "Click keeps camera, lights and settings"
+                "Click to save camera, lights and settings"
             };
             if response.on_hover_text(hint).clicked() {
                 let alt = ui.input(|i| i.modifiers.alt);
-                if kept && !alt { app.session.recall_slot(digit) } else { app.session.save_slot(digit) }
+                if kept && !alt { session.recall_slot(digit) } else { session.save_slot(digit) }
             }
         }
     });

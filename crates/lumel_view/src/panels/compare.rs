@@ -1,45 +1,57 @@
-//! Two lights side by side.
+//! Two solutions side by side.
 
-use crate::app::App;
-use crate::dialogs::Dialog;
+use crate::actions::Actions;
+use crate::compare::Comparison;
+use crate::input::Command;
 use crate::selection::Selection;
+use crate::session::Session;
 use crate::stage::Side;
 use crate::theme;
-use crate::widgets::{check, choice, heading, value};
+use crate::widgets::{check, choice, heading, hint, value};
 use eframe::egui::{RichText, Ui};
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
-    app.comparison.check(&app.session);
+pub(super) fn show(
+    session: &mut Session,
+    comparison: &mut Comparison,
+    shown: &mut Selection,
+    actions: &mut Actions,
+    ui: &mut Ui,
+) {
+    comparison.check(session);
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Keep this light").on_hover_text("Keeps it to compare with (P)").clicked() {
-            app.session.keep_light();
+        if ui
+            .button("Keep this solution")
+            .on_hover_text("Keeps the light as it is now, to compare with (P)")
+            .clicked()
+        {
+            session.keep_light();
         }
-        if ui.button("Load to compare...").clicked() {
-            app.dialogs.open(Dialog::compare_solution(&app.session));
+        if ui.button("Load for comparison...").clicked() {
+            actions.push(Command::CompareSolution);
         }
     });
-    let mut on = app.comparison.on;
-    if check(ui, "Split the picture", "Drag the divider in the picture (C)", &mut on).changed() {
-        app.comparison.toggle(&app.session);
+    let mut on = comparison.on;
+    if check(ui, "Split view", "Drag the divider in the picture (C)", &mut on).changed() {
+        comparison.toggle(session);
     }
-    let names: Vec<(Side, String)> = std::iter::once((Side::Current, "This light".to_owned()))
-        .chain(app.session.kept.iter().map(|kept| (Side::Kept(kept.id), kept.name.clone())))
+    let names: Vec<(Side, String)> = std::iter::once((Side::Current, "Current solution".to_owned()))
+        .chain(session.kept.iter().map(|kept| (Side::Kept(kept.id), kept.name.clone())))
         .collect();
     let name =
         |side: Side| names.iter().find(|(s, _)| *s == side).map_or_else(String::new, |(_, n)| n.clone());
     let sides: Vec<Side> = names.iter().map(|(side, _)| *side).collect();
-    heading(ui, "Left: this light");
-    let bounces = app.session.light.bounce_count();
-    selection(ui, "Left shows", &mut app.prefs.view.selection, bounces);
+    heading(ui, "Left: current solution");
+    let bounces = session.light.bounce_count();
+    selection(ui, "Left shows", shown, bounces);
     heading(ui, "Right");
-    choice(ui, "Light", "What is right of the divider", &mut app.comparison.right, &sides, name);
-    let kept = match app.comparison.right {
+    choice(ui, "Light", "The solution right of the divider", &mut comparison.right, &sides, name);
+    let kept = match comparison.right {
         Side::Current => bounces,
-        Side::Kept(id) => app.session.kept.iter().find(|k| k.id == id).map_or(0, |k| k.light.bounce_count()),
+        Side::Kept(id) => session.kept.iter().find(|k| k.id == id).map_or(0, |k| k.light.bounce_count()),
     };
-    selection(ui, "Right shows", &mut app.comparison.selection, kept);
-    difference(app, ui);
-    list(app, ui);
+    selection(ui, "Right shows", &mut comparison.selection, kept);
+    difference(session, comparison, *shown, ui);
+    list(session, ui);
 }
 
 fn selection(ui: &mut Ui, name: &str, value: &mut Selection, bounces: usize) {
@@ -56,16 +68,12 @@ fn selection(ui: &mut Ui, name: &str, value: &mut Selection, bounces: usize) {
     choice(ui, name, "Which bounces", value, &all, text);
 }
 
-fn difference(app: &mut App, ui: &mut Ui) {
-    let left = app.prefs.view.selection;
-    let Some(difference) = app.comparison.difference(&app.session, left) else {
-        super::hint(
-            ui,
-            "There is nothing to compare yet: solve, keep the light, change something, solve again.",
-        );
+fn difference(session: &Session, comparison: &mut Comparison, left: Selection, ui: &mut Ui) {
+    let Some(difference) = comparison.difference(session, left) else {
+        hint(ui, "Nothing to compare yet: solve, keep the solution, change something and solve again.");
         return;
     };
-    heading(ui, "Left against right");
+    heading(ui, "Left compared with right");
     let percent =
         |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |s| format!("{:.2} %", 100.0 * s));
     value(ui, "RMSE", format!("{} W/m²", crate::values::significant(difference.rmse as f32)));
@@ -77,21 +85,21 @@ fn difference(app: &mut App, ui: &mut Ui) {
     }
 }
 
-fn list(app: &mut App, ui: &mut Ui) {
-    if app.session.kept.is_empty() {
+fn list(session: &mut Session, ui: &mut Ui) {
+    if session.kept.is_empty() {
         return;
     }
     heading(ui, "Kept");
     let mut gone = None;
-    for (i, kept) in app.session.kept.iter().enumerate() {
+    for (i, kept) in session.kept.iter().enumerate() {
         ui.horizontal(|ui| {
-            if ui.small_button("Forget").on_hover_text(format!("Forget {}", kept.name)).clicked() {
+            if ui.small_button("Discard").on_hover_text(format!("Discard {}", kept.name)).clicked() {
                 gone = Some(i);
             }
             ui.add(eframe::egui::Label::new(RichText::new(&kept.name).color(theme::TEXT)).truncate());
         });
     }
     if let Some(i) = gone {
-        app.session.kept.remove(i);
+        session.kept.remove(i);
     }
 }

@@ -1,17 +1,15 @@
 //! Energy by bounce.
 
-use crate::app::App;
+use crate::session::Session;
 use crate::theme;
+use crate::widgets::hint;
 use eframe::egui::Ui;
 use egui_plot::{Corner, GridMark, HoverPosition, Legend, Line, MarkerShape, Plot, PlotPoints, Points};
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
-    let stats = &app.session.stats;
+pub(super) fn show(session: &Session, ui: &mut Ui) {
+    let stats = &session.stats;
     if stats.is_empty() {
-        super::hint(
-            ui,
-            "Power, change and what is still missing are plotted here, bounce by bounce, while it solves.",
-        );
+        hint(ui, "Power, change and remaining energy are plotted here for each bounce of a solve.");
         return;
     }
     let all: f64 = stats.iter().map(|s| s.power).sum();
@@ -21,9 +19,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         (0..stats.len()).filter_map(|k| Some([k as f64, value(k)?])).collect()
     };
     let lines = [
-        ("Power of the bounce / all", series(&|k| log(stats[k].power / all))),
-        ("RMS change / all light so far", series(&|k| log(stats[k].change))),
-        ("Unfinished energy", series(&|k| stats[k].unfinished.and_then(log))),
+        ("Power of the bounce / total", series(&|k| log(stats[k].power / all))),
+        ("RMS change / light so far", series(&|k| log(stats[k].change))),
+        ("Remaining energy", series(&|k| stats[k].unfinished.and_then(log))),
     ];
     Plot::new("convergence")
         .legend(Legend::default().position(Corner::RightTop))

@@ -1,22 +1,22 @@
 //! How the picture is drawn.
 
-use crate::app::App;
 use crate::prefs::{Unit, ViewMode, ViewPrefs};
+use crate::session::Session;
+use crate::stage::Stage;
 use crate::values::significant;
-use crate::widgets::{check, choice, heading, number, slider};
+use crate::widgets::{check, choice, heading, hint, number, slider, value};
 use eframe::egui::{DragValue, Slider, Ui};
 use lumel_render_cpu::ToneMapper;
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
-    let (stops, range) = app.stage.as_ref().map_or((0.0, None), |s| (s.stops(&app.prefs.view), s.range()));
-    let wireframes = app.stage.as_ref().is_some_and(|s| s.gpu().draws_wireframes());
-    let known = app.session.light.standard_error.is_some();
-    let view = &mut app.prefs.view;
+pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPrefs, ui: &mut Ui) {
+    let (stops, range) = stage.map_or((0.0, None), |stage| (stage.stops(view), stage.range()));
+    let wireframes = stage.is_some_and(|stage| stage.gpu().draws_wireframes());
+    let known = session.light.standard_error.is_some();
     choice(ui, "Surfaces show", view.mode.hint(), &mut view.mode, &ViewMode::ALL, |mode| {
         mode.name().to_owned()
     });
     if view.mode == ViewMode::StandardError && !known {
-        super::hint(ui, "It is not known yet: solve, then press \"Measure standard error\" under Solve.");
+        hint(ui, "Not measured yet: solve, then press \"Measure standard error\" under Solve.");
     }
     if view.mode.is_exposed() {
         exposure(ui, view, stops);
@@ -24,26 +24,26 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     if view.mode.has_legend() {
         colors(ui, view, range);
     }
-    heading(ui, "Over the picture");
-    check(ui, "Smooth edges", "Four samples per pixel", &mut view.antialias);
+    heading(ui, "Overlays");
+    check(ui, "Antialiasing", "Four samples per pixel", &mut view.antialias);
     let response = ui.add_enabled_ui(wireframes, |ui| {
-        check(ui, "Wireframe", "Edges of triangles (X)", &mut view.wireframe)
+        check(ui, "Wireframe", "Draws the edges of triangles (X)", &mut view.wireframe)
     });
     if !wireframes {
-        response.response.on_hover_text("This graphics device draws no lines for triangles");
+        response.response.on_hover_text("This graphics device cannot draw wireframes");
     }
     check(
         ui,
         "Sample points",
-        "Where light is measured; red ones lie inside geometry",
+        "Where light is measured; red points lie inside geometry",
         &mut view.sample_points,
     );
-    check(ui, "Rays of the picked vertex", "The rays of its first bounce", &mut view.rays);
-    check(ui, "Light handles", "Outlines of lights, and handles to drag the active one", &mut view.gizmo);
+    check(ui, "Rays of the picked vertex", "Its hemisphere rays of the first bounce", &mut view.rays);
+    check(ui, "Light handles", "Outlines of the lights, and handles for the active one", &mut view.gizmo);
 }
 
 fn exposure(ui: &mut Ui, view: &mut ViewPrefs, metered: f32) {
-    check(ui, "Automatic exposure", "The picture is middle grey on the whole", &mut view.auto_exposure);
+    check(ui, "Automatic exposure", "Exposes the picture to middle grey", &mut view.auto_exposure);
     let mut stops = if view.auto_exposure { metered } else { view.stops };
     let before = stops;
     let hint = "Each stop doubles the light";
@@ -52,7 +52,7 @@ fn exposure(ui: &mut Ui, view: &mut ViewPrefs, metered: f32) {
         (view.stops, view.auto_exposure) = (stops, false);
     }
     let mut tone = view.tone();
-    let hint = "What becomes of light that is brighter than the display";
+    let hint = "How radiance beyond the display's range is compressed";
     let name = |tone| match tone {
         ToneMapper::None => "None".to_owned(),
         ToneMapper::Reinhard => "Reinhard".to_owned(),
@@ -63,20 +63,20 @@ fn exposure(ui: &mut Ui, view: &mut ViewPrefs, metered: f32) {
         view.tone = tone.to_string();
     }
     if tone == ToneMapper::Reinhard {
-        let hint = "The luminance after exposure that becomes white";
+        let hint = "The exposed luminance that maps to white";
         slider(ui, "White", hint, Slider::new(&mut view.white, 0.5..=100.0).logarithmic(true));
     }
 }
 
 fn colors(ui: &mut Ui, view: &mut ViewPrefs, range: Option<[f32; 2]>) {
-    check(ui, "Logarithmic", "Equal steps for equal ratios", &mut view.logarithmic);
+    check(ui, "Logarithmic", "Equal ratios have equal steps", &mut view.logarithmic);
     if view.mode != ViewMode::FalseColor {
         return;
     }
-    choice(ui, "Unit", "What the legend says", &mut view.unit, &Unit::ALL, |unit| unit.symbol().to_owned());
+    choice(ui, "Unit", "The unit of the legend", &mut view.unit, &Unit::ALL, |unit| unit.symbol().to_owned());
     if view.unit == Unit::Lux {
-        let hint = "Lumens per watt of the light's spectrum: 179 for white of equal energy; 1 where lights are \
-                    photometric";
+        let hint = "Lumens per watt of the light's spectrum: 179 for equal-energy white; 1 for scenes \
+                    with photometric lights";
         number(ui, "Efficacy", hint, DragValue::new(&mut view.efficacy).range(0.001..=683.0).suffix(" lm/W"));
     }
     check(ui, "Automatic range", "From the 1st to the 99th percentile of the vertices", &mut view.auto_range);
@@ -85,7 +85,7 @@ fn colors(ui: &mut Ui, view: &mut ViewPrefs, range: Option<[f32; 2]>) {
             // What is edited next begins here.
             view.range = [lo, hi];
             let text = format!("{} to {} W/m²", significant(lo), significant(hi));
-            crate::widgets::value(ui, "Range", text);
+            value(ui, "Range", text);
         }
         return;
     }

@@ -1,55 +1,56 @@
 //! The lights.
 
-use crate::app::App;
+use crate::actions::Actions;
+use crate::document::Document;
 use crate::input::Command;
 use crate::lights::{EditLight, Resize, half_edge_range};
+use crate::session::Session;
 use crate::theme;
 use crate::values::significant;
-use crate::widgets::{check, color_button, heading, row, slider, value, vector};
+use crate::widgets::{check, color_button, heading, hint, row, slider, value, vector};
 use eframe::egui::{Checkbox, DragValue, RichText, Slider, TextEdit, Ui};
 use glam::{Vec2, Vec3};
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(diagonal) = app.session.document.as_ref().map(crate::document::Document::diagonal) else {
-        super::hint(ui, "Open a scene first.");
+pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
+    let Some(diagonal) = session.document.as_ref().map(Document::diagonal) else {
+        hint(ui, "Open a scene first.");
         return;
     };
-    let ctx = ui.ctx().clone();
     ui.horizontal_wrapped(|ui| {
         for (command, text) in [
             (Command::PlaceLight, "Place here"),
             (Command::AddLight, "Add"),
             (Command::RemoveLight, "Remove"),
         ] {
-            let hint = format!("{} ({})", command.text(), command.keys());
-            if ui.button(text).on_hover_text(hint).clicked() {
-                app.run(command, &ctx);
+            let keys = format!("{} ({})", command.text(), command.keys());
+            if ui.button(text).on_hover_text(keys).clicked() {
+                actions.push(command);
             }
         }
     });
-    list(app, ui);
-    let Some(light) = app.session.active_light() else {
-        let others = app.session.document.as_ref().map_or(0, |d| d.other_lights.len());
+    list(session, ui);
+    let Some(light) = session.active_light() else {
+        let others = session.document.as_ref().map_or(0, |d| d.other_lights.len());
         let text = if others > 0 {
             format!(
-                "The scene has {others} lights that are points, spots or suns; they shine, but are not edited here."
+                "The scene has {others} point, spot or directional lights; they are used but cannot be edited here."
             )
         } else {
-            "No lights. Space puts one where you are.".to_owned()
+            "No lights. Press Space to add one at the camera.".to_owned()
         };
-        super::hint(ui, &text);
+        hint(ui, &text);
         return;
     };
     properties(ui, light, diagonal);
 }
 
-fn list(app: &mut App, ui: &mut Ui) {
-    let active = app.session.active;
+fn list(session: &mut Session, ui: &mut Ui) {
+    let active = session.active;
     let mut chosen = None;
-    for (i, light) in app.session.lights.iter_mut().enumerate() {
+    for (i, light) in session.lights.iter_mut().enumerate() {
         ui.horizontal(|ui| {
             let shines = ui.add(Checkbox::without_text(&mut light.on));
-            let name = format!("{} shines", light.name);
+            let name = format!("{} on", light.name);
             shines.widget_info(|| {
                 eframe::egui::WidgetInfo::selected(
                     eframe::egui::accesskit::Role::CheckBox,
@@ -58,7 +59,7 @@ fn list(app: &mut App, ui: &mut Ui) {
                     &name,
                 )
             });
-            shines.on_hover_text("Whether the light shines; a hidden light is not drawn either");
+            shines.on_hover_text("Turns the light on or off; a light that is off is not drawn");
             let text = if light.on { RichText::new(&light.name) } else { RichText::new(&light.name).weak() };
             if ui.selectable_label(i == active, text).clicked() {
                 chosen = Some(i);
@@ -66,7 +67,7 @@ fn list(app: &mut App, ui: &mut Ui) {
         });
     }
     if let Some(i) = chosen {
-        app.session.active = i;
+        session.active = i;
     }
 }
 
@@ -119,7 +120,7 @@ fn size(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
     if changed {
         light.set_half_edges(half);
     }
-    if check(ui, "Square", "Both edges are equally long", &mut light.square).changed() && light.square {
+    if check(ui, "Square", "Keeps both edges the same length", &mut light.square).changed() && light.square {
         light.set_half_edges(Vec2::splat((before.x * before.y).sqrt()));
     }
 }
@@ -127,7 +128,7 @@ fn size(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
 fn direction(ui: &mut Ui, light: &mut EditLight) {
     let before = light.direction_deg();
     let mut to = before;
-    row(ui, "Azimuth", "Where it shines: degrees to the left about +Y, from -z", |ui| {
+    row(ui, "Azimuth", "Direction: degrees counterclockwise about +Y, from -Z", |ui| {
         ui.add(
             DragValue::new(&mut to.x)
                 .clamp_existing_to_range(false)
@@ -137,7 +138,7 @@ fn direction(ui: &mut Ui, light: &mut EditLight) {
                 .max_decimals(1),
         )
     });
-    row(ui, "Elevation", "Where it shines: degrees upwards; -90 is straight down", |ui| {
+    row(ui, "Elevation", "Direction: degrees above the horizon; -90 is straight down", |ui| {
         ui.add(
             DragValue::new(&mut to.y)
                 .clamp_existing_to_range(false)

@@ -1,22 +1,21 @@
 //! All messages.
 
-use crate::app::App;
-use crate::notice::Level;
+use crate::notice::{Level, Notices};
 use crate::theme;
 use eframe::egui::{self, RichText, ScrollArea, Ui};
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
+pub(super) fn show(notices: &mut Notices, ui: &mut Ui) {
     ui.horizontal(|ui| {
         if ui.button("Clear log").clicked() {
-            app.session.notices.clear();
+            notices.clear();
         }
         if ui.button("Copy log").clicked() {
-            let lines: Vec<&str> = app.session.notices.all().iter().map(|n| n.text.as_str()).collect();
+            let lines: Vec<&str> = notices.all().iter().map(|n| n.text.as_str()).collect();
             ui.ctx().copy_text(lines.join("\n"));
         }
     });
     let height = ui.text_style_height(&egui::TextStyle::Body);
-    let notices = app.session.notices.all();
+    let notices = notices.all();
     let area = ScrollArea::vertical().id_salt("log").auto_shrink([false, false]).stick_to_bottom(true);
     area.show_rows(ui, height, notices.len(), |ui, rows| {
         for notice in &notices[rows] {

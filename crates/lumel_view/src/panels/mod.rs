@@ -1,63 +1,85 @@
-//! The parts of the window.
+//! The parts of the window around the picture, and where they are.
 
 mod camera;
 mod compare;
 mod convergence;
 mod display;
-mod inspector;
-mod legend;
 mod lights;
 mod log;
-mod marks;
 mod menu;
 mod operator;
-mod overlay;
 mod scene;
 mod settings;
 mod solve;
 mod status;
 
-pub(crate) use marks::{MarksKey, marks};
-pub(crate) use menu::menu;
-pub(crate) use overlay::over_picture;
-pub(crate) use status::status;
-
-use crate::app::{App, panel_frame};
+use crate::actions::Actions;
 use crate::dock::{self, Pane};
-use crate::theme;
-use eframe::egui::{self, Margin, ScrollArea, Ui, WidgetText};
-use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, UiResponse};
+use crate::theme::{self, Ground};
+use crate::viewport::{Subject, Viewport};
+use eframe::egui::{self, CentralPanel, Frame, Margin, Panel, ScrollArea, Ui, WidgetText};
+use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, Tree, UiResponse};
 
-/// Draws the panels of the dock.
-pub(crate) struct Panes<'a>(pub(crate) &'a mut App);
-
-/// Draws the picture.
-pub(crate) fn viewport(app: &mut App, ui: &mut Ui) {
-    crate::viewport::show(app, ui);
+/// What the panels show and change.
+pub(crate) struct Panels<'a> {
+    pub(crate) subject: Subject<'a>,
+    pub(crate) viewport: &'a mut Viewport,
+    pub(crate) actions: &'a mut Actions,
+    pub(crate) ground: Ground,
 }
 
-impl Behavior<Pane> for Panes<'_> {
+impl Panels<'_> {
+    /// Draws the picture alone.
+    pub(crate) fn picture(&mut self, ui: &mut Ui) {
+        CentralPanel::default().frame(Frame::new()).show(ui, |ui| self.viewport.show(&mut self.subject, ui));
+    }
+
+    /// Draws the menus, the status bar and all panels between them.
+    pub(crate) fn all(&mut self, dock: &mut Tree<Pane>, ui: &mut Ui) {
+        let frame = self.ground.frame().inner_margin(Margin::symmetric(8, 3));
+        Panel::top("menu").frame(frame).show(ui, |ui| {
+            menu::show(self.subject.session, &self.subject.prefs.recent, self.actions, ui);
+        });
+        Panel::bottom("status").frame(frame).show(ui, |ui| {
+            let Subject { session, stage, prefs, .. } = &self.subject;
+            status::show(session, stage.as_deref(), prefs, ui);
+        });
+        CentralPanel::default().frame(Frame::new()).show(ui, |ui| dock.ui(self, ui));
+    }
+
+    fn panel(&mut self, pane: Pane, ui: &mut Ui) {
+        let Subject { session, prefs, stage, comparison, .. } = &mut self.subject;
+        let actions = &mut *self.actions;
+        match pane {
+            Pane::View => {}
+            Pane::Operator => operator::show(self.viewport, &mut self.subject, ui),
+            Pane::Convergence => convergence::show(session, ui),
+            Pane::Log => log::show(&mut session.notices, ui),
+            Pane::Solve => scrolled(ui, "solve", |ui| solve::show(session, actions, ui)),
+            Pane::Lights => scrolled(ui, "lights", |ui| lights::show(session, actions, ui)),
+            Pane::Display => {
+                scrolled(ui, "display", |ui| {
+                    display::show(session, stage.as_deref(), &mut prefs.view, ui);
+                });
+            }
+            Pane::Camera => scrolled(ui, "camera", |ui| camera::show(session, prefs, actions, ui)),
+            Pane::Compare => scrolled(ui, "compare", |ui| {
+                compare::show(session, comparison, &mut prefs.view.selection, actions, ui);
+            }),
+            Pane::Scene => scrolled(ui, "scene", |ui| scene::show(session, ui)),
+        }
+    }
+}
+
+impl Behavior<Pane> for Panels<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
         if *pane == Pane::View {
-            viewport(self.0, ui);
+            self.viewport.show(&mut self.subject, ui);
             return UiResponse::None;
         }
-        let ground = self.0.ground;
-        panel_frame(ground).inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
-            let app = &mut *self.0;
+        self.ground.frame().inner_margin(Margin::symmetric(10, 6)).show(ui, |ui| {
             ui.set_min_size(ui.available_size());
-            match pane {
-                Pane::View => {}
-                Pane::Operator => operator::show(app, ui),
-                Pane::Convergence => convergence::show(app, ui),
-                Pane::Log => log::show(app, ui),
-                Pane::Solve => scrolled(ui, "solve", |ui| solve::show(app, ui)),
-                Pane::Lights => scrolled(ui, "lights", |ui| lights::show(app, ui)),
-                Pane::Display => scrolled(ui, "display", |ui| display::show(app, ui)),
-                Pane::Camera => scrolled(ui, "camera", |ui| camera::show(app, ui)),
-                Pane::Compare => scrolled(ui, "compare", |ui| compare::show(app, ui)),
-                Pane::Scene => scrolled(ui, "scene", |ui| scene::show(app, ui)),
-            }
+            self.panel(*pane, ui);
         });
         UiResponse::None
     }
@@ -114,10 +136,4 @@ fn scrolled(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
         ui.set_max_width(ui.available_width() - 8.0);
         add(ui);
     });
-}
-
-/// Tells that something has to be done first.
-fn hint(ui: &mut Ui, text: &str) {
-    ui.add_space(4.0);
-    ui.add(egui::Label::new(egui::RichText::new(text).color(theme::WEAK)).wrap());
 }

@@ -1,9 +1,11 @@
 //! The terms of the Neumann series as pictures: what emits, and what each application of the operator makes of it.
 
-use crate::app::App;
 use crate::selection::Selection;
+use crate::session::Session;
 use crate::stage::{Quality, Showing, Thumbnail};
 use crate::theme;
+use crate::viewport::{Subject, Viewport};
+use crate::widgets::hint;
 use eframe::egui::{
     self, Align2, Color32, CornerRadius, FontId, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
@@ -13,6 +15,8 @@ const MAX_TERMS: usize = 24;
 
 /// A picture of the strip.
 struct Term {
+    /// Its place in the strip.
+    index: usize,
     /// `E`, `PTE`, `PTPTE` and so on.
     symbol: String,
     name: String,
@@ -20,36 +24,38 @@ struct Term {
     selection: Option<Selection>,
 }
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
-    if app.session.light.is_empty() {
-        super::hint(
+pub(super) fn show(viewport: &Viewport, subject: &mut Subject<'_>, ui: &mut Ui) {
+    if subject.session.light.is_empty() {
+        hint(
             ui,
             "Each bounce is one application of the light transport operator: E, PTE, PTPTE and so on. \
-             Solve to see them; click one to see it large.",
+             Solve to see them; click one to show it in the view.",
         );
         return;
     }
-    let terms = terms(app);
+    let quality = viewport.quality(subject.session);
+    let terms = terms(subject.session);
     let height = (ui.available_height() - 10.0).clamp(40.0, 220.0);
-    let width = (height * app.viewport.aspect()).clamp(40.0, 400.0);
+    let width = (height * viewport.aspect()).clamp(40.0, 400.0);
     ScrollArea::horizontal().id_salt("operator").auto_shrink([false, false]).show(ui, |ui| {
         ui.horizontal(|ui| {
-            for (i, term) in terms.iter().enumerate() {
-                one(app, ui, i, term, vec2(width, height));
+            for term in &terms {
+                one(quality, subject, ui, term, vec2(width, height));
             }
         });
     });
 }
 
-fn terms(app: &App) -> Vec<Term> {
-    let light = &app.session.light;
+fn terms(session: &Session) -> Vec<Term> {
+    let light = &session.light;
     let mut terms = vec![
-        Term { symbol: "Σ".into(), name: "All light".into(), selection: Some(Selection::All) },
-        Term { symbol: "E".into(), name: "Emission".into(), selection: None },
+        Term { index: 0, symbol: "Σ".into(), name: "All light".into(), selection: Some(Selection::All) },
+        Term { index: 1, symbol: "E".into(), name: "Emission".into(), selection: None },
     ];
     // A bounce has a picture once it is done.
     for k in 0..light.bounces.len().min(MAX_TERMS) {
         terms.push(Term {
+            index: k + 2,
             symbol: format!("{}E", "PT".repeat(k + 1)),
             name: if k == 0 { "Direct light".into() } else { format!("Bounce {k}") },
             selection: Some(Selection::bounce(k as u32)),
@@ -58,7 +64,7 @@ fn terms(app: &App) -> Vec<Term> {
     terms
 }
 
-fn one(app: &mut App, ui: &mut Ui, index: usize, term: &Term, size: egui::Vec2) {
+fn one(quality: Quality, subject: &mut Subject<'_>, ui: &mut Ui, term: &Term, size: egui::Vec2) {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, format!("Show {}", term.name))
@@ -68,33 +74,34 @@ fn one(app: &mut App, ui: &mut Ui, index: usize, term: &Term, size: egui::Vec2) 
     }
     let scale = ui.ctx().pixels_per_point();
     let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
-    let live = app.session.is_solving() || app.session.is_light_in_motion() || app.viewport_moves();
-    let quality = if live { Quality::Live } else { Quality::Still };
-    let showing = Showing { session: &app.session, view: &app.prefs.view, split: None, marks: None, quality };
-    let finished = app.session.light.bounces.len() as u32;
+    let (session, view) = (&*subject.session, &subject.prefs.view);
+    let showing = Showing { session, view, split: None, marks: None, quality };
+    let finished = session.light.bounces.len() as u32;
     let selection = match term.selection {
         // What is being measured changes all the time.
-        Some(Selection::All) if live && finished > 0 => Some(Selection::Range(0, finished - 1)),
+        Some(Selection::All) if quality == Quality::Live && finished > 0 => {
+            Some(Selection::Range(0, finished - 1))
+        }
         selection => selection,
     };
-    let glows = term.selection.is_none_or(Selection::is_all);
-    let wanted = Thumbnail { index, selection, glows, size: pixels };
-    let shown = app.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
+    let emits = term.selection.is_none_or(Selection::is_all);
+    let wanted = Thumbnail { index: term.index, selection, emits, size: pixels };
+    let shown = subject.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
     let painter = ui.painter();
-    if let Some((texture, _)) = shown {
+    if let Some(shown) = shown {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture, rect, whole, Color32::WHITE);
+        painter.image(shown.texture, rect, whole, Color32::WHITE);
     }
-    let selected = term.selection == Some(app.prefs.view.selection);
+    let selected = term.selection == Some(subject.prefs.view.selection);
     let stroke = if selected { Stroke::new(2.0, theme::ACCENT) } else { Stroke::new(1.0, theme::LINE) };
     painter.rect_stroke(rect, CornerRadius::same(3), stroke, StrokeKind::Inside);
     label(painter, rect.left_top(), &term.symbol, Align2::LEFT_TOP);
-    if let Some((_, brighter)) = shown.filter(|(_, brighter)| brighter.abs() >= 0.05) {
-        label(painter, rect.right_top(), &format!("{brighter:+.1} EV"), Align2::RIGHT_TOP);
+    if let Some(shown) = shown.filter(|shown| shown.brighter.abs() >= 0.05) {
+        label(painter, rect.right_top(), &format!("{:+.1} EV", shown.brighter), Align2::RIGHT_TOP);
     }
     label(painter, rect.left_bottom(), &term.name, Align2::LEFT_BOTTOM);
     if let (true, Some(selection)) = (response.clicked(), term.selection) {
-        app.prefs.view.selection = selection;
+        subject.prefs.view.selection = selection;
     }
 }
 

@@ -1,18 +1,18 @@
 //! What the scene consists of.
 
-use crate::app::App;
+use crate::session::Session;
 use crate::theme;
 use crate::values::significant;
-use crate::widgets::{albedo_button, heading, value};
+use crate::widgets::{albedo_button, heading, hint, value};
 use eframe::egui::{self, RichText, Ui};
 use glam::Vec3;
 
 /// More materials than this are only counted.
 const MAX_MATERIALS: usize = 200;
 
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(document) = &app.session.document else {
-        super::hint(ui, "Open a scene first.");
+pub(super) fn show(session: &mut Session, ui: &mut Ui) {
+    let Some(document) = &session.document else {
+        hint(ui, "Open a scene first.");
         return;
     };
     let scene = &document.scene;
@@ -21,7 +21,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     value(ui, "Triangles", grouped(scene.traced_count()));
     let backs = scene.triangle_count() - scene.traced_count();
     if backs > 0 {
-        value(ui, "Back sides", grouped(backs));
+        value(ui, "Back faces", grouped(backs));
     }
     value(ui, "Objects", grouped(scene.object_names().len()));
     value(ui, "Materials", grouped(scene.materials().len()));
@@ -34,8 +34,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     );
     let area: f64 = document.areas.iter().map(|a| f64::from(*a)).sum();
     value(ui, "Surface", format!("{} m²", significant(area as f32)));
-    value(ui, "Lights", format!("{}", app.session.lights.len() + document.other_lights.len()));
-    let hidden = app.session.light.valid.iter().filter(|valid| !**valid).count();
+    value(ui, "Lights", format!("{}", session.lights.len() + document.other_lights.len()));
+    let hidden = session.light.valid.iter().filter(|valid| !**valid).count();
     if hidden > 0 {
         value(ui, "Inside geometry", format!("{} vertices", grouped(hidden)));
     }
@@ -47,7 +47,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             let mut rgb = material.albedo.to_array();
             let label = format!("Albedo of {}", material.name);
             let well = albedo_button(ui, &label, &mut rgb);
-            if well.on_hover_text("Albedo, linear: the share of light it reflects").changed() {
+            if well.on_hover_text("Linear albedo: the fraction of light it reflects").changed() {
                 repainted = Some((material.name.clone(), Vec3::from_array(rgb)));
             }
             let mut text = material.name.clone();
@@ -61,10 +61,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         });
     }
     if scene.materials().len() > MAX_MATERIALS {
-        super::hint(ui, &format!("and {} more", scene.materials().len() - MAX_MATERIALS));
+        hint(ui, &format!("and {} more", scene.materials().len() - MAX_MATERIALS));
     }
     if let Some((material, albedo)) = repainted {
-        app.session.repaint(&material, albedo);
+        session.repaint(&material, albedo);
     }
 }
 

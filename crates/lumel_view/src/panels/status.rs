@@ -1,41 +1,42 @@
-//! The line at the bottom: what goes on, and what draws.
+//! The status bar: what is running, and what draws.
 
-use crate::app::App;
+use crate::prefs::Prefs;
+use crate::session::Session;
 use crate::solver::Phase;
+use crate::stage::Stage;
 use crate::theme;
 use eframe::egui::{self, ProgressBar, RichText, Ui};
 use lumel::{Accuracy, Ended, Settings};
 
-pub(crate) fn status(app: &mut App, ui: &mut Ui) {
+pub(super) fn show(session: &Session, stage: Option<&Stage>, prefs: &Prefs, ui: &mut Ui) {
     ui.horizontal(|ui| {
-        left(app, ui);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| right(app, ui));
+        left(session, ui);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| right(stage, prefs, ui));
     });
 }
 
-fn left(app: &App, ui: &mut Ui) {
-    if let Some(phase) = app.session.phase() {
-        solving(app, ui, &phase);
-    } else if let Some(work) = app.session.background_work() {
+fn left(session: &Session, ui: &mut Ui) {
+    if let Some(phase) = session.phase() {
+        solving(session, ui, &phase);
+    } else if let Some(work) = session.background_work() {
         ui.spinner();
         ui.label(RichText::new(work).color(theme::TEXT));
     } else {
-        let (text, color) = state(app);
+        let (text, color) = state(session);
         ui.label(RichText::new(text).color(color));
     }
 }
 
-/// What the light is worth while nothing goes on.
-fn state(app: &App) -> (String, egui::Color32) {
-    let session = &app.session;
+/// The state of the light while nothing runs.
+fn state(session: &Session) -> (String, egui::Color32) {
     if session.document.is_none() {
-        return ("Nothing is open".to_owned(), theme::WEAK);
+        return ("No scene is open".to_owned(), theme::WEAK);
     }
     if session.light.is_empty() {
         return ("Not solved: press Enter".to_owned(), theme::WEAK);
     }
-    if session.is_stale() {
-        return ("Lights or settings have changed: Enter solves anew".to_owned(), theme::WARNING);
+    if let Some(changes) = session.out_of_date() {
+        return (format!("{changes}: press Enter to solve again"), theme::WARNING);
     }
     match session.computed() {
         Some(computed) if session.is_light_in_motion() => {
@@ -43,12 +44,12 @@ fn state(app: &App) -> (String, egui::Color32) {
             (format!("Live: {}{time}", computed.label(&session.light)), theme::GOOD)
         }
         Some(computed) if !computed.complete => {
-            let goes_on = if session.can_go_on() { "goes on" } else { "begins anew" };
-            (format!("Stopped: Enter {goes_on}"), theme::WARNING)
+            let how = if session.can_go_on() { "resume" } else { "start over" };
+            (format!("Stopped: press Enter to {how}"), theme::WARNING)
         }
         Some(computed) => {
             let time = computed.seconds.map_or_else(String::new, |s| format!(" in {s:.1} s"));
-            let accuracy = computed.accuracy().zip(computed.settings.as_ref());
+            let accuracy = computed.accuracy().zip(computed.settings());
             let missed = accuracy.is_some_and(|(a, _)| a.ended != Some(Ended::Reached));
             let within = accuracy.map_or_else(String::new, |(a, s)| format!(", {}", within(&a, s)));
             let text = format!("Solved: {}{time}{within}", computed.label(&session.light));
@@ -58,8 +59,8 @@ fn state(app: &App) -> (String, egui::Color32) {
     }
 }
 
-fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
-    let Some(job) = app.session.job() else { return };
+fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
+    let Some(job) = session.job() else { return };
     let progress = job.progress();
     match progress.step_share {
         Some(share) => {
@@ -71,7 +72,7 @@ fn solving(app: &App, ui: &mut Ui, phase: &Phase) {
     }
     let mut text = match phase {
         Phase::Preparing => "Preparing".to_owned(),
-        Phase::Probing => "Finding vertices inside geometry".to_owned(),
+        Phase::Probing => "Testing validity".to_owned(),
         Phase::Bounce(0) => "Direct light".to_owned(),
         Phase::Bounce(k) => match progress.last_bounce.filter(|last| last >= k) {
             Some(last) => format!("Bounce {k} of {last}"),
@@ -110,23 +111,21 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-fn right(app: &App, ui: &mut Ui) {
-    if let Some(stage) = &app.stage {
+fn right(stage: Option<&Stage>, prefs: &Prefs, ui: &mut Ui) {
+    if let Some(stage) = stage {
         if stage.gpu().is_software() {
             let text = RichText::new("software renderer").color(theme::WARNING);
             ui.label(text)
-                .on_hover_text(format!("{}: a graphics driver would draw faster", stage.gpu().name()));
+                .on_hover_text(format!("{}: a graphics driver would be faster", stage.gpu().name()));
         } else {
             ui.label(RichText::new(stage.gpu().name()).color(theme::WEAK));
         }
-        if app.prefs.view.mode.is_exposed() {
-            let auto = if app.prefs.view.auto_exposure { " auto" } else { "" };
-            ui.label(
-                RichText::new(format!("{:+.1} EV{auto}", stage.stops(&app.prefs.view))).color(theme::WEAK),
-            );
+        if prefs.view.mode.is_exposed() {
+            let auto = if prefs.view.auto_exposure { " auto" } else { "" };
+            ui.label(RichText::new(format!("{:+.1} EV{auto}", stage.stops(&prefs.view))).color(theme::WEAK));
         }
     }
-    let speed = RichText::new(format!("speed {:.2}", app.prefs.speed)).color(theme::WEAK);
+    let speed = RichText::new(format!("speed {:.2}", prefs.speed)).color(theme::WEAK);
     ui.label(speed).on_hover_text("Turn the wheel over the picture to fly faster or slower");
 }
 

@@ -1,39 +1,17 @@
 //! Files that a session reads and writes, on other threads.
 
+use super::file_light::{LightUse, LoadedLight, SavedFile, light_from};
 use super::{Computed, Kept, Session};
 use crate::document::error_text;
+use crate::inputs::Inputs;
 use crate::lights::shining;
 use crate::notice::Level;
-use crate::selection::{Light, Selection};
+use crate::selection::Selection;
 use crate::task::Background;
-use lumel::{CameraEntry, LightFile, Project, SettingsPatch, Solution};
+use lumel::{CameraEntry, LightFile, Project, SettingsPatch};
 use lumel_export::{Exposure, RadFile, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Light that was read from a file.
-pub struct LoadedLight {
-    path: PathBuf,
-    file: LightFile,
-    purpose: Purpose,
-}
-
-/// What to do with light from a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// To be the light of the scene.
-    Show,
-    /// To be compared with.
-    Compare,
-}
-
-/// A file that was written.
-pub struct SavedFile {
-    path: PathBuf,
-    /// The generation of the light that is in it, if it holds all of the light.
-    solution_of: Option<u64>,
-    what: String,
-}
 
 /// The formats of lit meshes, by extension.
 pub const MESH_FORMATS: [&str; 3] = ["glb", "ply", "obj"];
@@ -48,12 +26,12 @@ fn extension_of(path: &Path, formats: &[&str]) -> Result<String, String> {
         return Ok(found);
     }
     let all = formats.iter().map(|f| format!(".{f}")).collect::<Vec<_>>().join(", ");
-    Err(format!("the name must end in one of {all}: {}", path.display()))
+    Err(format!("the name must end in {all}: {}", path.display()))
 }
 
 impl Session {
     /// Reads a solution for the open scene.
-    pub fn load_solution(&mut self, path: &Path, purpose: Purpose) {
+    pub fn load_solution(&mut self, path: &Path, usage: LightUse) {
         let Some(document) = &self.document else {
             self.notices.push(Level::Warning, "Open the scene of the solution first");
             return;
@@ -62,7 +40,7 @@ impl Session {
         let what = format!("reading {}", path.display());
         self.loading = Some(Background::start(what, Arc::clone(&self.wakes.event), move || {
             let file = LightFile::load_for(&path, &scene).map_err(|e| error_text(&e))?;
-            Ok(LoadedLight { path, file, purpose })
+            Ok(LoadedLight { path, file, usage })
         }));
     }
 
@@ -125,7 +103,10 @@ impl Session {
         }
         let same = |a: &PathBuf| a.canonicalize().is_ok_and(|a| path.canonicalize().is_ok_and(|b| a == b));
         if sources.iter().any(same) {
-            return Err(format!("this file is the open scene and would be replaced: {}", path.display()));
+            return Err(format!(
+                "this file belongs to the open scene and would be overwritten: {}",
+                path.display()
+            ));
         }
         Ok(())
     }
@@ -221,9 +202,9 @@ impl Session {
     }
 
     fn take_in(&mut self, loaded: LoadedLight) {
-        let LoadedLight { path, file, purpose } = loaded;
+        let LoadedLight { path, file, usage } = loaded;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if purpose == Purpose::Compare {
+        if usage == LightUse::Compare {
             let light = light_from(&file);
             self.notices.push(Level::Info, format!("Kept for comparison: {name}"));
             self.kept.push(Kept { name, light, id: self.next_kept });
@@ -234,7 +215,7 @@ impl Session {
         self.notices.push(Level::Info, format!("Loaded {name}"));
     }
 
-    /// Shows light of a file in place of what there is; a running solve stops.
+    /// Replaces the light that is shown by that of a file; stops a running solve.
     pub(super) fn show_light(&mut self, file: LightFile, name: String, saved: bool) {
         self.end_solve();
         let Some(document) = &self.document else { return };
@@ -249,49 +230,28 @@ impl Session {
             _ => false,
         };
         if !same_lights && solution.is_some() {
-            let text = format!("{name} was computed for other lights or materials than there are now");
+            let text = format!("{name} was computed for different lights or materials");
             self.notices.push(Level::Warning, text);
         }
-        self.computed = Some(Computed {
+        let inputs = Inputs {
             scene: relit.unwrap_or_else(|| Arc::clone(&document.scene)),
             lights: same_lights.then(|| shining(&self.lights)),
             settings: solution.as_ref().and_then(|s| serde_json::from_value(s.meta.settings.clone()).ok()),
+        };
+        // A solve resumes from the file, so show the file's settings.
+        if let (true, Some(settings)) = (same_lights, &inputs.settings) {
+            self.settings = settings.clone();
+        }
+        self.computed = Some(Computed {
             complete: solution.as_ref().is_none_or(|s| s.meta.complete),
             saved,
-            solved: None,
             file: solution,
             origin: Some(name),
-            seconds: None,
+            ..Computed::unfinished(inputs)
         });
-        // Solving goes on where the file ends, so its settings are those one sees.
-        if let (true, Some(settings)) = (same_lights, self.computed.as_ref().and_then(|c| c.settings.clone()))
-        {
-            self.settings = settings;
-        }
         self.stats.clear();
         self.light = light;
         self.light_generation += 1;
-    }
-}
-
-/// The light of a file, bounce by bounce where it tells them apart.
-pub fn light_from(file: &LightFile) -> Light {
-    match file {
-        LightFile::Solution(solution) => light_of_solution(solution),
-        LightFile::Rad(rad) => Light { sum_only: Some(Arc::new(rad.irradiance())), ..Light::new() },
-    }
-}
-
-fn light_of_solution(solution: &Solution) -> Light {
-    let sum_only = solution.bounces.is_empty().then(|| Arc::new(solution.irradiance.clone()));
-    Light {
-        id: Light::new().id,
-        bounces: solution.bounces.iter().cloned().map(Arc::new).collect(),
-        current: None,
-        tail: solution.tail.clone().map(Arc::new),
-        sum_only,
-        valid: Arc::new(solution.valid.clone()),
-        standard_error: solution.standard_error.clone().map(Arc::new),
     }
 }
 
@@ -309,7 +269,7 @@ fn relative(mesh: &Path, project: &Path) -> Result<PathBuf, String> {
     let (mesh, folder) = (absolute(mesh)?, absolute(&folder)?);
     mesh.strip_prefix(&folder).map(Path::to_owned).map_err(|_| {
         format!(
-            "a project file reads nothing outside its folder; save it into the folder of the mesh: {}",
+            "a project can only refer to files in its folder; save it in the folder of the mesh: {}",
             mesh.parent().unwrap_or(&mesh).display()
         )
     })

@@ -1,4 +1,4 @@
-//! What the light buffers of the renderer hold.
+//! What the renderer's light buffers hold.
 
 use crate::prefs::ViewMode;
 use crate::selection::{Light, Selection};

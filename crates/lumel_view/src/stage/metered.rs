@@ -1,6 +1,7 @@
-//! The exposure that a picture is given when it is left to the program.
+//! Automatic exposure.
 
-use super::{Content, Quality, Showing};
+use super::content::Content;
+use super::showing::{Quality, Showing};
 use crate::camera::FlyCamera;
 use lumel::RectLight;
 use lumel_render_cpu::{VertexLight, View, meter};
@@ -14,8 +15,16 @@ const PERIOD: Duration = Duration::from_millis(900);
 pub(super) struct Metered {
     /// In stops.
     pub(super) stops: f32,
-    of: Option<(FlyCamera, Content, Vec<RectLight>)>,
+    of: Option<Reading>,
     at: Option<Instant>,
+}
+
+/// What an exposure depends on.
+#[derive(PartialEq)]
+struct Reading {
+    camera: FlyCamera,
+    content: Content,
+    lamps: Vec<RectLight>,
 }
 
 impl Metered {
@@ -28,9 +37,9 @@ impl Metered {
         size: [u32; 2],
     ) {
         let session = showing.session;
-        let of = (session.camera, *content, lamps.to_vec());
+        let of = Reading { camera: session.camera, content: *content, lamps: lamps.to_vec() };
         // Another part of the light is not brighter or darker by a little: it is read at once.
-        let same_kind = self.of.as_ref().is_some_and(|(_, old, _)| old.shows_the_same_as(content));
+        let same_kind = self.of.as_ref().is_some_and(|old| old.content.shows_the_same_as(content));
         let is_recent = self.at.is_some_and(|at| at.elapsed() < PERIOD);
         let hold = showing.quality == Quality::Live && is_recent && same_kind;
         if self.of.as_ref() == Some(&of) || hold {

@@ -1,52 +1,38 @@
-//! The picture of the scene: what has to be drawn anew, and when.
+//! The picture of the scene: what has to be redrawn, and when.
 //!
-//! Everything a picture depends on is compared with what was drawn last; when nothing differs, nothing is drawn.
+//! Everything a picture depends on is compared with the last drawing; when nothing differs, nothing is drawn.
 
 mod blit;
 mod content;
 mod metered;
+mod showing;
 mod strip;
 
 pub use blit::Shown;
 pub use content::Side;
-pub use strip::Thumbnail;
+pub use showing::{Marks, Quality, Showing, Split};
+pub use strip::{ShownThumbnail, Thumbnail};
 
 use crate::camera::FlyCamera;
 use crate::lights::shining;
 use crate::prefs::{ViewMode, ViewPrefs};
-use crate::selection::Selection;
 use crate::session::Session;
 use crate::values;
 use blit::Blit;
 use content::Content;
-use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
-use eframe::wgpu::FilterMode;
 use lumel::{RectLight, Scene};
+use lumel_render_cpu::Scale;
 use lumel_render_gpu::{
-    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Mark, Model, Overlay, RenderError, Renderer, Samples, Target,
+    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
 };
 use metered::Metered;
 use std::sync::{Arc, Mutex, PoisonError};
-use strip::Strip;
-
-/// At most this many dots for sample points: more cannot be told apart.
-const MAX_POINTS: usize = 200_000;
+use strip::{Canvas, Strip};
 
 /// The light of which buffer: that of the scene as a whole or left of the divider, and that right of it.
 const LEFT: usize = 0;
 const RIGHT: usize = 1;
-
-/// Two lights side by side.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Split {
-    /// What is right of the divider.
-    pub right: Side,
-    /// Which bounces right of the divider.
-    pub selection: Selection,
-    /// Where the divider is, 0..=1.
-    pub at: f32,
-}
 
 /// All that a picture depends on.
 #[derive(Clone, PartialEq)]
@@ -62,59 +48,51 @@ struct Drawn {
     split: Option<f32>,
 }
 
-/// Dots and lines on the picture.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Marks {
-    /// Dots.
-    pub points: Vec<Mark>,
-    /// Lines.
-    pub lines: Vec<[Mark; 2]>,
-    /// Changes with them.
-    pub generation: u64,
+/// The scene on the device.
+struct LoadedModel {
+    /// The generation of the document that it is of.
+    document: u64,
+    /// The generation of the albedos that its materials have.
+    paint: u64,
+    model: Arc<Model>,
 }
 
-/// How much a picture may cost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quality {
-    /// As good as it gets.
-    Still,
-    /// Something moves or a solve needs the processor.
-    Live,
+/// What is drawn into, and shown in the window.
+struct ShownTarget {
+    target: Target,
+    shown: Shown,
+}
+
+/// Marks on the device.
+struct DrawnMarks {
+    generation: u64,
+    overlay: Overlay,
+}
+
+/// The range of false colours that was read off some content.
+struct AutomaticRange {
+    of: Content,
+    scale: Scale,
+    range: [f32; 2],
 }
 
 /// The renderer with what it shows.
 pub struct Stage {
     state: RenderState,
     renderer: Renderer,
-    model: Option<(u64, Arc<Model>)>,
-    /// The paint that its materials have.
-    paint: u64,
+    model: Option<LoadedModel>,
     buffers: Vec<LightBuffer>,
     contents: [Option<Content>; 2],
-    target: Option<(Target, Shown)>,
+    target: Option<ShownTarget>,
     blit: Blit,
     drawn: Option<Drawn>,
-    overlay: Option<(u64, Overlay)>,
+    overlay: Option<DrawnMarks>,
     strip: Strip,
     exposure: Metered,
-    ranges: Option<(Content, bool, [f32; 2])>,
+    range: Option<AutomaticRange>,
     problems: Arc<Mutex<Vec<String>>>,
     /// Pictures drawn so far, for tests and benchmarks.
     pub pictures: u64,
-}
-
-/// What the stage is to show.
-pub struct Showing<'a> {
-    /// The scene and its light.
-    pub session: &'a Session,
-    /// How.
-    pub view: &'a ViewPrefs,
-    /// Beside what.
-    pub split: Option<Split>,
-    /// Dots and lines.
-    pub marks: Option<&'a Marks>,
-    /// How good.
-    pub quality: Quality,
 }
 
 impl Stage {
@@ -132,7 +110,6 @@ impl Stage {
             renderer: Renderer::new(Arc::new(gpu)),
             state,
             model: None,
-            paint: 0,
             buffers: Vec::new(),
             contents: [None; 2],
             target: None,
@@ -141,7 +118,7 @@ impl Stage {
             overlay: None,
             strip: Strip::default(),
             exposure: Metered::default(),
-            ranges: None,
+            range: None,
             problems,
             pictures: 0,
         }
@@ -179,11 +156,13 @@ impl Stage {
         self.load(showing.session, &document.scene)?;
         let drawn = self.wanted(showing, size)?;
         if self.drawn.as_ref() == Some(&drawn) {
-            return Ok(self.target.as_ref().map(|(_, shown)| shown.clone()));
+            return Ok(self.target.as_ref().map(|target| target.shown.clone()));
         }
         self.fit_target(size, drawn.samples)?;
         self.fit_overlay(showing.marks);
-        let (Some((_, model)), Some((target, shown))) = (&self.model, &self.target) else {
+        let (Some(LoadedModel { model, .. }), Some(ShownTarget { target, shown })) =
+            (&self.model, &self.target)
+        else {
             return Ok(None);
         };
         let light = match drawn.split {
@@ -197,7 +176,7 @@ impl Stage {
             lamps: &drawn.lamps,
             look: drawn.look,
             wireframe: drawn.wireframe,
-            overlay: self.overlay.as_ref().map(|(_, overlay)| overlay),
+            overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
             sky: document.scene.sky(),
         };
         self.renderer.draw(target, &frame);
@@ -206,32 +185,50 @@ impl Stage {
         Ok(Some(shown.clone()))
     }
 
+    /// A small picture, drawn again if what it shows has changed.
+    ///
+    /// While something moves or a solve runs, only new content is drawn: the processor's time belongs to the large
+    /// picture and to the solve.
+    ///
+    /// # Errors
+    /// As [`Stage::show`].
+    pub fn thumbnail(
+        &mut self,
+        showing: &Showing<'_>,
+        wanted: &Thumbnail,
+    ) -> Result<Option<ShownThumbnail>, RenderError> {
+        let Some(document) = &showing.session.document else { return Ok(None) };
+        self.load(showing.session, &document.scene)?;
+        let Some(LoadedModel { model, .. }) = &self.model else { return Ok(None) };
+        let canvas = Canvas { state: &self.state, renderer: &self.renderer, model, scene: &document.scene };
+        self.strip.thumbnail(&canvas, showing, wanted).map(Some)
+    }
+
     /// The picture as it was drawn last.
     ///
     /// # Errors
     /// When there is none, or the device fails.
     pub fn picture(&self) -> Result<lumel_render_cpu::Picture, String> {
-        let (target, _) = self.target.as_ref().ok_or("there is no picture yet")?;
+        let ShownTarget { target, .. } = self.target.as_ref().ok_or("there is no picture yet")?;
         self.renderer.read(target).map_err(|e| crate::document::error_text(&e))
     }
 
     fn load(&mut self, session: &Session, scene: &Scene) -> Result<(), RenderError> {
-        let (generation, paint) = (session.document_generation, session.paint_generation);
-        if let Some((_, model)) = self.model.as_ref().filter(|(loaded, _)| *loaded == generation) {
-            if self.paint != paint {
-                self.renderer.repaint(model, scene);
-                self.paint = paint;
+        let (document, paint) = (session.document_generation, session.paint_generation);
+        if let Some(loaded) = self.model.as_mut().filter(|loaded| loaded.document == document) {
+            if loaded.paint != paint {
+                self.renderer.repaint(&loaded.model, scene);
+                loaded.paint = paint;
             }
             return Ok(());
         }
-        self.paint = paint;
         self.model = None;
         self.strip = Strip::default();
         let model = self.renderer.upload(scene)?;
         self.buffers = (0..2).map(|_| self.renderer.light(&model)).collect();
-        (self.contents, self.drawn, self.ranges) = ([None; 2], None, None);
+        (self.contents, self.drawn, self.range) = ([None; 2], None, None);
         self.exposure = Metered::default();
-        self.model = Some((generation, Arc::new(model)));
+        self.model = Some(LoadedModel { document, paint, model: Arc::new(model) });
         Ok(())
     }
 
@@ -304,24 +301,23 @@ impl Stage {
         if !view.auto_range && view.mode == ViewMode::FalseColor {
             return view.range;
         }
-        if let Some((of, logarithmic, range)) = &self.ranges
-            && (of, *logarithmic) == (left, view.logarithmic)
-        {
-            return *range;
+        let scale = view.scale();
+        if let Some(known) = self.range.as_ref().filter(|known| known.of == *left && known.scale == scale) {
+            return known.range;
         }
         let values = left.values(showing.session).unwrap_or_default();
-        let range = values::automatic_range(&values, view.scale());
-        self.ranges = Some((*left, view.logarithmic, range));
+        let range = values::automatic_range(&values, scale);
+        self.range = Some(AutomaticRange { of: *left, scale, range });
         range
     }
 
     fn fit_target(&mut self, size: [u32; 2], samples: Samples) -> Result<(), RenderError> {
-        if self.target.as_ref().is_some_and(|(t, _)| t.size() == size && t.samples() == samples) {
+        if self.target.as_ref().is_some_and(|t| t.target.size() == size && t.target.samples() == samples) {
             return Ok(());
         }
         let target = self.renderer.target(size, samples)?;
         let shown = self.blit.shown(&self.state, target.view());
-        self.target = Some((target, shown));
+        self.target = Some(ShownTarget { target, shown });
         Ok(())
     }
 
@@ -330,30 +326,10 @@ impl Stage {
             self.overlay = None;
             return;
         };
-        if self.overlay.as_ref().is_none_or(|(generation, _)| *generation != marks.generation) {
+        if self.overlay.as_ref().is_none_or(|drawn| drawn.generation != marks.generation) {
             let overlay =
                 Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(Hidden::Faint);
-            self.overlay = Some((marks.generation, overlay));
+            self.overlay = Some(DrawnMarks { generation: marks.generation, overlay });
         }
-    }
-}
-
-/// Dots where light is measured.
-pub fn sample_marks(session: &Session) -> Vec<Mark> {
-    let Some(solved) = session.computed().and_then(|c| c.solved.clone()) else { return Vec::new() };
-    let points = solved.baker.sample_points(&solved.state.valid, MAX_POINTS);
-    let color = |valid: bool| if valid { [90, 210, 140, 255] } else { [235, 70, 60, 255] };
-    points.into_iter().map(|(position, valid)| Mark { position, color: color(valid) }).collect()
-}
-
-fn show_target(state: &RenderState, target: &Target, old: Option<TextureId>) -> TextureId {
-    let mut renderer = state.renderer.write();
-    match old {
-        Some(id) => {
-            let filter = FilterMode::Nearest;
-            renderer.update_egui_texture_from_wgpu_texture(&state.device, target.view(), filter, id);
-            id
-        }
-        None => renderer.register_native_texture(&state.device, target.view(), FilterMode::Nearest),
     }
 }

@@ -1,14 +1,17 @@
-//! Small pictures of the terms of the series.
+//! Thumbnails of the terms of the series.
 
-use super::metered::stops_for;
-use super::{Content, Metered, Quality, Showing, Side, Stage, show_target};
+use super::content::{Content, Side};
+use super::metered::{Metered, stops_for};
+use super::showing::{Quality, Showing};
 use crate::camera::FlyCamera;
 use crate::lights::shining;
 use crate::prefs::ViewMode;
 use crate::selection::Selection;
 use eframe::egui::TextureId;
-use lumel::RectLight;
-use lumel_render_gpu::{Frame, LightBuffer, Lit, Look, RenderError, Samples, Target};
+use eframe::egui_wgpu::RenderState;
+use eframe::wgpu::FilterMode;
+use lumel::{RectLight, Scene};
+use lumel_render_gpu::{Frame, LightBuffer, Lit, Look, Model, RenderError, Renderer, Samples, Target};
 
 /// What a small picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,10 +20,27 @@ pub struct Thumbnail {
     pub index: usize,
     /// Some bounces; nothing for what emits.
     pub selection: Option<Selection>,
-    /// Whether lamps are drawn: bounces are what arrives on surfaces, so only emission and the sum show what glows.
-    pub glows: bool,
+    /// Whether lights are drawn: bounces are what arrives on surfaces, so only emission and the sum show emitters.
+    pub emits: bool,
     /// Its size, pixels.
     pub size: [u32; 2],
+}
+
+/// A small picture that was drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownThumbnail {
+    /// The picture.
+    pub texture: TextureId,
+    /// By how many stops it is shown brighter than all light.
+    pub brighter: f32,
+}
+
+/// What draws small pictures, and of what.
+pub(super) struct Canvas<'a> {
+    pub(super) state: &'a RenderState,
+    pub(super) renderer: &'a Renderer,
+    pub(super) model: &'a Model,
+    pub(super) scene: &'a Scene,
 }
 
 /// All of them.
@@ -35,78 +55,63 @@ struct Cell {
     texture: TextureId,
     buffer: LightBuffer,
     content: Option<Content>,
-    drawn: Option<Drawn>,
+    drawn: Option<DrawnThumbnail>,
     /// How many stops brighter this content is shown than all light.
     brighter: Option<(Content, f32)>,
 }
 
 /// All that a small picture depends on.
 #[derive(Clone, PartialEq)]
-struct Drawn {
+struct DrawnThumbnail {
     content: Content,
     camera: FlyCamera,
     lamps: Vec<RectLight>,
     look: Look,
 }
 
-impl Stage {
-    /// A small picture, drawn anew if what it shows has changed, and by how many stops it is brightened.
-    ///
-    /// While something moves or a solve runs, only new content is drawn: the processor's time belongs to the large
-    /// picture and to the solve.
-    ///
-    /// # Errors
-    /// As [`Stage::show`].
-    pub fn thumbnail(
+impl Strip {
+    /// A small picture: see [`Stage::thumbnail`](super::Stage::thumbnail).
+    pub(super) fn thumbnail(
         &mut self,
+        canvas: &Canvas<'_>,
         showing: &Showing<'_>,
         wanted: &Thumbnail,
-    ) -> Result<Option<(TextureId, f32)>, RenderError> {
+    ) -> Result<ShownThumbnail, RenderError> {
         let session = showing.session;
-        let Some(document) = &session.document else { return Ok(None) };
-        self.load(session, &document.scene)?;
         if session.is_light_in_motion()
-            && let Some(cell) = self.strip.cells.get(wanted.index)
+            && let Some(cell) = self.cells.get(wanted.index)
             && let (Some(_), Some((_, brighter))) = (&cell.drawn, cell.brighter)
         {
             // All of them change with each step of the hand; they are drawn when it rests.
-            return Ok(Some((cell.texture, brighter)));
+            return Ok(ShownThumbnail { texture: cell.texture, brighter });
         }
-        let Some((_, model)) = self.model.clone() else { return Ok(None) };
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
         let lamps = shining(&session.lights);
         // That of all light, whichever bounces the large picture shows.
         let all = Content::new(session, Side::Current, ViewMode::FalseColor, Selection::All);
         if showing.view.auto_exposure {
-            self.strip.exposure.read(showing, &all, &lamps, wanted.size);
+            self.exposure.read(showing, &all, &lamps, wanted.size);
         }
-        let base = if showing.view.auto_exposure { self.strip.exposure.stops } else { showing.view.stops };
-        let lamps = if wanted.glows { lamps } else { Vec::new() };
-        while self.strip.cells.len() <= wanted.index {
-            let target = self.renderer.target(wanted.size, Samples::One)?;
-            let texture = show_target(&self.state, &target, None);
-            let buffer = self.renderer.light(&model);
-            self.strip.cells.push(Cell {
-                target,
-                texture,
-                buffer,
-                content: None,
-                drawn: None,
-                brighter: None,
-            });
+        let base = if showing.view.auto_exposure { self.exposure.stops } else { showing.view.stops };
+        let lamps = if wanted.emits { lamps } else { Vec::new() };
+        while self.cells.len() <= wanted.index {
+            let target = canvas.renderer.target(wanted.size, Samples::One)?;
+            let texture = show_target(canvas.state, &target, None);
+            let buffer = canvas.renderer.light(canvas.model);
+            self.cells.push(Cell { target, texture, buffer, content: None, drawn: None, brighter: None });
         }
-        let cell = &mut self.strip.cells[wanted.index];
+        let cell = &mut self.cells[wanted.index];
         if cell.target.size() != wanted.size {
-            cell.target = self.renderer.target(wanted.size, Samples::One)?;
-            show_target(&self.state, &cell.target, Some(cell.texture));
+            cell.target = canvas.renderer.target(wanted.size, Samples::One)?;
+            show_target(canvas.state, &cell.target, Some(cell.texture));
             cell.drawn = None;
         }
         let known = cell.brighter.filter(|(of, _)| *of == content).map(|(_, brighter)| brighter);
         let brighter = match known {
             Some(brighter) => brighter,
             // What emits and the sum have the exposure of the sum.
-            None if wanted.glows => 0.0,
+            None if wanted.emits => 0.0,
             // Read once for each bounce: from elsewhere it is hardly brighter or darker compared with the sum.
             None => {
                 let read =
@@ -117,31 +122,43 @@ impl Stage {
         cell.brighter = Some((content, brighter));
         let look =
             Look::Radiance { stops: base + brighter, tone: showing.view.tone(), white: showing.view.white };
-        let drawn = Drawn { content, camera: session.camera, lamps, look };
+        let drawn = DrawnThumbnail { content, camera: session.camera, lamps, look };
         let is_current = match (&cell.drawn, showing.quality) {
             (None, _) => false,
             (Some(old), Quality::Live) => old.content == drawn.content || !content.is_finished(),
             (Some(old), Quality::Still) => *old == drawn,
         };
         if is_current {
-            return Ok(Some((cell.texture, brighter)));
+            return Ok(ShownThumbnail { texture: cell.texture, brighter });
         }
         if cell.content != Some(content) {
-            self.renderer.set_light(&cell.buffer, &content.values(session).unwrap_or_default())?;
+            canvas.renderer.set_light(&cell.buffer, &content.values(session).unwrap_or_default())?;
             cell.content = Some(content);
         }
         let frame = Frame {
-            model: &model,
+            model: canvas.model,
             camera: &session.camera.camera(),
             light: Lit::One(&cell.buffer),
             lamps: &drawn.lamps,
             look,
             wireframe: false,
             overlay: None,
-            sky: document.scene.sky(),
+            sky: canvas.scene.sky(),
         };
-        self.renderer.draw(&cell.target, &frame);
+        canvas.renderer.draw(&cell.target, &frame);
         cell.drawn = Some(drawn);
-        Ok(Some((cell.texture, brighter)))
+        Ok(ShownThumbnail { texture: cell.texture, brighter })
+    }
+}
+
+fn show_target(state: &RenderState, target: &Target, old: Option<TextureId>) -> TextureId {
+    let mut renderer = state.renderer.write();
+    match old {
+        Some(id) => {
+            let filter = FilterMode::Nearest;
+            renderer.update_egui_texture_from_wgpu_texture(&state.device, target.view(), filter, id);
+            id
+        }
+        None => renderer.register_native_texture(&state.device, target.view(), FilterMode::Nearest),
     }
 }

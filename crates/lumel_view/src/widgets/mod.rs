@@ -1,9 +1,11 @@
 //! Parts that several panels are made of.
 
 mod color;
+mod modal;
 mod rows;
 mod toast;
 
 pub use color::{albedo_button, color_button};
-pub use rows::{check, choice, heading, number, primary_button, row, slider, value, vector};
+pub use modal::modal;
+pub use rows::{check, choice, heading, hint, number, primary_button, row, slider, value, vector};
 pub use toast::Toasts;

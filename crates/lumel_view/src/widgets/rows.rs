@@ -16,6 +16,12 @@ pub fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).strong().color(TEXT));
 }
 
+/// Tells that something has to be done first.
+pub fn hint(ui: &mut Ui, text: &str) {
+    ui.add_space(4.0);
+    ui.add(egui::Label::new(RichText::new(text).color(WEAK)).wrap());
+}
+
 /// A named widget; the name is what assistive technology and tests know it by.
 pub fn row(ui: &mut Ui, name: &str, hint: &str, add: impl FnOnce(&mut Ui) -> Response) -> Response {
     ui.horizontal(|ui| {

@@ -141,7 +141,7 @@ fn keys_do_not_fly_while_text_is_edited() {
     window.press(Key::M);
     window.press(Key::Num1);
     assert_eq!(window.session().camera, before);
-    assert!(!window.state().dialogs.is_any_open() && !window.told("kept under 1"));
+    assert!(!window.state().dialogs.is_any_open() && !window.told("to slot 1"));
     // And again when one is done with it.
     let middle = window.area().center();
     window.click_at(middle);

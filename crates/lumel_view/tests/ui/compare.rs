@@ -20,14 +20,14 @@ fn compared() -> Option<Window> {
 fn light_is_kept_by_key_and_button_under_what_made_it() {
     let Some(mut window) = Window::room() else { return };
     window.press(Key::P);
-    assert!(window.told("There is no light to keep yet") && window.session().kept.is_empty());
+    assert!(window.told("There is no solution to keep yet") && window.session().kept.is_empty());
     window.solve();
     window.press(Key::P);
     window.tab("Compare");
-    window.click("Keep this light");
+    window.click("Keep this solution");
     let names: Vec<_> = window.session().kept.iter().map(|kept| kept.name.clone()).collect();
     assert_eq!(names, ["sobol 4+8 rays, 2 bounces"; 2]);
-    window.click("Forget");
+    window.click("Discard");
     assert_eq!(window.session().kept.len(), 1);
 }
 
@@ -35,7 +35,7 @@ fn light_is_kept_by_key_and_button_under_what_made_it() {
 fn the_picture_is_split_between_two_lights() {
     let Some(mut window) = compared() else { return };
     let whole = window.picture();
-    window.check("Split the picture");
+    window.check("Split view");
     let split = window.state().comparison.split().unwrap();
     assert!(matches!(split.right, Side::Kept(_)) && split.at == 0.5);
     let both = window.picture();
@@ -72,7 +72,7 @@ fn dragging_the_divider_moves_it_and_nothing_else() {
 fn how_much_two_lights_differ_is_told() {
     let Some(mut window) = compared() else { return };
     assert!(window.reads("RMSE") && window.reads("Relative RMSE"), "direct light against all");
-    window.check("Split the picture");
+    window.check("Split view");
     let value = |window: &Window| {
         let app = window.state();
         let difference =
@@ -83,7 +83,7 @@ fn how_much_two_lights_differ_is_told() {
     };
     let rough = value(&window);
     assert!(rough > 0.0);
-    window.choose("Light", "This light");
+    window.choose("Light", "Current solution");
     window.choose("Right shows", "All light");
     assert_eq!(value(&window), 0.0, "the same light");
     window.choose("Left shows", "Direct light");
@@ -99,13 +99,13 @@ fn a_solution_is_loaded_to_compare_with() {
     window.wait_for_files();
     let generation = window.session().light_generation;
     window.tab("Compare");
-    window.click("Load to compare...");
+    window.click("Load for comparison...");
     assert!(window.reads("Compare with a solution"));
     window.answer(&file);
     window.wait_for_files();
     assert_eq!(window.session().kept[0].name, "other.npz");
     assert_eq!(window.session().light_generation, generation, "the light of the scene stays");
-    window.check("Split the picture");
+    window.check("Split view");
     window.run_steps(1);
     assert!(window.has(Role::ComboBox, "Light") && window.reads("0 W/m²"));
 }

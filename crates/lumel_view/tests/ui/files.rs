@@ -39,7 +39,7 @@ fn drop_file(window: &mut Window, path: PathBuf) {
 #[test]
 fn m_offers_built_in_scenes() {
     let Some(mut window) = Window::empty() else { return };
-    assert!(window.reads("Nothing is open"));
+    assert!(window.reads("No scene is open"));
     window.press(Key::M);
     window.click("furnace");
     window.wait_for_files();
@@ -96,7 +96,7 @@ fn scenes_opened_last_are_a_click_away() {
     assert_eq!(title(window.state()), "room.toml");
     let at = window.find(Role::Button, "File").rect().center();
     window.click_at(at);
-    window.find(Role::Button, "Open again").hover();
+    window.find(Role::Button, "Open recent").hover();
     window.run_steps(20);
     window.click("furnace");
     window.wait_for_files();
@@ -108,7 +108,7 @@ fn what_cannot_be_opened_is_told_and_the_scene_stays() {
     let Some(mut window) = Window::room() else { return };
     window.press(Key::M);
     window.click("Open");
-    assert!(window.reads("give a path"), "in the dialog, which stays");
+    assert!(window.reads("enter a path"), "in the dialog, which stays");
     window.answer("nowhere.obj");
     window.wait_for_files();
     assert!(window.told("Cannot open nowhere.obj: there is no file") && window.reads("Cannot open"));
@@ -171,14 +171,14 @@ fn opening_in_mid_solve_asks_first() {
     window.solve_for_long();
     window.press(Key::M);
     window.click("furnace");
-    assert!(window.reads("The solve of room.toml is not done."));
+    assert!(window.reads("The solve of room.toml has not finished."));
     window.click("Cancel");
     window.run_steps(5);
     assert!(window.state().session.is_solving() && title(window.state()) == "room.toml");
     window.press(Key::M);
     window.click("furnace");
     window.click("Open anyway");
-    assert!(!window.reads("is not done"), "it asks once");
+    assert!(!window.reads("has not finished"), "it asks once");
     window.wait_for_files();
     assert!(!window.state().session.is_solving() && title(window.state()) == "furnace");
     assert!(window.session().light.is_empty());
@@ -189,7 +189,7 @@ fn opening_asks_about_unsaved_light_and_unsaved_lights() {
     let Some(mut window) = Window::room() else { return };
     window.press(Key::Delete);
     window.press(Key::F5);
-    assert!(window.reads("Lights or views of room.toml have changed and are not saved."));
+    assert!(window.reads("Lights, materials or slots of room.toml have unsaved changes."));
     window.click("Cancel");
     window.press_with(CTRL, Key::Z);
     window.solve();

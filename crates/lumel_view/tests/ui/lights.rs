@@ -66,7 +66,7 @@ fn hidden_lights_do_not_shine_and_are_not_drawn() {
     let Some(mut window) = Window::room() else { return };
     window.state_mut().prefs.view.auto_exposure = false;
     let lit = window.picture();
-    window.check("Lamp shines");
+    window.check("Lamp on");
     assert!(!lamp(&window).on);
     let after = window.picture();
     let n = differing(&lit, &after);

@@ -18,9 +18,9 @@ fn at_rest(app: &App) -> bool {
     !session.is_following()
         && computed.is_some_and(|c| {
             c.complete
-                && c.lights.as_ref() == Some(&shining(&session.lights))
-                && session.document.as_ref().unwrap().has_materials_of(&c.scene)
-                && c.settings.as_ref() == Some(&session.settings)
+                && c.inputs.lights.as_ref() == Some(&shining(&session.lights))
+                && session.document.as_ref().unwrap().scene.materials() == c.inputs.scene.materials()
+                && c.settings() == Some(&session.settings)
         })
 }
 
@@ -41,7 +41,7 @@ fn each_step_of_a_drag_shows_all_bounces_of_the_light_where_it_is() {
         window.session().lights[0].rect.center += Vec3::new(0.05, 0.0, 0.1 * step as f32);
         window.wait_until("the light to follow", at_rest);
         assert_eq!(bits(window.state()), reference(window.state()), "step {step}");
-        assert!(!window.session().is_stale());
+        assert!(window.session().out_of_date().is_none());
     }
 }
 
@@ -80,17 +80,17 @@ fn light_that_follows_is_never_a_mixture_of_old_and_new() {
 fn light_follows_only_where_all_rays_are_stored_and_it_is_wanted() {
     let Some(mut window) = Window::room() else { return };
     window.session().live = true;
-    assert_eq!(window.session().obstacle_to_live(), Some("solve once, then all rays are stored"));
+    assert_eq!(window.session().obstacle_to_live(), Some("solve once to store all rays"));
     window.solve();
     assert_eq!(window.session().obstacle_to_live(), None);
     window.session().settings.seed += 1;
-    assert_eq!(window.session().obstacle_to_live(), Some("solve once, then all rays are stored"));
+    assert_eq!(window.session().obstacle_to_live(), Some("solve once to store all rays"));
     window.session().settings.seed -= 1;
-    window.check("Light follows changes");
+    window.check("Live relighting");
     window.session().lights[0].rect.center += Vec3::new(0.1, 0.0, 0.0);
     window.settle();
-    assert!(window.session().is_stale() && !window.session().is_following());
-    window.check("Light follows changes");
+    assert!(window.session().out_of_date().unwrap().lights && !window.session().is_following());
+    window.check("Live relighting");
     window.wait_until("the light to follow", at_rest);
     assert_eq!(bits(window.state()), reference(window.state()));
 }
@@ -113,11 +113,11 @@ fn the_light_follows_the_mouse_that_drags_it() {
         window.run_steps(1);
         window.wait_until("the light to follow", |app| {
             !app.session.is_following()
-                && app.session.computed().unwrap().lights == Some(shining(&app.session.lights))
+                && app.session.computed().unwrap().inputs.lights == Some(shining(&app.session.lights))
         });
         window.run_steps(1);
         assert!(window.reads("Live: sobol 8+8 rays, 2 bounces in "), "{}", window.texts());
-        assert!(!window.session().is_stale());
+        assert!(window.session().out_of_date().is_none());
         let now = bits(window.state());
         assert_eq!(now, coarse_reference(window.state()), "step {step}");
         assert!(!seen.contains(&now), "step {step} shows something new");

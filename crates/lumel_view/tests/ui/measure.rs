@@ -82,9 +82,9 @@ fn escape_the_button_and_a_click_beside_close_the_inspector() {
 fn a_spot_without_light_says_what_to_do() {
     let Some(mut window) = Window::room() else { return };
     pick(&mut window);
-    assert!(window.reads("No light yet: press Enter to solve."));
+    assert!(window.reads("Not solved: press Enter."));
     window.solve();
-    assert!(!window.reads("No light yet"));
+    assert!(!window.reads("Not solved: press Enter."));
     window.wait_until("the measurement", |app| app.pick.as_ref().unwrap().measured.is_some());
 }
 
@@ -117,13 +117,13 @@ fn the_standard_error_is_measured_and_shown() {
     window.solve();
     window.choose("View mode", "Standard error");
     window.tab("Display");
-    assert!(window.reads("It is not known yet"));
+    assert!(window.reads("Not measured yet"));
     let unknown = window.picture();
     window.click("Measure standard error");
     window.wait_until("the standard error", |app| app.session.light.standard_error.is_some());
     window.wait_until("its end", |app| app.session.phase().is_none());
     window.run_steps(2);
-    assert!(window.told("The standard error is known") && !window.reads("It is not known yet"));
+    assert!(window.told("Measured the standard error") && !window.reads("Not measured yet"));
     assert_eq!(window.state().view().mode, ViewMode::StandardError);
     assert!(differing(&unknown, &window.picture()) > 50);
     let errors = window.session().light.standard_error.clone().unwrap();
@@ -144,6 +144,6 @@ fn measuring_the_standard_error_can_be_stopped() {
     window.press(Key::Escape);
     window.wait_until("the end", |app| app.session.phase().is_none());
     window.run_steps(2);
-    assert!(window.told("Stopped; the standard error is not known"));
+    assert!(window.told("Stopped; the standard error was not measured"));
     assert_eq!(window.session().light.bounces.len(), 3, "the light stays");
 }

@@ -19,7 +19,7 @@ fn every_panel_shows_itself_and_every_widget_has_a_name() {
         for (tab, text) in [
             ("Scene", "Triangles"),
             ("Lights", "Active light"),
-            ("Display", "Over the picture"),
+            ("Display", "Overlays"),
             ("Camera", "Slots"),
             ("Compare", "Right"),
         ] {
@@ -63,8 +63,8 @@ fn every_menu_opens() {
         ("File", "Save the solution"),
         ("Edit", "Redo"),
         ("Camera", "Recall camera, lights and settings 9"),
-        ("Light", "Choose the next light"),
-        ("Solve", "Keep this light to compare with"),
+        ("Light", "Select the next light"),
+        ("Solve", "Keep this solution for comparison"),
         ("View", "Full screen"),
         ("Help", "Show all keys"),
     ] {
@@ -111,12 +111,12 @@ fn hints_appear_under_the_pointer() {
     }
     for text in [
         "Shadow rays per vertex and light",
-        "Radiance: albedo × irradiance / π, and what surfaces emit",
+        "Radiance: albedo × irradiance / π, plus emission",
         "Each stop doubles the light",
         "Vertical",
-        "Keeps it to compare with (P)",
+        "Keeps the light as it is now, to compare with (P)",
         "Radiance of the brightest channel, W/(m² sr)",
-        "There is unsaved work",
+        "Unsaved work",
     ] {
         assert!(texts.contains(text), "{text}");
     }

@@ -28,7 +28,7 @@ fn closed_in_mid_solve() -> Option<(Window, usize)> {
     drop(window);
     assert_eq!(left_behind(folder.path()).len(), 2);
     let next = Window::keeping(folder, |_| {})?;
-    assert!(next.reads("There is unsaved work"));
+    assert!(next.reads("Unsaved work"));
     let after = if done == 2 { "1 bounce".to_owned() } else { format!("{} bounces", done - 1) };
     assert!(next.reads(&format!("room.toml: a solve stopped after {after}")));
     Some((next, done))
@@ -76,7 +76,7 @@ fn unsaved_work_that_is_put_off_is_offered_the_next_time() {
     let folder = window.folder();
     drop(window);
     let Some(next) = Window::keeping(folder, |_| {}) else { return };
-    assert!(next.reads("There is unsaved work"));
+    assert!(next.reads("Unsaved work"));
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn moved_lights_are_restored_without_a_solve() {
     let folder = window.folder();
     drop(window);
     let Some(mut next) = Window::keeping(folder, |_| {}) else { return };
-    assert!(next.reads("room.toml: lights and views"));
+    assert!(next.reads("room.toml: lights, materials and slots"));
     next.click("Restore");
     next.wait_for_files();
     assert_eq!(next.session().lights, lights);

@@ -24,7 +24,7 @@ fn the_lit_mesh_is_saved_in_three_formats() {
     for name in ["lit.glb", "lit.ply", "lit.obj"] {
         let file = window.file(name);
         window.press(Key::O);
-        assert!(window.reads("The mesh is saved with all light, as it is shown."));
+        assert!(window.reads("The mesh is saved with all light, as shown."));
         window.answer(&file);
         window.wait_for_files();
         assert!(window.told("Saved the mesh with all light"), "{name}");
@@ -62,13 +62,13 @@ fn what_cannot_be_saved_is_told_where_one_asked_for_it() {
     window.session().open(OpenRequest::new(mesh.to_string_lossy()));
     window.wait_for_files();
     window.press(Key::O);
-    assert!(window.reads("There is no light yet: the mesh is saved without."));
+    assert!(window.reads("There is no solution yet: the mesh is saved without light."));
     window.answer(window.file("lit.fbx"));
-    assert!(window.reads("the name must end in one of .glb, .ply, .obj"));
+    assert!(window.reads("the name must end in .glb, .ply, .obj"));
     window.answer(&mesh);
-    assert!(window.reads("this file is the open scene and would be replaced"));
+    assert!(window.reads("this file belongs to the open scene and would be overwritten"));
     window.answer("");
-    assert!(window.reads("give a path"));
+    assert!(window.reads("enter a path"));
     window.answer(window.file("nowhere/lit.glb"));
     window.wait_for_files();
     assert!(window.told("Cannot save: ") && window.reads("Cannot save: "));
@@ -82,7 +82,7 @@ fn a_file_that_is_replaced_is_told_before() {
     std::fs::write(&file, "old").unwrap();
     window.press(Key::O);
     window.write_path(&file);
-    assert!(window.reads("This file exists and will be replaced."));
+    assert!(window.reads("This file exists and will be overwritten."));
 }
 
 #[test]
@@ -151,5 +151,5 @@ fn a_project_away_from_its_mesh_is_refused() {
     let elsewhere = tempfile::tempdir().unwrap();
     window.press_with(CTRL | eframe::egui::Modifiers::SHIFT, Key::S);
     window.answer(elsewhere.path().join("far.toml"));
-    assert!(window.reads("a project file reads nothing outside its folder"));
+    assert!(window.reads("a project can only refer to files in its folder"));
 }

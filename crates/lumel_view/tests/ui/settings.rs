@@ -97,7 +97,7 @@ fn alt_and_a_digit_keep_camera_lights_and_settings_and_the_digit_recalls_them() 
     }
     assert_eq!(window.session().slots.digits().collect::<Vec<_>>(), [0, 3]);
     window.press(Key::Num7);
-    assert!(window.told("Nothing is kept under 7: keep with Alt+7"));
+    assert!(window.told("Slot 7 is empty: save to it with Alt+7"));
 }
 
 #[test]

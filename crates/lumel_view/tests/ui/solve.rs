@@ -20,7 +20,7 @@ fn stopping_time(window: &mut Window, stop: &impl Fn(&mut Window)) -> Duration {
     }
     let time = asked.elapsed();
     window.run_steps(2);
-    assert!(window.told("Stopped; Enter goes on"));
+    assert!(window.told("Stopped; press Enter to resume"));
     time
 }
 
@@ -33,7 +33,7 @@ fn stops_in_time(stop: impl Fn(&mut Window)) {
         times.push(stopping_time(&mut window, &stop));
     }
     assert_eq!(window.session().light.bounces.len(), 1, "what is done stays");
-    assert!(window.reads("Stopped: Enter goes on"));
+    assert!(window.reads("Stopped: press Enter to resume"));
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_stopped_solve_goes_on_with_the_same_bits() {
     window.run_steps(2);
     let done = window.session().light.bounces.len();
     assert!((2..9).contains(&done), "{done}");
-    window.click("Go on");
+    window.click("Resume");
     window.wait_until("the solve", |app| app.session.computed().is_some_and(|c| c.complete));
     assert_eq!(window.session().light.bounces.len(), 9);
     assert!(bits(window.state()) == reference(window.state()));
@@ -136,7 +136,7 @@ fn enter_does_nothing_in_mid_solve() {
     let seconds = window.session().job().unwrap().seconds();
     window.press(Key::Enter);
     window.run_steps(5);
-    assert!(window.told("A solve is running already"));
+    assert!(window.told("A solve is already running"));
     let session = window.session();
     assert_eq!((session.light.bounces.len(), session.phase()), (1, Some(Phase::Bounce(1))));
     assert!(session.job().unwrap().seconds() > seconds, "the same job");
@@ -147,7 +147,7 @@ fn enter_computes_nothing_where_all_is_solved() {
     let Some(mut window) = Window::solved_room() else { return };
     let generation = window.session().light_generation;
     window.press(Key::Enter);
-    assert!(window.told("This is solved already") && window.session().job().is_none());
+    assert!(window.told("Already solved") && window.session().job().is_none());
     assert_eq!(window.session().light_generation, generation);
     window.press_with(Modifiers::SHIFT, Key::Enter);
     window.wait_until("the solve anew", |app| {
@@ -205,10 +205,12 @@ fn the_rest_is_estimated_when_one_asks_for_it() {
 #[test]
 fn nothing_is_solved_where_nothing_shines() {
     let Some(mut window) = Window::room() else { return };
-    window.check("Lamp shines");
+    window.check("Lamp on");
     window.press(Key::Enter);
-    assert!(window.told("Nothing shines in this scene") && window.session().job().is_none());
+    assert!(window.told("This scene has no light source") && window.session().job().is_none());
     window.press(Key::Delete);
     window.press(Key::Enter);
-    assert!(window.session().job().is_none() && window.reads("No lights. Space puts one where you are."));
+    assert!(
+        window.session().job().is_none() && window.reads("No lights. Press Space to add one at the camera.")
+    );
 }

@@ -43,7 +43,7 @@ fn a_solve_ends_at_the_error_that_was_asked_for_and_tells_it() {
     window.check("Stop at an error");
     window.run_steps(1);
     assert_eq!(window.session().settings.target_error, TargetError::Off);
-    assert!(window.state().session.is_stale());
+    assert!(window.state().session.out_of_date().is_some());
 }
 
 #[test]
@@ -63,8 +63,8 @@ fn direct_light_is_seen_before_the_first_round_is_done() {
 fn a_stopped_solve_keeps_the_light_of_its_last_round() {
     let Some(mut window) = Window::room() else { return };
     stopped(&mut window);
-    assert!(window.told("Stopped; the light is that of the last finished round"));
-    assert!(window.reads("Stopped: Enter begins anew"), "{}", window.texts());
+    assert!(window.told("Stopped; showing the last finished round"));
+    assert!(window.reads("Stopped: press Enter to start over"), "{}", window.texts());
     assert!(window.has(Role::Button, "Solve"));
     assert_eq!(window.session().light.bounces.len(), 3);
 }
@@ -83,5 +83,5 @@ fn light_of_a_stopped_solve_is_restored() {
     window.run_steps(1);
     assert_eq!(bits(window.state()), before);
     assert!(!window.session().is_solving() && window.session().has_unsaved_light());
-    assert!(window.told("Enter begins anew"));
+    assert!(window.told("press Enter to solve again"));
 }

@@ -213,7 +213,7 @@ fn smooth_edges_can_be_switched_off() {
     let Some(mut window) = Window::solved_room() else { return };
     let before = window.picture();
     window.tab("Display");
-    window.check("Smooth edges");
+    window.check("Antialiasing");
     let n = before.pixels().iter().zip(window.picture().pixels()).filter(|(a, b)| a != b).count();
     assert!(n > 100, "{n}");
 }

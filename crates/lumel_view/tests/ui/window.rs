@@ -66,7 +66,7 @@ fn panels_are_shown_from_the_menu_and_arranged_as_at_first() {
     let from = area.right_center() + vec2(2.0, 0.0);
     window.drag(PointerButton::Primary, from, from - vec2(200.0, 0.0));
     assert!(window.area().width() < area.width() - 150.0);
-    window.menu("View", "Arrange panels as at first");
+    window.menu("View", "Reset panel layout");
     window.run_steps(2);
     assert_eq!(window.area(), area);
 }
@@ -75,10 +75,10 @@ fn panels_are_shown_from_the_menu_and_arranged_as_at_first() {
 fn convergence_and_log_show_what_the_solve_did() {
     let Some(mut window) = Window::room() else { return };
     window.tab("Convergence");
-    assert!(window.reads("are plotted here, bounce by bounce"));
+    assert!(window.reads("are plotted here for each bounce"));
     let empty = window.render().unwrap();
     window.solve();
-    assert!(!window.reads("are plotted here, bounce by bounce"));
+    assert!(!window.reads("are plotted here for each bounce"));
     window.settle();
     assert!(empty != window.render().unwrap());
     window.tab("Log");
@@ -152,9 +152,9 @@ fn menus_do_what_keys_do() {
     let before = window.picture();
     window.menu("Light", "Hide or show the light");
     assert!(!window.session().lights[0].on);
-    window.menu("Edit", "Undo a change of lights or slots");
+    window.menu("Edit", "Undo a change to lights, materials or slots");
     assert!(window.session().lights[0].on);
     assert_eq!(differing(&before, &window.picture()), 0);
-    window.menu("Solve", "Start the solve, or go on");
+    window.menu("Solve", "Start or resume the solve");
     window.wait_until("the solve", |app| app.session.computed().is_some_and(|c| c.complete));
 }

@@ -1,17 +1,17 @@
 //! The light on the surface that was clicked.
 
-use crate::app::App;
+use crate::document::Document;
 use crate::pick::Pick;
+use crate::selection::Selection;
+use crate::session::Session;
 use crate::theme;
 use crate::values::significant;
 use eframe::egui::{self, Color32, Frame, Grid, Margin, Rect, RichText, ScrollArea, Ui, vec2};
 use glam::Vec3;
 use lumel_render_cpu::srgb_byte;
 
-pub(super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
-    if app.pick.is_none() || rect.width() < 330.0 {
-        return;
-    }
+pub(super) fn show(session: &Session, pick: &mut Option<Pick>, ui: &mut Ui, rect: Rect) {
+    let Some(picked) = pick.as_ref().filter(|_| rect.width() >= 330.0) else { return };
     let size = vec2(310.0, (rect.height() - 110.0).min(430.0));
     let area = Rect::from_min_size(rect.min + vec2(8.0, 50.0), size);
     let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(area));
@@ -28,17 +28,15 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
                     close = ui.small_button("Close").clicked();
                 });
             });
-            if let Some(pick) = &app.pick {
-                content(app, pick, ui, size.y - 46.0);
-            }
+            content(session, picked, ui, size.y - 46.0);
         });
     if close {
-        app.pick = None;
+        *pick = None;
     }
 }
 
-fn content(app: &App, pick: &Pick, ui: &mut Ui, height: f32) {
-    let Some(document) = &app.session.document else { return };
+fn content(session: &Session, pick: &Pick, ui: &mut Ui, height: f32) {
+    let Some(document) = &session.document else { return };
     let spot = &pick.spot;
     let point = |v: Vec3| format!("{:.3}  {:.3}  {:.3}", v.x, v.y, v.z);
     let rgb = |v: Vec3| format!("{}  {}  {}", significant(v.x), significant(v.y), significant(v.z));
@@ -60,7 +58,7 @@ fn content(app: &App, pick: &Pick, ui: &mut Ui, height: f32) {
         });
         swatch(ui, spot.albedo);
         ui.add_space(4.0);
-        light(app, pick, document, ui);
+        light(session, pick, document, ui);
     });
 }
 
@@ -71,14 +69,14 @@ fn swatch(ui: &mut Ui, albedo: Vec3) {
 }
 
 /// Stored light at the spot, and a fresh measurement with its standard error.
-fn light(app: &App, pick: &Pick, document: &crate::document::Document, ui: &mut Ui) {
-    let light = &app.session.light;
+fn light(session: &Session, pick: &Pick, document: &Document, ui: &mut Ui) {
+    let light = &session.light;
     if light.is_empty() {
-        ui.label(RichText::new("No light yet: press Enter to solve.").color(theme::WEAK));
+        ui.label(RichText::new("Not solved: press Enter.").color(theme::WEAK));
         return;
     }
     let stored = pick.spot.bounces(&document.scene, light);
-    let sum = app.session.selected_light(crate::selection::Selection::All);
+    let sum = session.selected_light(Selection::All);
     let total = pick.spot.value(&document.scene, &sum);
     let measured = pick.measured.as_ref();
     ui.label(RichText::new("Irradiance, W/m²").strong());
@@ -98,9 +96,9 @@ fn light(app: &App, pick: &Pick, document: &crate::document::Document, ui: &mut 
     let note = if pick.is_measuring() {
         "Measuring..."
     } else if measured.is_some() {
-        "Measured here: green channel ± standard error of the samples."
+        "Measured here: green channel ± standard error."
     } else {
-        "It is measured here once the solve is done."
+        "Measured here when the solve has finished."
     };
     ui.label(RichText::new(note).color(theme::WEAK).small());
 }

@@ -1,35 +1,57 @@
-//! What lies over the picture: what is shown, the legend, the handles and the inspector.
+//! Overlays: the bar of view modes, the legend, the handles and the inspector.
 
+use super::state::{Subject, Viewport};
 use super::{inspector, legend};
-use crate::app::App;
-use crate::prefs::ViewMode;
+use crate::prefs::{ViewMode, ViewPrefs};
 use crate::selection::Selection;
+use crate::session::Session;
+use crate::stage::Side;
 use crate::theme;
 use eframe::egui::{
-    self, Align2, Color32, ComboBox, DragValue, FontId, Frame, Margin, Rect, RichText, Ui, vec2,
+    self, Align2, Color32, ComboBox, DragValue, FontId, Frame, Margin, Rect, RichText, Stroke, Ui, pos2, vec2,
 };
 
 /// Bounces that have a button of their own; further ones are reached by the range.
 const MAX_BUTTONS: usize = 9;
 
-pub(crate) fn over_picture(app: &mut App, ui: &mut Ui, rect: Rect) {
-    if app.session.document.is_none() {
+pub(super) fn show(viewport: &Viewport, subject: &mut Subject<'_>, ui: &mut Ui, rect: Rect) {
+    if subject.session.document.is_none() {
         return;
     }
-    crate::viewport::paint_over(app, ui, rect);
-    legend::show(app, ui, rect);
-    captions(app, ui, rect);
-    bar(app, ui, rect);
-    inspector::show(app, ui, rect);
+    handles(viewport, subject, ui, rect);
+    let range = subject.stage.as_ref().and_then(|stage| stage.range());
+    legend::show(&subject.prefs.view, range, ui, rect);
+    captions(subject, ui, rect);
+    bar(subject.session, &mut subject.prefs.view, ui, rect);
+    inspector::show(subject.session, subject.pick, ui, rect);
+}
+
+/// Draws the handles of the active light and the divider over the picture.
+fn handles(viewport: &Viewport, subject: &Subject<'_>, ui: &Ui, rect: Rect) {
+    let camera = subject.session.camera.camera();
+    if subject.prefs.view.gizmo && subject.session.document.is_some() {
+        let hover = ui.input(|i| i.pointer.hover_pos()).filter(|p| rect.contains(*p));
+        let active = subject.session.active;
+        for (i, light) in subject.session.lights.iter().enumerate() {
+            viewport.gizmo.paint(ui, rect, &camera, light, (i == active).then_some(hover));
+        }
+    }
+    if let Some(split) = subject.comparison.split() {
+        let x = rect.left() + split.at * rect.width();
+        let painter = ui.painter().with_clip_rect(rect);
+        painter.vline(x, rect.y_range(), Stroke::new(2.0, Color32::from_white_alpha(220)));
+        let knob = Rect::from_center_size(pos2(x, rect.center().y), vec2(10.0, 34.0));
+        painter.rect_filled(knob, 5.0, Color32::from_white_alpha(230));
+    }
 }
 
 /// The names of both halves.
-fn captions(app: &App, ui: &Ui, rect: Rect) {
-    let Some(split) = app.comparison.split() else { return };
+fn captions(subject: &Subject<'_>, ui: &Ui, rect: Rect) {
+    let Some(split) = subject.comparison.split() else { return };
     let right = match split.right {
-        crate::stage::Side::Current => "this light".to_owned(),
-        crate::stage::Side::Kept(id) => {
-            app.session.kept.iter().find(|k| k.id == id).map_or_else(String::new, |k| k.name.clone())
+        Side::Current => "current solution".to_owned(),
+        Side::Kept(id) => {
+            subject.session.kept.iter().find(|k| k.id == id).map_or_else(String::new, |k| k.name.clone())
         }
     };
     let x = rect.left() + split.at * rect.width();
@@ -41,12 +63,16 @@ fn captions(app: &App, ui: &Ui, rect: Rect) {
         painter.galley(area.min, galley, theme::TEXT);
     };
     let y = rect.top() + 52.0;
-    write(format!("this light: {}", app.prefs.view.selection), egui::pos2(x - 14.0, y), Align2::RIGHT_TOP);
-    write(format!("{right}: {}", split.selection), egui::pos2(x + 14.0, y), Align2::LEFT_TOP);
+    write(
+        format!("current solution: {}", subject.prefs.view.selection),
+        pos2(x - 14.0, y),
+        Align2::RIGHT_TOP,
+    );
+    write(format!("{right}: {}", split.selection), pos2(x + 14.0, y), Align2::LEFT_TOP);
 }
 
 /// What is shown, at the top of the picture.
-fn bar(app: &mut App, ui: &mut Ui, rect: Rect) {
+fn bar(session: &Session, view: &mut ViewPrefs, ui: &mut Ui, rect: Rect) {
     let area = Rect::from_min_size(rect.min + vec2(8.0, 8.0), vec2((rect.width() - 16.0).max(60.0), 34.0));
     let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(area));
     Frame::new()
@@ -56,15 +82,15 @@ fn bar(app: &mut App, ui: &mut Ui, rect: Rect) {
         .show(&mut ui, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                mode(app, ui);
+                mode(view, ui);
                 ui.add_space(6.0);
-                bounces(app, ui);
+                bounces(session, &mut view.selection, ui);
             });
         });
 }
 
-fn mode(app: &mut App, ui: &mut Ui) {
-    let shown = &mut app.prefs.view.mode;
+fn mode(view: &mut ViewPrefs, ui: &mut Ui) {
+    let shown = &mut view.mode;
     let combo = ComboBox::from_id_salt("surfaces").width(112.0).height(400.0).selected_text(shown.name());
     let response = combo.show_ui(ui, |ui| {
         for mode in ViewMode::ALL {
@@ -73,12 +99,11 @@ fn mode(app: &mut App, ui: &mut Ui) {
     });
     let name = "View mode";
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::ComboBox, true, name));
-    response.response.on_hover_text(app.prefs.view.mode.hint());
+    response.response.on_hover_text(view.mode.hint());
 }
 
-fn bounces(app: &mut App, ui: &mut Ui) {
-    let count = app.session.light.bounce_count();
-    let selection = &mut app.prefs.view.selection;
+fn bounces(session: &Session, selection: &mut Selection, ui: &mut Ui) {
+    let count = session.light.bounce_count();
     let mut button = |ui: &mut Ui, text: &str, hint: String, value: Selection| {
         let chosen = *selection == value;
         if ui.selectable_label(chosen, text).on_hover_text(hint).clicked() {

@@ -1,18 +1,13 @@
 //! The bar that explains false colours.
 
-use crate::app::App;
-use crate::prefs::{Unit, ViewMode};
+use crate::prefs::{Unit, ViewMode, ViewPrefs};
 use crate::theme;
 use eframe::egui::{Align2, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
 use lumel_render_cpu::{Scale, Tick, false_color, ticks};
 
-/// Draws the legend at the right edge of the picture.
-pub(super) fn show(app: &App, ui: &Ui, rect: Rect) {
-    let view = &app.prefs.view;
-    let Some(range) = app.stage.as_ref().and_then(|stage| stage.range()).filter(|_| view.mode.has_legend())
-    else {
-        return;
-    };
+/// Draws the legend of a range of W/m² at the right edge of the picture.
+pub(super) fn show(view: &ViewPrefs, range: Option<[f32; 2]>, ui: &Ui, rect: Rect) {
+    let Some(range) = range.filter(|_| view.mode.has_legend()) else { return };
     if rect.height() < 160.0 || rect.width() < 200.0 {
         return;
     }

@@ -1,0 +1,59 @@
+//! The light on the surfaces: what it was computed from, and by what.
+
+use crate::inputs::Inputs;
+use crate::selection::Light;
+use crate::solver::Solved;
+use lumel::{Accuracy, Settings, Solution, TargetError};
+use std::sync::Arc;
+
+/// What the light on the surfaces was computed from.
+#[derive(Clone)]
+pub struct Computed {
+    /// What it was computed from.
+    pub inputs: Inputs,
+    /// Whether all bounces that the settings ask for are there.
+    pub complete: bool,
+    /// Whether it is in a file of the user's.
+    pub saved: bool,
+    /// What computed it, when that was this session.
+    pub solved: Option<Arc<Solved>>,
+    /// The file it was read from.
+    pub file: Option<Arc<Solution>>,
+    /// What to call it.
+    pub origin: Option<String>,
+    /// How long the solve took, when it was done here, seconds.
+    pub seconds: Option<f64>,
+}
+
+impl Computed {
+    /// Light of which this session has computed a part.
+    pub(super) fn unfinished(inputs: Inputs) -> Self {
+        let (solved, file, origin, seconds) = (None, None, None, None);
+        Self { inputs, complete: false, saved: false, solved, file, origin, seconds }
+    }
+
+    /// The settings; `None` where a file does not tell.
+    pub fn settings(&self) -> Option<&Settings> {
+        self.inputs.settings.as_ref()
+    }
+
+    /// What a solve with a target error has reached.
+    pub fn accuracy(&self) -> Option<Accuracy> {
+        Some(self.solved.as_ref()?.state.errors.as_ref()?.accuracy)
+    }
+
+    /// What it is, in a few words.
+    pub fn label(&self, light: &Light) -> String {
+        let bounces = light.bounce_count().saturating_sub(1);
+        match (self.settings(), &self.origin) {
+            (_, Some(origin)) => origin.clone(),
+            (Some(s), None) if s.target_error != TargetError::Off => {
+                format!("{} adaptive rays, {bounces} bounces", s.sampler)
+            }
+            (Some(s), None) => {
+                format!("{} {}+{} rays, {bounces} bounces", s.sampler, s.direct_samples, s.indirect_samples)
+            }
+            (None, None) => format!("{bounces} bounces"),
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Light from files and into files.
+
+use crate::selection::Light;
+use lumel::{LightFile, Solution};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Light that was read from a file.
+pub struct LoadedLight {
+    pub(super) path: PathBuf,
+    pub(super) file: LightFile,
+    pub(super) usage: LightUse,
+}
+
+/// What to do with light from a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightUse {
+    /// To be the light of the scene.
+    Show,
+    /// To be compared with.
+    Compare,
+}
+
+/// A file that was written.
+pub struct SavedFile {
+    pub(super) path: PathBuf,
+    /// The generation of the light that is in it, if it holds all of the light.
+    pub(super) solution_of: Option<u64>,
+    pub(super) what: String,
+}
+
+/// The light of a file, bounce by bounce where it tells them apart.
+pub fn light_from(file: &LightFile) -> Light {
+    match file {
+        LightFile::Solution(solution) => light_of_solution(solution),
+        LightFile::Rad(rad) => Light { sum_only: Some(Arc::new(rad.irradiance())), ..Light::new() },
+    }
+}
+
+fn light_of_solution(solution: &Solution) -> Light {
+    let sum_only = solution.bounces.is_empty().then(|| Arc::new(solution.irradiance.clone()));
+    Light {
+        id: Light::new().id,
+        bounces: solution.bounces.iter().cloned().map(Arc::new).collect(),
+        current: None,
+        tail: solution.tail.clone().map(Arc::new),
+        sum_only,
+        valid: Arc::new(solution.valid.clone()),
+        standard_error: solution.standard_error.clone().map(Arc::new),
+    }
+}

@@ -1,0 +1,139 @@
+//! Taking in what a running job publishes, and how it ends.
+
+use super::running::{Errand, Then};
+use super::{Computed, Hand, Session};
+use crate::notice::Level;
+use crate::solver::{Ending, Phase, SolveStart};
+use lumel::TargetError;
+use std::sync::Arc;
+
+impl Session {
+    pub(super) fn poll_solve(&mut self, hand: Hand) {
+        let Some(running) = &mut self.running else { return };
+        let (generation, phase) = running.job.glance();
+        let shown_whole = running.errand == Errand::Follow && phase != Phase::Ended(Ending::Done);
+        if generation != running.seen && !shown_whole {
+            running.seen = generation;
+            let published = running.job.published();
+            match running.errand {
+                // The old light stays in sight until there is some of the new.
+                Errand::Solve | Errand::Follow if published.light.is_empty() => {}
+                Errand::Solve | Errand::Follow => {
+                    self.light = published.light;
+                    self.stats = published.stats;
+                    self.computed = Some(Computed::unfinished(running.inputs.clone()));
+                }
+                Errand::StandardError => self.light.standard_error = published.light.standard_error,
+            }
+            self.light_generation += 1;
+        }
+        match phase {
+            Phase::Ended(ending) => self.finish(ending),
+            _ if hand == Hand::Free => self.heed_changes(),
+            _ => {}
+        }
+    }
+
+    /// Reacts to changes during a solve: different lights or samples restart it, a different number of bounces
+    /// continues it.
+    fn heed_changes(&mut self) {
+        let asked_for = self.running.as_ref().filter(|r| r.errand == Errand::Solve && !r.job.is_stopping());
+        let Some(running) = asked_for else { return };
+        let changes = self.changes_since(&running.inputs);
+        let (then, text) = if !changes.any() {
+            return;
+        } else if changes.outdates() || self.settings.target_error != TargetError::Off {
+            (Then::Restart, format!("{changes}: solving again"))
+        } else {
+            (Then::GoOn, "Continuing with the new number of bounces".to_owned())
+        };
+        let Some(running) = &mut self.running else { return };
+        running.then = then;
+        running.job.stop();
+        self.notices.push(Level::Info, text);
+    }
+
+    fn finish(&mut self, ending: Ending) {
+        let Some(mut running) = self.running.take() else { return };
+        running.job.join();
+        let problem = running.job.published().checkpoint_problem;
+        if let Some(problem) = problem {
+            let text = format!("The checkpoint could not be written; save the solution: {problem}");
+            self.notices.push(Level::Warning, text);
+        }
+        if running.errand == Errand::StandardError {
+            return self.finish_standard_error(&ending);
+        }
+        if running.errand == Errand::Follow && ending != Ending::Done {
+            if let Ending::Failed(problem) = ending {
+                self.live = false;
+                self.notices.push(Level::Error, format!("Live relighting failed: {problem}"));
+            }
+            return;
+        }
+        let done = ending == Ending::Done;
+        if let (Some(solved), Some(document)) = (running.job.solved(), &mut self.document) {
+            // With it come the rays that it has stored: the next solve needs no new ones for other lights.
+            document.baker = Arc::clone(&solved.baker);
+        }
+        if let (Some(solved), Some(computed)) = (running.job.solved(), &mut self.computed) {
+            computed.complete = done;
+            computed.seconds = Some(running.job.seconds());
+            computed.solved = Some(solved);
+        }
+        if running.errand == Errand::Follow {
+            return self.note_completion();
+        }
+        match (ending, running.then) {
+            (Ending::Failed(problem), _) => {
+                if self.light.is_empty() {
+                    // What could not be gone on with may still be of use, to another version or with the old mesh.
+                    self.leave_place();
+                }
+                self.notices.push(Level::Error, format!("The solve failed: {problem}"))
+            }
+            (_, Then::Restart) => self.start_solve(SolveStart::Anew),
+            (_, Then::GoOn) => self.solve(),
+            (Ending::Done, Then::Rest) => {
+                let seconds = running.job.seconds();
+                let bounces = self.light.bounce_count().saturating_sub(1);
+                let text = format!("Solved: direct light and {bounces} bounces in {seconds:.1} s");
+                self.notices.push(Level::Info, text);
+                self.warn_of_dark_faces();
+            }
+            (Ending::Stopped, Then::Rest) => {
+                let text = match self.light.bounces.len() {
+                    0 => "Stopped before any light was computed",
+                    _ if !self.can_go_on() => "Stopped; showing the last finished round",
+                    _ => "Stopped; press Enter to resume after the last finished bounce",
+                };
+                self.notices.push(Level::Info, text);
+            }
+        }
+        self.note_completion();
+    }
+
+    fn finish_standard_error(&mut self, ending: &Ending) {
+        match ending {
+            Ending::Done => {
+                self.notices.push(Level::Info, "Measured the standard error; select it under Display");
+            }
+            Ending::Stopped => self.notices.push(Level::Info, "Stopped; the standard error was not measured"),
+            Ending::Failed(problem) => {
+                self.notices.push(Level::Error, format!("The standard error cannot be measured: {problem}"));
+            }
+        }
+    }
+
+    fn warn_of_dark_faces(&mut self) {
+        let Some(solved) = self.computed.as_ref().and_then(|c| c.solved.clone()) else { return };
+        let dark = solved.baker.dark_faces(&solved.state);
+        if dark > 0 {
+            let text = format!(
+                "{dark} visible triangles stay dark because all their vertices lie inside geometry: reopen the \
+                 scene with a smaller longest edge"
+            );
+            self.notices.push(Level::Warning, text);
+        }
+    }
+}

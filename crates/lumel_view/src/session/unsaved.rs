@@ -1,0 +1,174 @@
+//! Unsaved work: saving it for the next run, restoring it, discarding it.
+
+use super::Session;
+use crate::lights::EditLight;
+use crate::notice::Level;
+use crate::recovery::{LeftBehind, Note, Recovery};
+use crate::selection::{Light, Selection};
+use crate::slots::Slots;
+use crate::solver::{Keep, SolveStart};
+use lumel::{LightEntry, LightFile, Solution, TargetError};
+
+impl Session {
+    /// Whether there is light that the user has not saved.
+    pub fn has_unsaved_light(&self) -> bool {
+        !self.light.bounces.is_empty() && self.computed.as_ref().is_some_and(|c| !c.saved)
+    }
+
+    /// Writes the bounces to the place for unsaved work after each; `None` where there is no such place.
+    pub(super) fn keeper(&self) -> Keep {
+        let (recovery, note) = (self.recovery.clone()?, self.note()?);
+        Some(Box::new(move |baker, state| {
+            let mut solution = baker.solution(state);
+            solution.meta.complete = false;
+            let note = Note { bounces: state.bounces.len(), complete: false, ..note.clone() };
+            recovery.write(&note, Some(&solution))
+        }))
+    }
+
+    /// Marks the unsaved work as complete when the solve has finished.
+    pub(super) fn note_completion(&self) {
+        let complete = self.computed.as_ref().is_some_and(|c| c.complete);
+        if let (true, Some(recovery), Some(note)) = (complete, &self.recovery, self.note())
+            && recovery.note().is_some()
+        {
+            // The note that is there only says that the last bounce is missing.
+            let _ = recovery.write(&note, None);
+        }
+    }
+
+    /// Describes the unsaved work; `None` when no scene is open.
+    fn note(&self) -> Option<Note> {
+        let document = self.document.as_ref()?;
+        let request = &document.request;
+        let absolute = std::path::Path::new(&request.name).canonicalize();
+        Some(Note {
+            scene: absolute.map_or_else(|_| request.name.clone(), |p| p.to_string_lossy().into_owned()),
+            max_edge: request.options.max_edge,
+            subdivide: request.options.subdivide,
+            paths_anywhere: request.options.paths == lumel::PathPolicy::Anywhere,
+            lights: self.lights.iter().map(EditLight::entry).collect(),
+            albedos: self.albedos.clone(),
+            slots: self.slots.entries(),
+            settings: self.settings.clone(),
+            camera: self.camera,
+            bounces: if self.has_unsaved_light() { self.light.bounces.len() } else { 0 },
+            complete: self.computed.as_ref().is_some_and(|c| c.complete),
+            process: std::process::id(),
+        })
+    }
+
+    /// Restores unsaved work into the scene that was opened for it.
+    pub(super) fn restore_into_document(&mut self, LeftBehind { place: recovery, note: left }: LeftBehind) {
+        let textures: Vec<_> = self.lights.iter().map(|light| light.rect.texture).collect();
+        let entry = |(i, entry): (usize, &LightEntry)| {
+            EditLight::from_entry(
+                i,
+                entry,
+                textures.get(i).copied().flatten().filter(|_| entry.texture.is_some()),
+            )
+        };
+        self.lights = left.lights.iter().enumerate().map(entry).collect();
+        if left.albedos.len() == self.albedos.len() {
+            self.albedos.clone_from(&left.albedos);
+            self.paint();
+        }
+        self.slots = Slots::from_entries(&left.slots);
+        self.settings = left.settings.clone();
+        self.camera = left.camera;
+        // The files now belong to this session; the resumed solve overwrites them.
+        self.recovery = Some(recovery.clone());
+        if let Some(note) = self.note() {
+            // The note that is there says the same, but for the process.
+            let _ = recovery.write(&Note { bounces: left.bounces, complete: left.complete, ..note }, None);
+        }
+        if left.bounces > 0 {
+            match Solution::load(&recovery.checkpoint()) {
+                Ok(solution) if left.settings.target_error != TargetError::Off => {
+                    // Its rays are not kept, so it cannot be gone on with.
+                    let text = format!("Restored {}; press Enter to solve again", left.summary());
+                    self.notices.push(Level::Info, text);
+                    self.show_light(
+                        LightFile::Solution(Box::new(solution)),
+                        "unsaved solution".into(),
+                        false,
+                    );
+                }
+                Ok(solution) => {
+                    self.notices.push(Level::Info, format!("Restored {}", left.summary()));
+                    self.start_solve(SolveStart::FromFile(Box::new(solution)));
+                }
+                Err(problem) => {
+                    let text = format!("The unsaved solution cannot be read: {problem}");
+                    self.notices.push(Level::Error, text);
+                    self.leave_place();
+                }
+            }
+        } else {
+            self.notices.push(Level::Info, format!("Restored {}", left.summary()));
+        }
+    }
+
+    /// Keeps unsaved work in a new place from now on.
+    pub(super) fn leave_place(&mut self) {
+        self.recovery = self.recovery.as_ref().map(Recovery::another);
+    }
+
+    /// Ends the session: stops what runs and keeps unsaved work for the next run.
+    pub fn close(&mut self) {
+        self.end_solve();
+        for task in self.saving.drain(..) {
+            // The window is gone; a failure leaves the work to be recovered.
+            let _ = task.wait();
+        }
+        let Some(recovery) = &self.recovery else { return };
+        if !(self.has_unsaved_light() || self.has_unsaved_edits()) {
+            recovery.remove();
+            return;
+        }
+        let Some(note) = self.note() else { return };
+        let solution = self.has_unsaved_light().then(|| self.solution()).flatten();
+        // There is nobody left to tell; the checkpoint of the last bounce is still there.
+        let _ = recovery.write(&note, solution.as_ref());
+    }
+
+    /// Opens the scene of unsaved work and restores it.
+    pub fn restore(&mut self) {
+        if let Some(left) = self.left_behind.take() {
+            self.open(left.note.request());
+            self.restoring = Some(left);
+        }
+    }
+
+    /// Deletes unsaved work of an earlier run.
+    pub fn discard_left_behind(&mut self) {
+        if let Some(left) = self.left_behind.take() {
+            left.place.remove();
+        }
+    }
+
+    /// The current solution, without the bounce that is being measured.
+    pub fn solution(&self) -> Option<Solution> {
+        let (document, computed) = (self.document.as_ref()?, self.computed.as_ref()?);
+        let scene = &document.scene;
+        let light = Light { current: None, ..self.light.clone() };
+        let n = scene.vertex_count();
+        let settings = computed.settings().and_then(|s| serde_json::to_value(s).ok()).unwrap_or_default();
+        let mut meta = match &computed.file {
+            Some(file) => file.meta.clone(),
+            None => lumel_export::SolutionMeta::new(&computed.inputs.scene, settings),
+        };
+        meta.complete = computed.complete;
+        let valid = if light.valid.len() == n { light.valid.to_vec() } else { vec![true; n] };
+        Some(Solution {
+            meta,
+            positions: scene.positions().to_vec(),
+            normals: scene.normals().to_vec(),
+            irradiance: light.select(Selection::All, n),
+            bounces: light.bounces.iter().map(|b| b.to_vec()).collect(),
+            tail: light.tail.as_ref().map(|t| t.to_vec()),
+            valid,
+            standard_error: light.standard_error.as_ref().map(|e| e.to_vec()),
+        })
+    }
+}

@@ -1,0 +1,124 @@
+//! What can be seen of a job while it runs.
+
+use super::task::Solved;
+use crate::selection::Light;
+use crate::wake::Wakes;
+use lumel::{Control, Reading, Tracker};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// Where a job is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Phase {
+    /// Building what the solve needs.
+    Preparing,
+    /// Finding vertices that lie inside geometry.
+    Probing,
+    /// Measuring this bounce; 0 is direct light.
+    Bounce(u32),
+    /// Measuring all light but the direct once more.
+    FinalGather,
+    /// Adding samples where the error is above the target; 0 is the first round.
+    Round(u32),
+    /// Measuring the light of some emitters alone.
+    Layer(u32),
+    /// Measuring the standard error.
+    StandardError,
+    /// It is over.
+    Ended(Ending),
+}
+
+/// How a job ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// All bounces that were asked for are there.
+    Done,
+    /// It was asked to stop.
+    Stopped,
+    /// It failed.
+    Failed(String),
+}
+
+/// What one bounce brought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BounceStats {
+    /// Luminance of the power that arrives, W.
+    pub power: f64,
+    /// Root mean square over the surfaces of what it changed, relative to that of all light so far.
+    pub change: f64,
+    /// Share of all light that later bounces will bring, as far as it can be told.
+    pub unfinished: Option<f64>,
+    /// How long it took; zero for a bounce that was resumed.
+    pub seconds: f64,
+}
+
+/// What can be seen of a job.
+#[derive(Clone, Debug)]
+pub struct Published {
+    /// Where it is.
+    pub phase: Phase,
+    /// The light so far.
+    pub light: Light,
+    /// One for each finished bounce.
+    pub stats: Vec<BounceStats>,
+    /// Changes with the light.
+    pub generation: u64,
+    /// Why the last checkpoint could not be written, if it could not.
+    pub checkpoint_problem: Option<String>,
+}
+
+/// What a job shares with the thread that draws.
+pub(super) struct Shared {
+    pub(super) published: Mutex<Published>,
+    pub(super) solved: Mutex<Option<Arc<Solved>>>,
+    /// When the job began.
+    pub(super) begun: Instant,
+    /// Follows the solve, once there is one.
+    pub(super) tracker: Mutex<Option<Tracker>>,
+    pub(super) wakes: Wakes,
+}
+
+impl Shared {
+    pub(super) fn new(wakes: Wakes) -> Self {
+        let published = Published {
+            phase: Phase::Preparing,
+            light: Light::new(),
+            stats: Vec::new(),
+            generation: 0,
+            checkpoint_problem: None,
+        };
+        Self {
+            published: Mutex::new(published),
+            solved: Mutex::default(),
+            begun: Instant::now(),
+            tracker: Mutex::default(),
+            wakes,
+        }
+    }
+
+    /// Time and counters now.
+    pub(super) fn reading(&self, control: &Control) -> Reading {
+        Reading::new(control, self.begun.elapsed().as_secs_f64())
+    }
+
+    pub(super) fn publish_light(&self, change: impl FnOnce(&mut Published)) {
+        self.change_light(change);
+        (self.wakes.event)();
+    }
+
+    pub(super) fn change_light(&self, change: impl FnOnce(&mut Published)) {
+        let mut published = lock(&self.published);
+        change(&mut published);
+        published.generation += 1;
+    }
+
+    pub(super) fn publish_phase(&self, phase: Phase) {
+        lock(&self.published).phase = phase;
+        (self.wakes.event)();
+    }
+}
+
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // What is behind these is written whole, so a panic elsewhere leaves nothing half-done.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

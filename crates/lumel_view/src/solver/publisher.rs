@@ -1,0 +1,246 @@
+//! Publishes what a solve finds while it runs.
+
+use super::published::{BounceStats, Phase, Shared, lock};
+use super::task::{Keep, Task};
+use crate::selection::{Light, VertexValues};
+use glam::Vec3;
+use lumel::{Baker, Control, Observer, Reading, Snapshot, SolveState, Step, Tracker};
+use lumel_scene::luminance;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Time between two looks at a bounce that is being measured. The picture is to change twice a second at least.
+const SNAPSHOT_PERIOD: Duration = Duration::from_millis(490);
+
+/// The first look comes sooner: one has just pressed the key.
+const FIRST_SNAPSHOT: Duration = Duration::from_millis(120);
+
+/// Follows a solve and publishes what it finds.
+pub(super) struct Publisher<'a> {
+    task: &'a Task,
+    baker: &'a Baker,
+    control: &'a Control,
+    shared: &'a Shared,
+    keep: &'a Keep,
+    clock: Instant,
+    /// Milliseconds of the clock from which on a snapshot is wanted.
+    due: AtomicU64,
+    /// Handed from the threads that solve to the one that publishes.
+    mail: Mutex<Mail>,
+    arrived: Condvar,
+}
+
+/// What is to be done beside a solve.
+#[derive(Default)]
+struct Mail {
+    /// A look at the bounce under way.
+    snapshot: Option<Snapshot>,
+    /// Finished bounces to keep somewhere.
+    state: Option<SolveState>,
+    /// No more will come.
+    closed: bool,
+}
+
+impl<'a> Publisher<'a> {
+    pub(super) fn new(
+        task: &'a Task,
+        baker: &'a Baker,
+        control: &'a Control,
+        shared: &'a Shared,
+        keep: &'a Keep,
+    ) -> Self {
+        Self {
+            task,
+            baker,
+            control,
+            shared,
+            keep,
+            clock: Instant::now(),
+            due: AtomicU64::new(FIRST_SNAPSHOT.as_millis() as u64),
+            mail: Mutex::default(),
+            arrived: Condvar::new(),
+        }
+    }
+
+    /// Publishes the bounces that are there from the start.
+    pub(super) fn resumed(&self, state: &SolveState) {
+        for_each_prefix(state, |so_far| self.publish_bounce(so_far, 0.0));
+    }
+
+    fn publish_bounce(&self, state: &SolveState, seconds: f64) {
+        let Some((values, stats)) = self.last_bounce(state, seconds) else { return };
+        let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
+        self.shared.publish_light(|p| {
+            p.light.bounces.push(values);
+            p.light.current = None;
+            p.light.valid = valid;
+            p.stats.push(stats);
+        });
+    }
+
+    /// The light of the last bounce of a state, and what it brought.
+    fn last_bounce(&self, state: &SolveState, seconds: f64) -> Option<(VertexValues, BounceStats)> {
+        let values: VertexValues = Arc::new(self.baker.at_vertices(state.bounces.last()?));
+        let areas = &self.task.areas;
+        let power = areas.iter().zip(values.iter()).map(|(a, e)| f64::from(a * luminance(*e))).sum();
+        let total = self.baker.at_vertices(&state.total());
+        let change = mean_square(areas, &values).sqrt() / mean_square(areas, &total).sqrt();
+        let change = if change.is_finite() { change } else { 0.0 };
+        Some((values, BounceStats { power, change, unfinished: self.baker.remainder(state), seconds }))
+    }
+
+    /// Publishes all bounces again: a round changes every one of them.
+    fn publish_round(&self, state: &SolveState) {
+        let (mut bounces, mut stats) = (Vec::new(), Vec::new());
+        for_each_prefix(state, |so_far| {
+            if let Some((values, brought)) = self.last_bounce(so_far, 0.0) {
+                bounces.push(values);
+                stats.push(brought);
+            }
+        });
+        let tail = state.tail.as_ref().map(|tail| Arc::new(self.baker.at_vertices(tail)));
+        let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
+        let errors = state.errors.as_ref();
+        let standard_error = errors.map(|e| Arc::new(self.baker.at_vertices(&e.standard_error)));
+        self.shared.publish_light(|p| {
+            p.light = Light { bounces, tail, valid, standard_error, ..Light::new() };
+            p.stats = stats;
+        });
+    }
+
+    /// Publishes snapshots and keeps finished bounces until the solve ends, beside the threads that solve: neither
+    /// a disk nor a picture holds them up.
+    pub(super) fn serve(&self) {
+        let mut mail = lock(&self.mail);
+        loop {
+            if let Some(state) = mail.state.take() {
+                drop(mail);
+                let problem = self.keep.as_ref().and_then(|keep| keep(self.baker, &state).err());
+                lock(&self.shared.published).checkpoint_problem = problem;
+                mail = lock(&self.mail);
+            } else if mail.closed {
+                return;
+            } else if let Some(snapshot) = mail.snapshot.take() {
+                drop(mail);
+                self.publish_snapshot(&snapshot);
+                mail = lock(&self.mail);
+            } else {
+                mail = self.arrived.wait(mail).unwrap_or_else(PoisonError::into_inner);
+            }
+        }
+    }
+
+    fn publish_snapshot(&self, snapshot: &Snapshot) {
+        let bounce = match snapshot.step {
+            Step::Bounce(bounce) => bounce,
+            // Direct light of the first replicates, before there is any other.
+            Step::Round(0) => 0,
+            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Layer(_) => return,
+        };
+        let mut values = self.baker.at_vertices(&snapshot.current);
+        let measured = self.baker.flags_at_vertices(&snapshot.measured);
+        self.task.neighbours.spread(&mut values, &measured);
+        let current = Some(Arc::new(values));
+        // The bounce may have been finished meanwhile.
+        self.shared.change_light(|p| {
+            if p.light.bounces.len() == bounce as usize {
+                p.light.current = current;
+            }
+        });
+        (self.shared.wakes.glimpse)();
+    }
+
+    fn track<T>(&self, tell: impl FnOnce(&mut Tracker, Reading) -> T) -> Option<T> {
+        let now = self.shared.reading(self.control);
+        lock(&self.shared.tracker).as_mut().map(|tracker| tell(tracker, now))
+    }
+
+    /// Ends [`Self::serve`] when it is dropped.
+    pub(super) fn closing(&self) -> Closing<'_> {
+        Closing(self)
+    }
+
+    fn hand_over(&self, change: impl FnOnce(&mut Mail)) {
+        change(&mut lock(&self.mail));
+        self.arrived.notify_all();
+    }
+
+    fn next_due(&self, after: Duration) {
+        self.due.store((self.clock.elapsed() + after).as_millis() as u64, Ordering::Relaxed);
+    }
+}
+
+/// Lets the thread that publishes end, also after a panic.
+pub(super) struct Closing<'a>(&'a Publisher<'a>);
+
+impl Drop for Closing<'_> {
+    fn drop(&mut self) {
+        self.0.hand_over(|mail| mail.closed = true);
+    }
+}
+
+impl Observer for Publisher<'_> {
+    fn step_started(&self, step: Step) {
+        self.track(|tracker, now| tracker.step_started(step, now));
+        // Before there is any light one waits for it; later the light so far stays in sight.
+        let first =
+            if matches!(step, Step::Bounce(0) | Step::Round(0)) { FIRST_SNAPSHOT } else { SNAPSHOT_PERIOD };
+        self.next_due(first);
+        self.shared.publish_phase(match step {
+            Step::Validity => Phase::Probing,
+            Step::Bounce(k) => Phase::Bounce(k),
+            Step::FinalGather => Phase::FinalGather,
+            Step::Round(round) => Phase::Round(round),
+            Step::Layer(layer) => Phase::Layer(layer),
+        });
+    }
+
+    fn step_done(&self, step: Step, state: &SolveState) {
+        let remainder = self.baker.remainder(state);
+        let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
+        let seconds = self.track(|tracker, now| tracker.step_done(step, remainder, accuracy, now));
+        match step {
+            Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
+            Step::Round(_) => self.publish_round(state),
+            Step::Validity | Step::FinalGather | Step::Layer(_) => return,
+        }
+        if self.keep.is_some() {
+            self.hand_over(|mail| mail.state = Some(state.clone()));
+        }
+    }
+
+    fn wants_snapshot(&self) -> bool {
+        let now = self.clock.elapsed();
+        let due = self.due.load(Ordering::Relaxed);
+        if (now.as_millis() as u64) < due {
+            return false;
+        }
+        // Only one of the threads that ask at once gets a yes.
+        let next = (now + SNAPSHOT_PERIOD).as_millis() as u64;
+        self.due.compare_exchange(due, next, Ordering::Relaxed, Ordering::Relaxed).is_ok()
+    }
+
+    fn snapshot(&self, snapshot: Snapshot) {
+        self.hand_over(|mail| mail.snapshot = Some(snapshot));
+    }
+}
+
+/// Calls with the first bounce of a state, then with the first two, and so on.
+fn for_each_prefix(state: &SolveState, mut call: impl FnMut(&SolveState)) {
+    let mut so_far = SolveState { valid: state.valid.clone(), ..SolveState::new() };
+    for bounce in &state.bounces {
+        so_far.bounces.push(bounce.clone());
+        call(&so_far);
+    }
+}
+
+/// Mean of the squared luminance over the surfaces.
+fn mean_square(areas: &[f32], values: &[Vec3]) -> f64 {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for (&a, value) in areas.iter().zip(values) {
+        sum += f64::from(a) * f64::from(luminance(*value)).powi(2);
+        area += f64::from(a);
+    }
+    if area > 0.0 { sum / area } else { 0.0 }
+}

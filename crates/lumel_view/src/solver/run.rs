@@ -1,0 +1,74 @@
+//! The work of a job.
+
+use super::published::{Ending, Phase, Shared, lock};
+use super::publisher::Publisher;
+use super::task::{Keep, SolveStart, Solved, Task, Work};
+use lumel::{Control, SolveState, Tracker};
+use lumel_basis::Field;
+use std::sync::Arc;
+
+/// Does the work of a job on the threads of the pool that it is called in.
+pub(super) fn run(task: &Task, work: Work, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
+    match work {
+        Work::Solve(start) => solve(task, start, control, shared, keep),
+        Work::StandardError(solved) => {
+            shared.publish_phase(Phase::StandardError);
+            let result = lumel::vertex_errors(&solved.baker, &solved.state, control);
+            *lock(&shared.solved) = Some(solved);
+            match result {
+                Ok(errors) => {
+                    shared.publish_light(|p| p.light.standard_error = Some(Arc::new(errors)));
+                    Ending::Done
+                }
+                Err(_) => Ending::Stopped,
+            }
+        }
+    }
+}
+
+fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, keep: &Keep) -> Ending {
+    if let Err(error) = task.settings.validate() {
+        return Ending::Failed(error.to_string());
+    }
+    let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
+    let mut state = match start {
+        SolveStart::Anew => SolveState::new(),
+        SolveStart::From(state) => state,
+        SolveStart::FromFile(solution) => match baker.resume(&solution) {
+            Ok(state) => state,
+            Err(error) => return Ending::Failed(error.to_string()),
+        },
+    };
+    *lock(&shared.tracker) = Some(Tracker::new(&baker, &state));
+    let publisher = Publisher::new(task, &baker, control, shared, keep);
+    publisher.resumed(&state);
+    let result = std::thread::scope(|scope| {
+        scope.spawn(|| publisher.serve());
+        let _closing = publisher.closing();
+        baker.run(&mut state, control, &publisher)
+    });
+    let tail = beyond_bounces(&state).map(|tail| Arc::new(baker.at_vertices(&tail)));
+    let valid = Arc::new(baker.flags_at_vertices(&state.valid));
+    shared.publish_light(|p| {
+        p.light.current = None;
+        p.light.tail = tail;
+        p.light.valid = valid;
+    });
+    *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
+    match result {
+        Ok(()) => Ending::Done,
+        Err(lumel::SolveError::Cancelled) => Ending::Stopped,
+        Err(error) => Ending::Failed(error.to_string()),
+    }
+}
+
+/// What the sum of the bounces lacks of all light: the tail, or what a final gather has made different.
+fn beyond_bounces(state: &SolveState) -> Option<Field> {
+    if state.gathered.is_none() {
+        return state.tail.clone();
+    }
+    let bounces = Field::sum(state.valid.len(), &state.bounces);
+    let total = state.total();
+    let rest = total.values().iter().zip(bounces.values()).map(|(total, bounces)| *total - *bounces);
+    Some(Field::from_values(rest.collect()))
+}

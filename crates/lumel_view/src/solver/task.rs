@@ -1,0 +1,50 @@
+//! What there is to compute, and what was computed.
+
+use crate::spread::Neighbours;
+use lumel::{Baker, Scene, Settings, SolveState};
+use std::sync::Arc;
+
+/// What a solve works with.
+#[derive(Clone)]
+pub struct Task {
+    /// The scene with the lights to solve for.
+    pub scene: Arc<Scene>,
+    /// What computed light on these surfaces before.
+    pub baker: Arc<Baker>,
+    /// For what is not measured yet.
+    pub neighbours: Arc<Neighbours>,
+    /// The area that each vertex stands for, m².
+    pub areas: Arc<Vec<f32>>,
+    /// The settings.
+    pub settings: Settings,
+}
+
+/// What to compute.
+pub enum Work {
+    /// All bounces, from the beginning or from what a stopped solve or a file has.
+    Solve(SolveStart),
+    /// The standard error of a finished solve.
+    StandardError(Arc<Solved>),
+}
+
+/// Where a solve begins.
+pub enum SolveStart {
+    /// With direct light.
+    Anew,
+    /// After the bounces of this state.
+    From(SolveState),
+    /// After the bounces of a solution that was saved; an error if it does not fit.
+    FromFile(Box<lumel::Solution>),
+}
+
+/// A solve that ended, well or because it was stopped.
+#[derive(Clone)]
+pub struct Solved {
+    /// What computed it.
+    pub baker: Arc<Baker>,
+    /// All bounces that were finished.
+    pub state: SolveState,
+}
+
+/// Keeps the state of a solve somewhere after each bounce; `None` to keep nothing.
+pub type Keep = Option<Box<dyn Fn(&Baker, &SolveState) -> Result<(), String> + Send + Sync>>;
