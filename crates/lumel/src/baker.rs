@@ -110,8 +110,8 @@ impl Baker {
         &self.surfaces
     }
 
-    /// The integrals of the basis.
-    pub(crate) fn integrals(&self) -> &Integrals {
+    /// The integrals of the basis: see [`Stop::wanted`](lumel_solve::Stop::wanted).
+    pub fn integrals(&self) -> &Integrals {
         &self.integrals
     }
 

@@ -1,8 +1,9 @@
 //! What the window decides about bounces.
 //!
-//! Each is a copy of a rule that the command line's `--resume` follows too; nothing else here decides either question.
+//! Both ask the library, as the command line's `--resume` does; nothing else in the window decides either question.
 
-use lumel::{BounceLimit, Settings, SolveState};
+use crate::solver::Solved;
+use lumel::{Settings, SolveState};
 
 /// Whether bounces computed with `old` are the very bounces that `new` asks for: what bounces depend on.
 pub(crate) fn same_bounces(old: &Settings, new: &Settings) -> bool {
@@ -11,11 +12,12 @@ pub(crate) fn same_bounces(old: &Settings, new: &Settings) -> bool {
 
 /// The state to resume from with these settings: when a solve is finished.
 ///
-/// Drops the bounces beyond a number of bounces, but not those beyond a remainder.
-pub(crate) fn wanted_bounces(state: &SolveState, settings: &Settings) -> SolveState {
-    let mut state = SolveState { tail: None, ..state.clone() };
-    if let BounceLimit::Count(n) = settings.bounces {
-        state.bounces.truncate(n as usize + 1);
+/// Drops the bounces beyond those that an uninterrupted solve would compute, and what was computed after the last.
+/// The scene must be the one that was solved.
+pub(crate) fn wanted_bounces(solved: &Solved, settings: &Settings) -> SolveState {
+    let SolveState { basis, valid, mut bounces, .. } = solved.state.clone();
+    if let Some(wanted) = settings.stop().wanted(solved.baker.integrals(), &bounces) {
+        bounces.truncate(wanted);
     }
-    state
+    SolveState { basis, valid, bounces, ..SolveState::new() }
 }

@@ -66,7 +66,7 @@ impl Session {
             return Some(SolveStart::Anew);
         }
         Some(match (&computed.solved, &computed.file) {
-            (Some(solved), _) => SolveStart::From(rules::wanted_bounces(&solved.state, &self.settings)),
+            (Some(solved), _) => SolveStart::From(rules::wanted_bounces(solved, &self.settings)),
             (None, Some(file)) => SolveStart::FromFile(Box::new((**file).clone())),
             (None, None) => SolveStart::Anew,
         })
@@ -102,11 +102,13 @@ impl Session {
         let task = task(document, &scene, &settings);
         // What lies inside geometry is known already, where points are measured.
         let solved = self.computed.as_ref().and_then(|computed| computed.solved.as_ref());
-        let valid = match solved {
-            Some(solved) if settings.basis == BasisKind::Vertex => solved.state.valid.clone(),
-            _ => Vec::new(),
+        let start = match solved {
+            Some(solved) if settings.basis == BasisKind::Vertex => {
+                let SolveState { basis, ref valid, .. } = solved.state;
+                SolveStart::From(SolveState { basis, valid: valid.clone(), ..SolveState::new() })
+            }
+            _ => SolveStart::Anew,
         };
-        let start = SolveStart::From(SolveState { valid, ..SolveState::new() });
         // Checkpoints of what takes a moment are not worth a file for each step of a hand.
         let at_rest = settings == self.settings;
         let keep = if at_rest { self.keeper() } else { None };

@@ -147,7 +147,7 @@ fn a_light_is_renamed() {
     window.find(Role::TextInput, "Name").set_text_value_accesskit("Sun");
     window.run_steps(3);
     assert_eq!(lamp(&window).name, "Sun");
-    assert!(window.has(Role::CheckBox, "Sun shines"));
+    assert!(window.has(Role::CheckBox, "Sun on"));
 }
 
 #[test]
