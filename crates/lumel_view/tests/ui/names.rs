@@ -62,7 +62,7 @@ fn every_menu_opens() {
     for (menu, item) in [
         ("File", "Save the solution"),
         ("Edit", "Redo"),
-        ("Camera", "Recall camera, lights and settings 9"),
+        ("Camera", "Recall slot 9"),
         ("Light", "Select the next light"),
         ("Solve", "Keep this solution for comparison"),
         ("View", "Full screen"),
@@ -122,5 +122,5 @@ fn hints_appear_under_the_pointer() {
     }
     let at = window.find(Role::ComboBox, "View mode").rect().center();
     window.click_at(at);
-    assert!(hover_all(&mut window).contains("Mean length of the edges around each vertex"));
+    assert!(hover_all(&mut window).contains("Mean edge length around each vertex"));
 }

@@ -117,6 +117,6 @@ fn slots_have_buttons_and_menu_items() {
     window.event(eframe::egui::Event::ModifiersChanged(Modifiers::NONE));
     assert_eq!(window.session().slots.get(5).unwrap().camera, changed, "Alt replaces it");
     window.session().reset_camera();
-    window.menu("Camera", "Recall camera, lights and settings 5");
+    window.menu("Camera", "Recall slot 5");
     assert_eq!(window.session().camera, changed);
 }

@@ -114,7 +114,7 @@ fn cornell_is_lit_saved_and_recalled_in_a_window() {
 
     window.screen.hover_picture();
     window.key("space");
-    window.wait_for_text("Light 1 is where you are");
+    window.wait_for_text("Placed Light 1 at the camera");
     window.key("Return");
     window.wait_for_text("Solved: sobol");
     let all = window.peer.screenshot();
@@ -148,12 +148,12 @@ fn cornell_is_lit_saved_and_recalled_in_a_window() {
     let start = window.camera_z();
     window.screen.hover_picture();
     window.key("alt+3");
-    window.wait_for_text("Kept camera, lights and settings under 3");
+    window.wait_for_text("Saved camera, lights and settings to slot 3");
     window.screen.xdotool(&["keydown", "w", "sleep", "0.7", "keyup", "w"]);
     let moved = window.camera_z();
     assert!(moved > start + 0.01, "W flies forward, along +z: {start} -> {moved}");
     window.key("3");
-    window.wait_for_text("Recalled 3");
+    window.wait_for_text("Recalled slot 3");
     assert!((window.camera_z() - start).abs() < 1e-3, "3 goes back: {start}");
 
     window.key("ctrl+q");
