@@ -107,12 +107,10 @@ impl Bake {
         self.settings(SettingsPatch { bounces: Some(BounceLimit::All), ..SettingsPatch::default() })
     }
 
-    /// Samples until 95 % of all values are known to this share of themselves, such as 0.02.
-    ///
-    /// A share that does not lie between 0 and 1 is the same as none.
-    pub fn target_error(self, share: f32) -> Self {
-        let target_error = Share::new(share).map_or(TargetError::Off, TargetError::At);
-        self.settings(SettingsPatch { target_error: Some(target_error), ..SettingsPatch::default() })
+    /// Samples until 95 % of all values are known to this share of themselves: `"2%".parse()?`.
+    pub fn target_error(self, error: Share) -> Self {
+        let target_error = Some(TargetError::At(error));
+        self.settings(SettingsPatch { target_error, ..SettingsPatch::default() })
     }
 
     /// Calls this when a step begins and for every hundredth of it, from the threads that solve.

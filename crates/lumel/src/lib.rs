@@ -43,7 +43,7 @@ pub use glam::{self, Vec3};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use lumel_accel::{Bvh, RayTracer};
 pub use lumel_basis::{Field, PointReceivers};
-pub use lumel_export::{RadFile, Solution, SolutionSelection};
+pub use lumel_export::{Checkpoint, RadFile, Saved, Solution, SolutionSelection};
 pub use lumel_import::PathPolicy;
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{

@@ -1,18 +1,22 @@
 //! Continuing a bake that was stopped.
 
-use crate::assembly;
-use crate::{Baker, Settings};
+use crate::{Baker, Method, Settings, assembly};
 use glam::Vec3;
 use lumel_basis::{Basis, Field};
-use lumel_export::{Solution, SolutionError};
-use lumel_solve::SolveState;
+use lumel_export::{Checkpoint, CheckpointMeta, Saved, Solution, SolutionError};
+use lumel_scene::Scene;
+use lumel_solve::{Accuracy, Errors, SolveState};
+use serde_json::Value;
 
-/// Why a solution cannot be continued.
+/// Why saved light cannot be continued.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
     /// It belongs to a different scene.
     #[error(transparent)]
     Scene(#[from] SolutionError),
+    /// It is light in another basis, or of another version of this one.
+    #[error("the checkpoint holds light in another basis; bake the scene again")]
+    Basis,
     /// The scene is lit differently.
     #[error("the solution was computed with other materials or lights; bake the scene again")]
     Lighting,
@@ -22,42 +26,99 @@ pub enum ResumeError {
         /// Which settings differ, and how.
         differences: String,
     },
-    /// Its samples are not kept.
-    #[error("a solution with a target error cannot be resumed, as it does not keep its rounds; bake again")]
+    /// Its samples are not known.
+    #[error("a solution does not tell the rounds of a target error; continue its checkpoint or bake again")]
     TargetError,
 }
 
 impl Baker {
-    /// The state from which to continue a solution that was saved.
+    /// All that is needed to continue from a state.
+    pub fn checkpoint(&self, state: &SolveState) -> Checkpoint {
+        let values = |field: &Field| field.values().to_vec();
+        let settings = serde_json::to_value(self.settings()).unwrap_or_default();
+        let accuracy = state.errors.as_ref().map(|errors| serde_json::to_value(errors.accuracy));
+        let accuracy = accuracy.and_then(Result::ok).unwrap_or_default();
+        Checkpoint {
+            meta: CheckpointMeta::new(self.scene(), self.basis().identity().to_string(), settings, accuracy),
+            valid: state.valid.clone(),
+            bounces: state.bounces.iter().map(values).collect(),
+            tail: state.tail.as_ref().map(values),
+            standard_error: state.errors.as_ref().map(|errors| values(&errors.standard_error)),
+            rounds: state.rounds.clone(),
+        }
+    }
+
+    /// The state from which to continue what was saved: a checkpoint, or a solution with its bounces.
     ///
     /// Bounces beyond those that these settings ask for are left out, so that the result does not depend on how far
-    /// the solution went.
+    /// the saved solve went. A solve with a target error measures the samples of its rounds once more; only checkpoints
+    /// tell them.
     ///
     /// # Errors
-    /// When the solution is of another scene, other lights or other settings.
-    pub fn resume(&self, solution: &Solution) -> Result<SolveState, ResumeError> {
-        solution.check_belongs_to(self.scene())?;
-        if !solution.has_lighting_of(self.scene()) {
-            return Err(ResumeError::Lighting);
+    /// When it is of a different scene, other lights or other settings.
+    pub fn resume(&self, saved: &Saved) -> Result<SolveState, ResumeError> {
+        match saved {
+            Saved::Checkpoint(checkpoint) => self.resume_checkpoint(checkpoint),
+            Saved::Solution(solution) => self.resume_solution(solution),
         }
+    }
+
+    fn resume_checkpoint(&self, checkpoint: &Checkpoint) -> Result<SolveState, ResumeError> {
+        let meta = &checkpoint.meta;
+        checkpoint.check_belongs_to(self.scene())?;
+        if meta.basis != self.basis().identity().to_string()
+            || checkpoint.node_count() != self.basis().node_count()
+        {
+            return Err(ResumeError::Basis);
+        }
+        self.check_lighting(&meta.lighting_hash)?;
+        self.check_settings(&meta.settings)?;
+        let field = |values: &Vec<Vec3>| Field::from_values(values.clone());
+        let mut state = self.state(checkpoint.valid.clone(), checkpoint.bounces.iter().map(field).collect());
+        if let Method::Replicates { .. } = self.method() {
+            state.tail = checkpoint.tail.as_ref().map(field);
+            state.rounds.clone_from(&checkpoint.rounds);
+            let accuracy: Option<Accuracy> = serde_json::from_value(meta.accuracy.clone()).ok();
+            let errors = checkpoint.standard_error.as_ref().map(field).zip(accuracy);
+            state.errors = errors.map(|(standard_error, accuracy)| Errors { standard_error, accuracy });
+        }
+        Ok(state)
+    }
+
+    /// [`resume`](Self::resume) from a solution.
+    ///
+    /// # Errors
+    /// As there, and with a target error.
+    pub fn resume_solution(&self, solution: &Solution) -> Result<SolveState, ResumeError> {
+        solution.check_belongs_to(self.scene())?;
+        self.check_lighting(&solution.meta.lighting_hash)?;
         self.check_settings(&solution.meta.settings)?;
-        if matches!(self.method(), crate::Method::Replicates { .. }) {
+        if let Method::Replicates { .. } = self.method() {
             return Err(ResumeError::TargetError);
         }
         let first_vertices = self.basis().first_vertices();
         let at_nodes = |values: &Vec<Vec3>| {
             Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect())
         };
-        let mut bounces: Vec<Field> = solution.bounces.iter().map(at_nodes).collect();
+        let valid = first_vertices.iter().map(|&v| solution.valid[v as usize]).collect();
+        Ok(self.state(valid, solution.bounces.iter().map(at_nodes).collect()))
+    }
+
+    /// A state of these bounces, or of those of them that the settings ask for.
+    fn state(&self, valid: Vec<bool>, mut bounces: Vec<Field>) -> SolveState {
         if let Some(wanted) = self.settings().stop().wanted(self.integrals(), &bounces) {
             bounces.truncate(wanted);
         }
-        let valid = first_vertices.iter().map(|&v| solution.valid[v as usize]).collect();
-        Ok(SolveState { basis: Some(self.basis().identity()), valid, bounces, ..SolveState::new() })
+        SolveState { basis: Some(self.basis().identity()), valid, bounces, ..SolveState::new() }
+    }
+
+    fn check_lighting(&self, found: &str) -> Result<(), ResumeError> {
+        let scene: &Scene = self.scene();
+        if found == scene.hash().lighting.to_hex().as_str() { Ok(()) } else { Err(ResumeError::Lighting) }
     }
 
     /// Whether bounces that were computed with settings from a file are those of this baker.
-    fn check_settings(&self, found: &serde_json::Value) -> Result<(), ResumeError> {
+    fn check_settings(&self, found: &Value) -> Result<(), ResumeError> {
         let Some(found) = serde_json::from_value::<Settings>(found.clone()).ok() else {
             let differences = "they are unknown to this version".to_owned();
             return Err(ResumeError::Settings { differences });

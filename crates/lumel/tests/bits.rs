@@ -142,7 +142,7 @@ fn a_bake_that_is_stopped_and_resumed_has_the_recorded_bits() {
                 let part = Settings { bounces: BounceLimit::Count(1), ..whole.clone() };
                 let part = baked(&Baker::new(Arc::clone(&scene), part), SolveState::new());
                 let baker = Baker::new(Arc::clone(&scene), whole);
-                let resumed = hash(&baked(&baker, baker.resume(&part).unwrap()));
+                let resumed = hash(&baked(&baker, baker.resume_solution(&part).unwrap()));
                 let variant = format!("{resumed} {name} {basis:?} {} {solver:?}", SamplerKind::default());
                 assert!(
                     include_str!("bits.txt").lines().any(|line| line == variant),

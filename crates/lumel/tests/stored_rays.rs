@@ -193,7 +193,7 @@ fn bits_do_not_depend_on_threads_or_on_where_a_solve_was_stopped() {
     let baker = Baker::new(Arc::clone(&scene), settings());
     let mut state = one.clone();
     state.bounces.truncate(2);
-    let resumed = baker.resume(&baker.solution(&state)).unwrap();
+    let resumed = baker.resume_solution(&baker.solution(&state)).unwrap();
     let mut resumed = resumed;
     baker.run(&mut resumed, &Control::default(), &Silent).unwrap();
     assert_eq!(resumed, one);
@@ -264,17 +264,17 @@ fn with_little_memory_few_rays_are_stored_and_a_final_gather_smooths_them() {
     assert_eq!(total(settings(100, 256, 2)).1, Method::Neumann);
     // It goes on from a saved solution with the same bits.
     let baker = Baker::new(Arc::clone(&scene), settings(eighth, 256, 2));
-    let mut resumed = baker.resume(&baker.solution(&state)).unwrap();
+    let mut resumed = baker.resume_solution(&baker.solution(&state)).unwrap();
     baker.run(&mut resumed, &Control::default(), &Silent).unwrap();
     assert_eq!(resumed, state);
     // With memory for all rays the bounces would be others.
     let enough = Baker::new(Arc::clone(&scene), settings(u64::MAX, 256, 2));
-    let error = enough.resume(&baker.solution(&state)).unwrap_err().to_string();
+    let error = enough.resume_solution(&baker.solution(&state)).unwrap_err().to_string();
     assert!(error.contains("memory"), "{error}");
     // More than enough is the same.
     let more = Baker::new(scene, settings(u64::MAX - 1, 256, 2));
     let solution = enough.solution(&solved(&enough).0);
-    assert!(more.resume(&solution).is_ok());
+    assert!(more.resume_solution(&solution).is_ok());
 }
 
 #[test]

@@ -9,7 +9,7 @@
 use glam::{DVec3, Vec3};
 use lumel::{
     Baker, BasisKind, BounceLimit, CONFIDENCE_95, Control, EmitterSampling, Ended, Light, Memory, Method,
-    Observer, Scene, SceneBuilder, Settings, Silent, Snapshot, SolveError, SolveState, Step, Tail,
+    Observer, Saved, Scene, SceneBuilder, Settings, Silent, Snapshot, SolveError, SolveState, Step, Tail,
     TargetError,
 };
 use lumel_basis::Field;
@@ -231,7 +231,13 @@ fn a_solve_that_is_stopped_keeps_its_last_finished_round() {
     let errors = solution.standard_error.unwrap();
     assert_eq!(errors.len(), solution.irradiance.len());
     assert!(errors.iter().any(|error| error.y > 0.0));
-    // Continued, it has the bits of a solve that was not stopped.
+    // Continued from a file, it has the bits of a solve that was not stopped.
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.checkpoint.npz");
+    baker.checkpoint(&state).save(&file).unwrap();
+    let resumed = baker.resume(&Saved::load_for(&file, baker.scene()).unwrap()).unwrap();
+    assert!(resumed == state, "the checkpoint is not the state");
+    state = resumed;
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
     let mut whole = SolveState::new();
     baker.run(&mut whole, &Control::default(), &Silent).unwrap();

@@ -54,9 +54,7 @@ impl Checkpoint {
 
     /// Saves the finished bounces. If that fails, for example on a full disk, the bake continues without a checkpoint.
     pub(crate) fn save(&self, baker: &Baker, state: &SolveState) {
-        let mut solution = baker.solution(state);
-        solution.meta.complete = false;
-        let result = solution.save(&self.path);
+        let result = baker.checkpoint(state).save(&self.path);
         let mut on_disk = self.lock();
         on_disk.current = result.is_ok();
         on_disk.ours |= result.is_ok();

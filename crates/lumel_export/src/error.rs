@@ -1,5 +1,6 @@
 //! What can go wrong with files, and what to do about it.
 
+use lumel_scene::Scene;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -198,6 +199,25 @@ pub struct SceneLabel {
 }
 
 impl SceneLabel {
+    /// That of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            name: scene.name().to_owned(),
+            vertices: scene.vertex_count(),
+            geometry_hash: scene.geometry_hash().to_hex().to_string(),
+        }
+    }
+
+    /// Checks that what belongs to this scene belongs to that one: the same geometry, whatever its name.
+    pub(crate) fn check_is(self, scene: &Scene, file: Option<&Path>) -> Result<(), SolutionError> {
+        let ours = Self::of(scene);
+        if (self.vertices, &self.geometry_hash) == (ours.vertices, &ours.geometry_hash) {
+            return Ok(());
+        }
+        let file = file.map(Path::to_owned);
+        Err(SolutionError::OtherScene { file, theirs: Box::new(self), ours: Box::new(ours) })
+    }
+
     fn size(&self) -> String {
         let prefix: String = self.geometry_hash.chars().take(8).collect();
         format!("{} vertices, {prefix}..", self.vertices)

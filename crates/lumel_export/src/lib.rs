@@ -11,9 +11,11 @@
 //! never trusts a file: sizes are checked before anything is allocated, checksums before anything is used.
 
 mod atomic;
+mod checkpoint;
 mod display;
 mod error;
 mod glb;
+mod members;
 mod npy;
 mod npz;
 mod obj;
@@ -24,6 +26,7 @@ mod rad;
 mod solution;
 
 pub use atomic::write_atomically;
+pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::Exposure;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
 pub use glb::write_glb;

@@ -1,7 +1,8 @@
 //! The result of a bake: light at the vertices of a scene.
 
 use crate::error::SceneLabel;
-use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
+use crate::members::{Kind, check_members, read_bounces, read_flags, read_meta, read_optional, read_vectors};
+use crate::{Array, ArrayData, NpzReader, SolutionError, write_npz};
 use glam::Vec3;
 use lumel_scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -9,10 +10,9 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Names the format in `meta.json`.
-const FORMAT: &str = "lumel-solution";
-/// Changes only when the layout does.
-const FORMAT_VERSION: u32 = 1;
+/// The version changes only when the layout does.
+pub(crate) const KIND: Kind =
+    Kind { format: "lumel-solution", version: 1, name: "solution", remedy: "make one with a bake" };
 
 /// Irradiance at the vertices of a scene, W·m⁻² (lux where the scene's lights are photometric), linear Rec. 709.
 ///
@@ -80,8 +80,8 @@ impl SolutionMeta {
     pub fn new(scene: &Scene, settings: Value) -> Self {
         let hash = scene.hash();
         Self {
-            format: FORMAT.to_owned(),
-            format_version: FORMAT_VERSION,
+            format: KIND.format.to_owned(),
+            format_version: KIND.version,
             lumel_version: env!("CARGO_PKG_VERSION").to_owned(),
             scene: scene.name().to_owned(),
             geometry_hash: hash.geometry.to_hex().to_string(),
@@ -170,24 +170,13 @@ impl Solution {
         self.check_scene(scene, None)
     }
 
-    fn check_scene(&self, scene: &Scene, file: Option<&Path>) -> Result<(), SolutionError> {
-        let geometry_hash = scene.geometry_hash().to_hex().to_string();
-        if self.meta.geometry_hash == geometry_hash && self.vertex_count() == scene.vertex_count() {
-            return Ok(());
-        }
-        Err(SolutionError::OtherScene {
-            file: file.map(Path::to_owned),
-            theirs: Box::new(SceneLabel {
-                name: self.meta.scene.clone(),
-                vertices: self.vertex_count(),
-                geometry_hash: self.meta.geometry_hash.clone(),
-            }),
-            ours: Box::new(SceneLabel {
-                name: scene.name().to_owned(),
-                vertices: scene.vertex_count(),
-                geometry_hash,
-            }),
-        })
+    pub(crate) fn check_scene(&self, scene: &Scene, file: Option<&Path>) -> Result<(), SolutionError> {
+        let theirs = SceneLabel {
+            name: self.meta.scene.clone(),
+            vertices: self.vertex_count(),
+            geometry_hash: self.meta.geometry_hash.clone(),
+        };
+        theirs.check_is(scene, file)
     }
 
     /// Whether the scene's materials, lights and sky are those of the bake.
@@ -250,14 +239,8 @@ impl Solution {
     /// A file that is no solution, of a newer format, or damaged; see also [`Self::validate`].
     pub fn load(path: &Path) -> Result<Self, SolutionError> {
         let mut npz = NpzReader::open(path)?;
-        let meta = read_meta(&mut npz)?;
-        // The names of members have no checksum, and the tail may be absent: those listed must all be there.
-        for array in meta.arrays.keys() {
-            if !npz.has_array(array) {
-                let path = path.to_owned();
-                return Err(ReadError::Missing { path, member: array.clone() }.into());
-            }
-        }
+        let meta: SolutionMeta = read_meta(&mut npz, &KIND)?;
+        check_members(&npz, meta.arrays.keys())?;
         let positions = read_vectors(&mut npz, "positions")?;
         let tail = read_optional(&mut npz, "tail")?;
         let standard_error = read_optional(&mut npz, "standard_error")?;
@@ -284,79 +267,4 @@ impl Solution {
         solution.check_scene(scene, Some(path))?;
         Ok(solution)
     }
-}
-
-/// The first things a reader must know; the rest may differ in other versions.
-#[derive(Deserialize)]
-struct FormatOnly {
-    format: String,
-    format_version: u32,
-}
-
-fn read_meta(npz: &mut NpzReader) -> Result<SolutionMeta, SolutionError> {
-    let path = npz.path().to_owned();
-    let format = |problem: String| SolutionError::Format { path: path.clone(), problem };
-    let json = npz.bytes("meta.json").map_err(|error| match error {
-        ReadError::Missing { .. } => {
-            format("this archive is not a lumel solution: it has no meta.json; make one with a bake".into())
-        }
-        error => error.into(),
-    })?;
-    let known: FormatOnly = serde_json::from_slice(&json).map_err(|error| {
-        format(format!("this archive is not a lumel solution: its meta.json has {error}"))
-    })?;
-    if known.format != FORMAT {
-        return Err(format(format!("this archive holds a \"{}\", not a \"{FORMAT}\"", known.format)));
-    }
-    if known.format_version != FORMAT_VERSION {
-        return Err(format(format!(
-            "this solution has format {}, this version of lumel reads format {FORMAT_VERSION}; \
-             use the version that wrote it or bake again",
-            known.format_version
-        )));
-    }
-    serde_json::from_slice(&json)
-        .map_err(|error| format(format!("the meta.json of this solution is incomplete: {error}")))
-}
-
-fn read_optional(npz: &mut NpzReader, name: &str) -> Result<Option<Vec<Vec3>>, SolutionError> {
-    if npz.has_array(name) { read_vectors(npz, name).map(Some) } else { Ok(None) }
-}
-
-fn read_vectors(npz: &mut NpzReader, name: &str) -> Result<Vec<Vec3>, SolutionError> {
-    let array = npz.array(name)?;
-    match (array.shape.as_slice(), &array.data) {
-        ([_, 3], ArrayData::F32(values)) => Ok(vectors(values)),
-        _ => Err(wrong_shape(npz, name, "(n, 3) of <f4", &array)),
-    }
-}
-
-fn read_bounces(npz: &mut NpzReader, n: usize) -> Result<Vec<Vec<Vec3>>, SolutionError> {
-    let array = npz.array("bounces")?;
-    match (array.shape.as_slice(), &array.data) {
-        // A scene has vertices, so a size bounds the number of bounces.
-        ([_, vertices, 3], ArrayData::F32(values)) if *vertices == n && n > 0 => {
-            Ok(values.chunks(3 * n).map(vectors).collect())
-        }
-        ([0, ..], _) => Ok(Vec::new()),
-        _ => Err(wrong_shape(npz, "bounces", &format!("(bounces, {n}, 3) of <f4"), &array)),
-    }
-}
-
-fn read_flags(npz: &mut NpzReader, name: &str) -> Result<Vec<bool>, SolutionError> {
-    let array = npz.array(name)?;
-    match (array.shape.as_slice(), &array.data) {
-        ([_], ArrayData::Bool(flags)) => Ok(flags.clone()),
-        ([_], ArrayData::U8(flags)) => Ok(flags.iter().map(|&flag| flag != 0).collect()),
-        _ => Err(wrong_shape(npz, name, "(n) of |b1", &array)),
-    }
-}
-
-fn vectors(values: &[f32]) -> Vec<Vec3> {
-    values.chunks_exact(3).map(Vec3::from_slice).collect()
-}
-
-fn wrong_shape(npz: &NpzReader, name: &str, wanted: &str, array: &Array) -> SolutionError {
-    let problem = format!("has the shape {:?} of {}, not {wanted}", array.shape, array.data.descr());
-    ReadError::BadMember { path: npz.path().to_owned(), member: name.to_owned(), problem }.into()
 }

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use lumel_basis::{Adjacency, Field, NodeId};
+use serde::{Deserialize, Serialize};
 
 /// Independent solves whose spread gives the standard error.
 pub const REPLICATES: usize = 8;
@@ -22,7 +23,7 @@ const FLOOR: f64 = 0.1;
 const OWN_LIMIT: f64 = 2.0;
 
 /// What a solve is to reach.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
     /// Half the width of the 95 % interval of a value, relative to it.
     pub error: f64,
@@ -35,7 +36,8 @@ pub struct Target {
 }
 
 /// Why no more samples were added.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Ended {
     /// Enough values are below the target.
     Reached,
@@ -46,7 +48,7 @@ pub enum Ended {
 }
 
 /// How good a solution is; half widths are those of 95 % intervals, relative.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accuracy {
     /// What was to be reached.
     pub target: Target,

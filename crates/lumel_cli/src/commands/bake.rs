@@ -10,7 +10,7 @@ use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
 use crate::session::{Session, SolveLog, thread_pool};
 use anyhow::bail;
-use lumel::{Baker, Ended, ResumeError, Solution, SolveState};
+use lumel::{Baker, Ended, ResumeError, Saved, Solution, SolveState};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -109,14 +109,14 @@ fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Baked
 
 /// The state to resume from.
 fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
-    let solution = Solution::load_for(file, baker.scene()).map_err(|error| match error {
+    let saved = Saved::load_for(file, baker.scene()).map_err(|error| match error {
         error @ lumel_export::SolutionError::OtherScene { .. } => load::belongs_hint(error),
         error => error.into(),
     })?;
-    baker.resume(&solution).map_err(|error| {
+    baker.resume(&saved).map_err(|error| {
         let hint = match error {
             ResumeError::Settings { .. } => "only --bounces, --remainder and --tail may differ",
-            ResumeError::TargetError => "leave out --resume",
+            ResumeError::TargetError | ResumeError::Basis => "leave out --resume",
             ResumeError::Scene(_) | ResumeError::Lighting => "use the scene and lights it was baked with",
         };
         with_hint(anyhow::Error::new(error).context(format!("cannot resume from {}", file.display())), hint)
@@ -162,8 +162,7 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
         let rounds = crate::report::counted(errors.accuracy.rounds as usize, "round", "rounds");
         let file = checkpoint.path().display();
         return format!(
-            "stopped; the light after {rounds} of samples is in {file}, but a bake with --target-error cannot be \
-             resumed"
+            "stopped; {rounds} of samples are in the checkpoint; continue with the same command and --resume {file}"
         );
     }
     if let Some(file) = args.resume.as_ref().filter(|_| n == first_bounce) {

@@ -12,7 +12,7 @@ use crate::session::{Session, thread_pool};
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
-    Baker, BounceLimit, PointMeasurement, Scene, Settings, SettingsPatch, Solution, SolveState, Tail,
+    Baker, BounceLimit, PointMeasurement, Saved, Scene, Settings, SettingsPatch, SolveState, Tail,
     measure_points,
 };
 use lumel_export::{Array, ArrayData, SolutionError, write_npz};
@@ -96,18 +96,18 @@ fn reuse(
     scene: &Arc<Scene>,
     session: &Session,
 ) -> anyhow::Result<Option<(Baker, SolveState)>> {
-    let solution = Solution::load_for(file, scene).map_err(|error| match error {
+    let saved = Saved::load_for(file, scene).map_err(|error| match error {
         error @ SolutionError::OtherScene { .. } => load::belongs_hint(error),
         error => error.into(),
     })?;
-    if !solution.meta.complete {
+    if !saved.is_complete() {
         session.console.warning(&format!("this is the checkpoint of an unfinished bake: {}", file.display()));
     }
-    let settings = stored_settings(&solution)
+    let settings = stored_settings(&saved)
         .with_context(|| format!("the settings of this solution are unknown: {}", file.display()))?;
     let stored = SettingsPatch::complete(&settings);
     let (baker, _) = session.timed("build", || Baker::new(Arc::clone(scene), settings));
-    let mut state = baker.resume(&solution).map_err(|error| {
+    let mut state = baker.resume(&saved).map_err(|error| {
         let error = anyhow::Error::new(error).context(format!("cannot use {}", file.display()));
         with_hint(error, "use the scene and lights it was baked with, or omit --solution")
     })?;
@@ -124,11 +124,11 @@ fn reuse(
 }
 
 /// The settings of a solution, reduced to what it contains.
-fn stored_settings(solution: &Solution) -> anyhow::Result<Settings> {
-    let settings: Settings = serde_json::from_value(solution.meta.settings.clone())?;
+fn stored_settings(saved: &Saved) -> anyhow::Result<Settings> {
+    let settings: Settings = serde_json::from_value(saved.settings().clone())?;
     settings.validate()?;
-    let last = solution.bounces.len().checked_sub(1).context("it holds no light")?;
-    let tail = if solution.tail.is_some() { settings.tail } else { Tail::Off };
+    let last = saved.bounce_count().checked_sub(1).context("it holds no light")?;
+    let tail = if saved.has_tail() { settings.tail } else { Tail::Off };
     Ok(Settings { bounces: BounceLimit::Count(last as u32), tail, ..settings })
 }
 

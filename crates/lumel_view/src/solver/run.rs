@@ -34,7 +34,7 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     let mut state = match start {
         SolveStart::Anew => SolveState::new(),
         SolveStart::From(state) => state,
-        SolveStart::FromFile(solution) => match baker.resume(&solution) {
+        SolveStart::FromFile(solution) => match baker.resume_solution(&solution) {
             Ok(state) => state,
             Err(error) => return Ending::Failed(error.to_string()),
         },

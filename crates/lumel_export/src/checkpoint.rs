@@ -1,0 +1,310 @@
+//! A solve that can be continued.
+
+use crate::members::{
+    Kind, check_members, read_bounces, read_flags, read_format, read_meta, read_optional, read_rounds,
+};
+use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
+use glam::Vec3;
+use lumel_scene::Scene;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+
+/// The version changes only when the layout does.
+const KIND: Kind = Kind {
+    format: "lumel-checkpoint",
+    version: 1,
+    name: "checkpoint",
+    remedy: "a bake writes one after every bounce",
+};
+
+/// The state of a solve: everything its next step reads, by node of its basis.
+///
+/// For lumel alone, unlike a [`Solution`], which is light at vertices for any reader. As a file it is a NumPy archive of
+/// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail` and `standard_error` (nodes, 3) and `rounds`
+/// (rounds, nodes), and of `meta.json`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Where it comes from.
+    pub meta: CheckpointMeta,
+    /// Whether each node could be measured.
+    pub valid: Vec<bool>,
+    /// `bounces[k][node]`: irradiance that arrived after `k` reflections, W·m⁻².
+    pub bounces: Vec<Vec<Vec3>>,
+    /// Estimate of all bounces that were not computed, W·m⁻².
+    pub tail: Option<Vec<Vec3>>,
+    /// Standard error of the sum, W·m⁻², where replicates tell.
+    pub standard_error: Option<Vec<Vec3>>,
+    /// The nodes that each round of a target error measures.
+    pub rounds: Vec<Vec<bool>>,
+}
+
+/// Where a checkpoint comes from: the member `meta.json` of its file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CheckpointMeta {
+    /// `"lumel-checkpoint"`.
+    pub format: String,
+    /// Version of the layout.
+    pub format_version: u32,
+    /// Version of the program that wrote it.
+    pub lumel_version: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Number of its vertices.
+    pub vertices: usize,
+    /// BLAKE3 of positions, normals and triangles, hexadecimal.
+    pub geometry_hash: String,
+    /// BLAKE3 of materials, textures, lights and sky, hexadecimal.
+    pub lighting_hash: String,
+    /// Identity of the basis, hexadecimal.
+    pub basis: String,
+    /// Settings of the bake.
+    pub settings: Value,
+    /// How good the last round of a target error was, where there is one.
+    #[serde(default)]
+    pub accuracy: Value,
+    /// The arrays of the file; filled in on saving.
+    #[serde(default)]
+    pub arrays: Vec<String>,
+}
+
+impl CheckpointMeta {
+    /// That of a solve of a scene in a basis.
+    pub fn new(scene: &Scene, basis: String, settings: Value, accuracy: Value) -> Self {
+        let hash = scene.hash();
+        Self {
+            format: KIND.format.to_owned(),
+            format_version: KIND.version,
+            lumel_version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: scene.name().to_owned(),
+            vertices: scene.vertex_count(),
+            geometry_hash: hash.geometry.to_hex().to_string(),
+            lighting_hash: hash.lighting.to_hex().to_string(),
+            basis,
+            settings,
+            accuracy,
+            arrays: Vec::new(),
+        }
+    }
+}
+
+impl Checkpoint {
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.valid.len()
+    }
+
+    /// Checks that this is light on the scene's geometry; its materials and lights may have changed since.
+    ///
+    /// # Errors
+    /// [`SolutionError::OtherScene`] names both scenes.
+    pub fn check_belongs_to(&self, scene: &Scene) -> Result<(), SolutionError> {
+        self.check_scene(scene, None)
+    }
+
+    fn check_scene(&self, scene: &Scene, file: Option<&Path>) -> Result<(), SolutionError> {
+        let CheckpointMeta { scene: name, vertices, geometry_hash, .. } = self.meta.clone();
+        SceneLabel { name, vertices, geometry_hash }.check_is(scene, file)
+    }
+
+    /// Writes the checkpoint, atomically.
+    ///
+    /// # Errors
+    /// Arrays that do not cover the same nodes with finite numbers, and all that writing meets.
+    pub fn save(&self, path: &Path) -> Result<(), SolutionError> {
+        self.validate()?;
+        let vectors = self.vector_arrays();
+        let names = ["valid", "bounces"].into_iter().chain(vectors.iter().map(|(name, _)| *name));
+        let names = names.chain((!self.rounds.is_empty()).then_some("rounds"));
+        let meta = CheckpointMeta { arrays: names.map(str::to_owned).collect(), ..self.meta.clone() };
+        write_npz(path, |npz| {
+            npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
+            npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))?;
+            let values = self.bounces.iter().flatten().flat_map(|v| v.to_array()).collect();
+            let shape = vec![self.bounces.len(), self.node_count(), 3];
+            npz.array("bounces", &Array { shape, data: ArrayData::F32(values) })?;
+            for (name, array) in &vectors {
+                npz.array(name, &Array::from_vectors(array))?;
+            }
+            if !self.rounds.is_empty() {
+                let shape = vec![self.rounds.len(), self.node_count()];
+                let data = ArrayData::Bool(self.rounds.concat());
+                npz.array("rounds", &Array { shape, data })?;
+            }
+            Ok(())
+        })?;
+        Ok(())
+    }
+
+    fn vector_arrays(&self) -> Vec<(&'static str, &[Vec3])> {
+        let all = [("tail", &self.tail), ("standard_error", &self.standard_error)];
+        all.into_iter().filter_map(|(name, array)| Some((name, array.as_deref()?))).collect()
+    }
+
+    fn validate(&self) -> Result<(), SolutionError> {
+        let bounces = self.bounces.iter().enumerate().map(|(k, b)| (format!("bounces[{k}]"), b.as_slice()));
+        let others = self.vector_arrays().into_iter().map(|(name, array)| (name.to_owned(), array));
+        for (array, values) in bounces.chain(others) {
+            self.check_length(&array, values.len())?;
+            if let Some(vertex) = values.iter().position(|value| !value.is_finite()) {
+                return Err(SolutionError::NotFinite { array, vertex });
+            }
+        }
+        self.rounds.iter().try_for_each(|round| self.check_length("rounds", round.len()))
+    }
+
+    fn check_length(&self, array: &str, count: usize) -> Result<(), SolutionError> {
+        let vertices = self.node_count();
+        if count == vertices {
+            return Ok(());
+        }
+        Err(SolutionError::Length { array: array.to_owned(), count, vertices })
+    }
+
+    /// Reads a checkpoint.
+    ///
+    /// # Errors
+    /// A file that is no checkpoint, of a newer format, or damaged.
+    pub fn load(path: &Path) -> Result<Self, SolutionError> {
+        Self::read(&mut NpzReader::open(path)?)
+    }
+
+    fn read(npz: &mut NpzReader) -> Result<Self, SolutionError> {
+        let meta: CheckpointMeta = read_meta(npz, &KIND)?;
+        check_members(npz, &meta.arrays)?;
+        let valid = read_flags(npz, "valid")?;
+        let checkpoint = Self {
+            meta,
+            bounces: read_bounces(npz, valid.len())?,
+            tail: read_optional(npz, "tail")?,
+            standard_error: read_optional(npz, "standard_error")?,
+            rounds: if npz.has_array("rounds") { read_rounds(npz, valid.len())? } else { Vec::new() },
+            valid,
+        };
+        checkpoint.validate()?;
+        Ok(checkpoint)
+    }
+}
+
+/// What a solve can be continued from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Saved {
+    /// The state of a solve.
+    Checkpoint(Box<Checkpoint>),
+    /// Light at vertices: a finished bake, or a checkpoint as earlier versions wrote it.
+    Solution(Box<Solution>),
+}
+
+impl Saved {
+    /// Reads either kind.
+    ///
+    /// # Errors
+    /// As [`Checkpoint::load`] and [`Solution::load`].
+    pub fn load(path: &Path) -> Result<Self, SolutionError> {
+        let mut npz = NpzReader::open(path)?;
+        if read_format(&mut npz).as_deref() == Some(KIND.format) {
+            return Ok(Self::Checkpoint(Box::new(Checkpoint::read(&mut npz)?)));
+        }
+        Ok(Self::Solution(Box::new(Solution::load(path)?)))
+    }
+
+    /// Settings of the bake.
+    pub fn settings(&self) -> &Value {
+        match self {
+            Self::Checkpoint(checkpoint) => &checkpoint.meta.settings,
+            Self::Solution(solution) => &solution.meta.settings,
+        }
+    }
+
+    /// How many bounces it holds, direct light included.
+    pub fn bounce_count(&self) -> usize {
+        match self {
+            Self::Checkpoint(checkpoint) => checkpoint.bounces.len(),
+            Self::Solution(solution) => solution.bounces.len(),
+        }
+    }
+
+    /// Whether it holds an estimate of all further bounces.
+    pub fn has_tail(&self) -> bool {
+        match self {
+            Self::Checkpoint(checkpoint) => checkpoint.tail.is_some(),
+            Self::Solution(solution) => solution.tail.is_some(),
+        }
+    }
+
+    /// Whether it is of a bake that was done.
+    pub fn is_complete(&self) -> bool {
+        matches!(self, Self::Solution(solution) if solution.meta.complete)
+    }
+
+    /// Reads either kind for a scene; errors about a different scene name the file.
+    ///
+    /// # Errors
+    /// As [`Self::load`], and [`SolutionError::OtherScene`].
+    pub fn load_for(path: &Path, scene: &Scene) -> Result<Self, SolutionError> {
+        let saved = Self::load(path)?;
+        match &saved {
+            Self::Checkpoint(checkpoint) => checkpoint.check_scene(scene, Some(path))?,
+            Self::Solution(solution) => solution.check_scene(scene, Some(path))?,
+        }
+        Ok(saved)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "helpers of tests are tests")]
+
+    use super::*;
+
+    fn checkpoint() -> Checkpoint {
+        let scene = lumel_builtin::scene("furnace", 0).unwrap().build().unwrap().0;
+        let meta = CheckpointMeta::new(&scene, "ab".into(), Value::Null, serde_json::json!({"share": 0.5}));
+        let field = |x: f32| (0..4).map(|i| Vec3::splat(x + i as f32)).collect::<Vec<_>>();
+        Checkpoint {
+            meta,
+            valid: vec![true, true, false, true],
+            bounces: vec![field(1.0), field(0.5)],
+            tail: Some(field(0.25)),
+            standard_error: Some(field(0.0)),
+            rounds: vec![vec![true; 4], vec![false, true, false, false]],
+        }
+    }
+
+    #[test]
+    fn what_is_saved_is_what_is_loaded() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.checkpoint.npz");
+        let bare = Checkpoint { tail: None, standard_error: None, rounds: Vec::new(), ..checkpoint() };
+        for saved in [checkpoint(), bare] {
+            saved.save(&path).unwrap();
+            let mut loaded = Checkpoint::load(&path).unwrap();
+            assert!(!std::mem::take(&mut loaded.meta.arrays).is_empty());
+            assert_eq!(loaded, saved);
+            assert!(matches!(Saved::load(&path), Ok(Saved::Checkpoint(_))));
+        }
+    }
+
+    #[test]
+    fn arrays_that_do_not_fit_together_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let mut short = checkpoint();
+        short.rounds[1].pop();
+        let error = short.save(&path).unwrap_err().to_string();
+        assert!(error.contains("rounds"), "{error}");
+        let mut infinite = checkpoint();
+        infinite.bounces[1][2].y = f32::INFINITY;
+        let error = infinite.save(&path).unwrap_err().to_string();
+        assert!(error.contains("bounces[1]"), "{error}");
+    }
+
+    #[test]
+    fn a_checkpoint_is_not_taken_for_a_solution() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        checkpoint().save(&path).unwrap();
+        let error = Solution::load(&path).unwrap_err().to_string();
+        assert!(error.contains("lumel-checkpoint"), "{error}");
+    }
+}

@@ -1,0 +1,122 @@
+//! What saved light is made of: members of archives that must be well formed.
+
+use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError};
+use glam::Vec3;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+/// A kind of archive, as its `meta.json` names it.
+pub(crate) struct Kind {
+    /// The name in `format`.
+    pub(crate) format: &'static str,
+    /// The version that this program reads and writes.
+    pub(crate) version: u32,
+    /// What users call it.
+    pub(crate) name: &'static str,
+    /// How to get one.
+    pub(crate) remedy: &'static str,
+}
+
+/// The first things a reader must know; the rest may differ in other versions.
+#[derive(Deserialize)]
+struct FormatOnly {
+    format: String,
+    format_version: u32,
+}
+
+/// Names the kind of an archive: the `format` in its `meta.json`.
+pub(crate) fn read_format(npz: &mut NpzReader) -> Option<String> {
+    let json = npz.bytes("meta.json").ok()?;
+    serde_json::from_slice::<FormatOnly>(&json).ok().map(|known| known.format)
+}
+
+/// Reads the `meta.json` of a kind of archive.
+pub(crate) fn read_meta<T: DeserializeOwned>(npz: &mut NpzReader, kind: &Kind) -> Result<T, SolutionError> {
+    let Kind { format: wanted, version, name, remedy } = kind;
+    let path = npz.path().to_owned();
+    let format = |problem: String| SolutionError::Format { path: path.clone(), problem };
+    let json = npz.bytes("meta.json").map_err(|error| match error {
+        ReadError::Missing { .. } => {
+            format(format!("this archive is not a lumel {name}: it has no meta.json; {remedy}"))
+        }
+        error => error.into(),
+    })?;
+    let known: FormatOnly = serde_json::from_slice(&json)
+        .map_err(|error| format(format!("this archive is not a lumel {name}: its meta.json has {error}")))?;
+    if known.format != *wanted {
+        return Err(format(format!("this archive holds a \"{}\", not a \"{wanted}\"", known.format)));
+    }
+    if known.format_version != *version {
+        return Err(format(format!(
+            "this {name} has format {}, this version of lumel reads format {version}; \
+             use the version that wrote it or bake again",
+            known.format_version
+        )));
+    }
+    serde_json::from_slice(&json)
+        .map_err(|error| format(format!("the meta.json of this {name} is incomplete: {error}")))
+}
+
+/// Checks that an archive has the arrays that its `meta.json` lists: names of members have no checksum.
+pub(crate) fn check_members<'a>(
+    npz: &NpzReader,
+    arrays: impl IntoIterator<Item = &'a String>,
+) -> Result<(), SolutionError> {
+    match arrays.into_iter().find(|array| !npz.has_array(array)) {
+        Some(array) => Err(ReadError::Missing { path: npz.path().to_owned(), member: array.clone() }.into()),
+        None => Ok(()),
+    }
+}
+
+pub(crate) fn read_optional(npz: &mut NpzReader, name: &str) -> Result<Option<Vec<Vec3>>, SolutionError> {
+    if npz.has_array(name) { read_vectors(npz, name).map(Some) } else { Ok(None) }
+}
+
+pub(crate) fn read_vectors(npz: &mut NpzReader, name: &str) -> Result<Vec<Vec3>, SolutionError> {
+    let array = npz.array(name)?;
+    match (array.shape.as_slice(), &array.data) {
+        ([_, 3], ArrayData::F32(values)) => Ok(vectors(values)),
+        _ => Err(wrong_shape(npz, name, "(n, 3) of <f4", &array)),
+    }
+}
+
+pub(crate) fn read_bounces(npz: &mut NpzReader, n: usize) -> Result<Vec<Vec<Vec3>>, SolutionError> {
+    let array = npz.array("bounces")?;
+    match (array.shape.as_slice(), &array.data) {
+        // A scene has vertices, so a size bounds the number of bounces.
+        ([_, vertices, 3], ArrayData::F32(values)) if *vertices == n && n > 0 => {
+            Ok(values.chunks(3 * n).map(vectors).collect())
+        }
+        ([0, ..], _) => Ok(Vec::new()),
+        _ => Err(wrong_shape(npz, "bounces", &format!("(bounces, {n}, 3) of <f4"), &array)),
+    }
+}
+
+pub(crate) fn read_flags(npz: &mut NpzReader, name: &str) -> Result<Vec<bool>, SolutionError> {
+    let array = npz.array(name)?;
+    match (array.shape.as_slice(), &array.data) {
+        ([_], ArrayData::Bool(flags)) => Ok(flags.clone()),
+        ([_], ArrayData::U8(flags)) => Ok(flags.iter().map(|&flag| flag != 0).collect()),
+        _ => Err(wrong_shape(npz, name, "(n) of |b1", &array)),
+    }
+}
+
+fn vectors(values: &[f32]) -> Vec<Vec3> {
+    values.chunks_exact(3).map(Vec3::from_slice).collect()
+}
+
+fn wrong_shape(npz: &NpzReader, name: &str, wanted: &str, array: &Array) -> SolutionError {
+    let problem = format!("has the shape {:?} of {}, not {wanted}", array.shape, array.data.descr());
+    ReadError::BadMember { path: npz.path().to_owned(), member: name.to_owned(), problem }.into()
+}
+
+/// The flags of several rounds, over `n` nodes each.
+pub(crate) fn read_rounds(npz: &mut NpzReader, n: usize) -> Result<Vec<Vec<bool>>, SolutionError> {
+    let array = npz.array("rounds")?;
+    match (array.shape.as_slice(), &array.data) {
+        ([_, nodes], ArrayData::Bool(flags)) if *nodes == n && n > 0 => {
+            Ok(flags.chunks(n).map(<[bool]>::to_vec).collect())
+        }
+        _ => Err(wrong_shape(npz, "rounds", &format!("(rounds, {n}) of |b1"), &array)),
+    }
+}
