@@ -1,10 +1,11 @@
 //! What a picture costs: CPU time of the whole process per frame, software rasterizer included, and time passed.
 //!
-//! `cargo bench -p lumel_render_gpu --bench frame`; Linux only, because it reads `/proc/self/stat`.
+//! `cargo bench -p lumel_render_gpu --bench frame`.
 
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
 
+use cpu_time::ProcessTime;
 use glam::{Vec2, Vec3};
 use lumel_render_cpu::{Scale, ToneMapper};
 use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples};
@@ -16,7 +17,7 @@ use std::time::Instant;
 
 const SIZE: [u32; 2] = [1280, 720];
 
-/// A clock tick of `/proc` is a hundredth of a second: so many frames are measured together.
+/// Some systems count CPU time in steps of 16 ms: so many frames are measured together.
 const FRAMES: u32 = 12;
 
 /// The result is the median of this many measurements.
@@ -65,9 +66,9 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
         draw(0);
         let mut results: Vec<[f64; 2]> = (0..REPEATS)
             .map(|_| {
-                let (start, cpu) = (Instant::now(), cpu_seconds());
+                let (start, cpu) = (Instant::now(), ProcessTime::now());
                 (0..FRAMES).for_each(draw);
-                [cpu_seconds() - cpu, start.elapsed().as_secs_f64()].map(|s| 1e3 * s / f64::from(FRAMES))
+                [cpu.elapsed(), start.elapsed()].map(|time| 1e3 * time.as_secs_f64() / f64::from(FRAMES))
             })
             .collect();
         results.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -105,15 +106,4 @@ fn room(texture: Option<Texture>) -> Scene {
 fn checks() -> Texture {
     let texel = |i: u32| if (i % 512 / 32 + i / 512 / 32).is_multiple_of(2) { [200; 4] } else { [90; 4] };
     Texture::from_bytes("checks", 512, 512, (0..512 * 512).map(texel).collect(), Encoding::Srgb).unwrap()
-}
-
-/// CPU time of all threads of this process.
-fn cpu_seconds() -> f64 {
-    /// Linux counts in hundredths of a second for user space.
-    const TICKS_PER_SECOND: f64 = 100.0;
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
-    // The name may hold spaces; after it, user and system time are fields 12 and 13.
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
-    let ticks: f64 = fields[11..13].iter().map(|field| field.parse::<f64>().unwrap()).sum();
-    ticks / TICKS_PER_SECOND
 }

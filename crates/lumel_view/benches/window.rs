@@ -1,7 +1,7 @@
 //! What the window costs: processor time per frame, frames per second while a light changes that all bounces follow, and
 //! how much an open, idle window slows a solve.
 //!
-//! `cargo x bench window`; needs Xvfb and xdotool. Solves with and without the window alternate, so that other work
+//! `cargo x bench window`; Linux only: needs Xvfb, xdotool and `/proc`. Solves with and without the window alternate, so that other work
 //! on the machine falls on both.
 
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]

@@ -6,7 +6,7 @@ use std::process::Command;
 /// Instruction sets that matter to ray tracers, as Linux calls them.
 const FLAGS: [&str; 7] = ["sse4_2", "avx2", "fma", "avx512f", "avx512vl", "avx512dq", "avx512bw"];
 
-/// Processor, instruction sets, cores, compiler.
+/// Processor, instruction sets, cores, compiler. Outside Linux, only the architecture of the processor is known.
 pub(crate) fn describe() -> Value {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let field = |name: &str| {
