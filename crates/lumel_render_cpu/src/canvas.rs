@@ -2,17 +2,17 @@
 
 use crate::font;
 
-/// Pixels to draw on; what lies outside is cut.
+/// Pixels to draw on; everything is clipped to them.
 pub(crate) struct Canvas<'a> {
     pixels: &'a mut [[u8; 3]],
     width: u32,
     height: u32,
 }
 
-/// Letters.
+/// The colour of text and lines.
 pub(crate) const INK: [u8; 3] = [255; 3];
 
-/// How much of the picture remains under a shade, in 1/256.
+/// The fraction of the picture that remains under a shade, in 1/256.
 const UNDER_SHADE: u16 = 72;
 
 /// Text and lines get one more pixel per unit for every so many rows.

@@ -1,19 +1,19 @@
-//! From linear numbers to the bytes of a picture.
+//! From linear values to the bytes of a picture.
 
 use crate::srgb::unit_byte;
 use crate::{Exposure, FalseColor, PictureError, Show, ToneMapper, srgb_byte};
 use glam::Vec3;
 
-/// How linear numbers become a picture. The formulas are at [`Show`], [`ToneMapper`] and [`FalseColor`].
+/// How linear values become a picture. The formulas are at [`Show`], [`ToneMapper`] and [`FalseColor`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Display {
     /// What is shown.
     pub show: Show,
     /// How bright, for radiance and irradiance.
     pub exposure: Exposure,
-    /// What becomes of bright light, for radiance and irradiance.
+    /// How bright light is compressed, for radiance and irradiance.
     pub tone: ToneMapper,
-    /// The luminance after exposure that [`ToneMapper::Reinhard`] makes white.
+    /// The luminance after exposure that [`ToneMapper::Reinhard`] maps to white.
     pub white: f32,
     /// Range, scale and legend of false colours.
     pub false_color: FalseColor,
@@ -61,7 +61,7 @@ pub(crate) fn albedo_pixel(albedo: Vec3) -> [u8; 3] {
     albedo.to_array().map(srgb_byte)
 }
 
-/// The pixel of a normal that is already 0..=1: no curve, so that it can be read back.
+/// The pixel of a normal already mapped to 0..=1: no transfer curve, so that it can be decoded.
 pub(crate) fn normal_pixel(encoded: Vec3) -> [u8; 3] {
     encoded.to_array().map(unit_byte)
 }

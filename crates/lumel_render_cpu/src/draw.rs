@@ -3,8 +3,8 @@
 use crate::display::{albedo_pixel, normal_pixel};
 use crate::exposure::meter;
 use crate::false_color::covered;
-use crate::lamp::Lamp;
 use crate::legend::draw_legend;
+use crate::rect_light::VisibleLight;
 use crate::{Display, Exposure, Legend, Lens, Picture, PictureError, Resolution, Show, View};
 use glam::{DVec3, Vec2, Vec3};
 use lumel_sample::{Dim, Sampler, SamplerKind, StreamKey};
@@ -15,19 +15,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// What the samples of a pixel add up to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Mean {
-    /// Mean of all samples, those that saw nothing as zero.
+    /// Mean of all samples; those that saw nothing count as zero.
     value: Vec3,
     /// Share of the samples that saw something.
     coverage: f32,
 }
 
-/// Draws what a camera sees, on the threads of the caller's rayon pool; the pixels do not depend on their number.
+/// Draws what a camera sees, on the caller's rayon pool; the pixels do not depend on the number of threads.
 ///
-/// Samples are averaged linearly over the square of each pixel, all with the same weight, and nothing is cut off
-/// before the mean is displayed: see [`Show`] for the formulas.
+/// Samples are averaged in linear light over the square of each pixel, with equal weights and without clipping, before
+/// the display transform: see [`Show`] for the formulas.
 ///
 /// # Errors
-/// Sizes and settings that cannot be, a camera without a view, and [`PictureError::Cancelled`] soon after `cancel` is
+/// Invalid sizes and settings, a camera without a view, and [`PictureError::Cancelled`] soon after `cancel` is
 /// set.
 pub fn draw(
     view: &View<'_>,
@@ -85,14 +85,14 @@ fn trace(
     cancel: &AtomicBool,
 ) -> Result<Vec<Mean>, PictureError> {
     let (width, height) = (resolution.width as usize, resolution.height as usize);
-    let lamps = Lamp::all_of(view.scene);
+    let lights = VisibleLight::all_of(view.scene);
     let offsets = Offsets::new(resolution.samples_per_pixel);
     let size = Vec2::new(width as f32, height as f32);
     let mean = |pixel: usize| {
         let corner = Vec2::new((pixel % width) as f32, (pixel / width) as f32);
         let (mut sum, mut seen) = (DVec3::ZERO, 0);
         for offset in offsets.of_pixel(pixel) {
-            if let Some(value) = show.sample(view, &lamps, lens.ray((corner + offset) / size)) {
+            if let Some(value) = show.sample(view, &lights, lens.ray((corner + offset) / size)) {
                 sum += value.as_dvec3();
                 seen += 1;
             }

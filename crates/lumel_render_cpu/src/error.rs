@@ -8,16 +8,16 @@ pub enum PictureError {
     /// No pixels, or more than are allowed.
     #[error("a picture of {width} x {height} pixels cannot be drawn; the limit is {MAX_PIXELS} pixels")]
     Size {
-        /// Asked for.
+        /// The requested size.
         width: u64,
-        /// Asked for.
+        /// The requested size.
         height: u64,
     },
     /// No samples, or more than are allowed.
     #[error("{0} samples per pixel cannot be drawn; there must be 1 to {MAX_SAMPLES}")]
     Samples(u32),
-    /// A list of pixels that does not fill the picture.
-    #[error("a picture of {width} x {height} pixels has {count} pixels")]
+    /// A number of pixels that does not match the size.
+    #[error("a picture of {width} x {height} pixels was given {count} pixels")]
     PixelCount {
         /// Pixels per row.
         width: u32,
@@ -42,18 +42,18 @@ pub enum PictureError {
         /// Vertices of the scene.
         vertices: usize,
     },
-    /// A display setting that is no sensible number.
+    /// A display setting out of range.
     #[error("{what} must be {expected}, not {value}")]
     Setting {
         /// The setting.
         what: &'static str,
-        /// What it may be.
+        /// The accepted values.
         expected: &'static str,
-        /// What it is.
+        /// The value.
         value: String,
     },
-    /// Pictures to join that are none.
-    #[error("there are no pictures to put beside each other")]
+    /// An empty list of pictures to join.
+    #[error("there are no pictures to place side by side")]
     NoPictures,
     /// The cancel flag was set.
     #[error("drawing was cancelled")]

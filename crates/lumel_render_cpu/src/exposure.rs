@@ -1,6 +1,6 @@
-//! How bright a picture is, and the meter that finds out.
+//! Exposure, and the meter that chooses it.
 
-use crate::lamp::Lamp;
+use crate::rect_light::VisibleLight;
 use crate::stats::percentile;
 use crate::{Lens, PictureError, Show, View};
 use glam::Vec2;
@@ -9,18 +9,18 @@ use rayon::prelude::*;
 use std::fmt;
 use std::str::FromStr;
 
-/// How bright a picture is: light is multiplied by `2^stops`.
+/// The exposure of a picture: light is multiplied by `2^stops`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Exposure {
-    /// What [`meter`] reads.
+    /// Chosen by [`meter`].
     #[default]
     Auto,
-    /// This many stops.
+    /// A fixed number of stops.
     Stops(f32),
 }
 
 impl Exposure {
-    /// The most stops that can be asked for, in either direction.
+    /// The largest number of stops in either direction.
     pub const MAX_STOPS: f32 = 100.0;
 }
 
@@ -50,28 +50,29 @@ impl FromStr for Exposure {
     }
 }
 
-/// Rows of rays that the meter sends.
+/// Rows of rays that the meter traces.
 const METER_ROWS: u32 = 96;
 
-/// Rays in a row, however wide the picture is.
+/// Rays per row, whatever the width of the picture.
 const MAX_METER_COLUMNS: u32 = 4 * METER_ROWS;
 
-/// What the mean of the logarithms of luminance is brought to: middle grey.
+/// The value to which the log-average luminance is brought: middle grey.
 const KEY: f64 = 0.18;
 
-/// This percentile of luminance is brought to 1 at most.
+/// The percentile of luminance that is brought to 1 at most.
 const HIGHLIGHT_PERCENT: f64 = 95.0;
 
-/// Luminances below this share of the highlight count as this: gaps and shadows do not brighten a picture.
+/// Luminances are raised to at least this fraction of the highlight, so that gaps and shadows do not brighten the
+/// picture.
 const DARKEST: f64 = 1e-3;
 
 /// The exposure of a view, in stops, rounded to hundredths so that it can be repeated by hand.
 ///
 /// The meter looks at radiance through its own grid of rays, 96 rows of cell centres, and so reads the same for
-/// every size, number of samples and quantity of one picture. Of the luminances above zero, with `h` their 95th
+/// every size, number of samples and quantity shown. Of the luminances above zero, with `h` their 95th
 /// percentile and `g = exp(mean(ln(max(Y, h/1000))))`, the exposure is `log2(min(0.18/g, 1/h))`: the picture is
-/// middle grey on the whole, and at most a twentieth of what is seen would clip without a tone mapper. Light twice
-/// as strong reads one stop less. When nothing is lit it reads 0.
+/// middle grey on average, and at most 5 % of what is seen would clip without a tone mapper. Doubling the light lowers
+/// the reading by one stop. If nothing is lit, it is 0.
 ///
 /// The geometric mean follows Reinhard et al., *Photographic Tone Reproduction for Digital Images*, 2002.
 ///
@@ -80,11 +81,11 @@ const DARKEST: f64 = 1e-3;
 pub fn meter(view: &View<'_>, camera: &Camera, aspect: f32) -> Result<f32, PictureError> {
     let lens = Lens::new(camera, aspect)?;
     let columns = ((METER_ROWS as f32 * aspect) as u32).clamp(1, MAX_METER_COLUMNS);
-    let lamps = Lamp::all_of(view.scene);
+    let lights = VisibleLight::all_of(view.scene);
     let luminance_at = |i: u32| {
         let cell = Vec2::new((i % columns) as f32, (i / columns) as f32) + Vec2::splat(0.5);
         let ray = lens.ray(cell / Vec2::new(columns as f32, METER_ROWS as f32));
-        Show::Radiance.sample(view, &lamps, ray).map_or(0.0, luminance)
+        Show::Radiance.sample(view, &lights, ray).map_or(0.0, luminance)
     };
     Ok(stops_for((0..columns * METER_ROWS).into_par_iter().map(luminance_at).collect()))
 }

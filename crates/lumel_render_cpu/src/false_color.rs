@@ -1,4 +1,4 @@
-//! Numbers as colours.
+//! False colours.
 
 use crate::names::named;
 use crate::stats::percentile;
@@ -10,12 +10,12 @@ use std::sync::LazyLock;
 ///
 /// The luminance `y` of the mean irradiance over the part of a pixel that shows surfaces, W·m⁻², is placed in the
 /// range `lo..hi` at `t = (y − lo)/(hi − lo)`, or `t = ln(y/lo)/ln(hi/lo)` on the logarithmic scale. The colour is
-/// entry `floor(255 clamp(t, 0, 1) + 0.5)` of [`false_color_map`]. Where a pixel shows surfaces only in part, the
-/// colour is multiplied by that part in linear light: the background is black.
+/// entry `floor(255 clamp(t, 0, 1) + 0.5)` of [`false_color_map`]. Where surfaces cover only part of a pixel, the
+/// colour is multiplied by the coverage in linear light: the background is black.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FalseColor {
-    /// Smallest and largest luminance, W·m⁻². Without one, the range of the 1st to the 99th percentile of the pixels
-    /// that show surfaces; on the logarithmic scale it spans four decades at most.
+    /// Smallest and largest luminance, W·m⁻². By default, the 1st to the 99th percentile of the pixels that show
+    /// surfaces, at most four decades on the logarithmic scale.
     pub range: Option<[f32; 2]>,
     /// Linear or logarithmic.
     pub scale: Scale,
@@ -35,22 +35,22 @@ pub enum Scale {
 
 named!(Scale, "scale", Linear = "linear", Log = "log");
 
-/// Whether false colours are explained in the picture.
+/// Whether the picture has a legend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Legend {
-    /// A bar with numbers at the right edge, if the picture is large enough to hold one.
+    /// A colour bar with values at the right edge, if the picture is large enough.
     #[default]
     Drawn,
-    /// Nothing: every pixel shows the scene.
+    /// None: every pixel shows the scene.
     Hidden,
 }
 
 named!(Legend, "legend", Drawn = "drawn", Hidden = "hidden");
 
-/// The most that an automatic logarithmic range spans.
+/// The widest automatic logarithmic range.
 const MAX_LOG_SPAN: f32 = 1e4;
 
-/// Automatic ranges narrower than this share of their end are widened: light is the same everywhere but for rounding.
+/// Automatic ranges narrower than this fraction of their end are widened: the light is uniform up to rounding.
 const NARROWEST: f32 = 1e-3;
 
 impl FalseColor {
@@ -66,7 +66,7 @@ impl FalseColor {
         Err(PictureError::Setting { what: "the range of false colours", expected, value })
     }
 
-    /// The range for these luminances: the one that was asked for, else the one that shows most of them.
+    /// The range for these luminances: the one that was set, otherwise one that covers most of them.
     pub fn range_for(&self, mut luminances: Vec<f32>) -> [f32; 2] {
         if let Some(range) = self.range {
             return range;
@@ -104,7 +104,7 @@ pub fn false_color(t: f32) -> [u8; 3] {
     false_color_map()[(255.0 * t.clamp(0.0, 1.0) + 0.5) as usize]
 }
 
-/// A pixel of which `coverage` shows surfaces with the colour of `t`, the rest black.
+/// A pixel covered to the fraction `coverage` by surfaces with the colour of `t`; the rest is black.
 pub(crate) fn covered(t: f32, coverage: f32) -> [u8; 3] {
     let color = false_color(t);
     if coverage >= 1.0 { color } else { color.map(|byte| srgb_byte(srgb_from_byte(byte) * coverage)) }
@@ -112,9 +112,9 @@ pub(crate) fn covered(t: f32, coverage: f32) -> [u8; 3] {
 
 /// The 256 colours of the map, sRGB: from dark violet over blue and green to bright yellow.
 ///
-/// A curve through Oklab, along which lightness only grows: with `s` in 0..=1, `L = 0.25 + 0.68 s`, chroma
+/// A curve through Oklab with increasing lightness: with `s` in 0..=1, `L = 0.25 + 0.68 s`, chroma
 /// `0.12 − 0.15 s + 0.2 s²` and hue `300° − 195° s`. The colours are equidistant along the curve, so that equal steps
-/// of the value look equally large.
+/// in value look equal.
 ///
 /// Ottosson, *A perceptual color space for image processing*, 2020.
 pub fn false_color_map() -> &'static [[u8; 3]; 256] {

@@ -1,4 +1,4 @@
-//! The bar that explains false colours.
+//! The legend of false colours.
 
 use crate::canvas::{Canvas, INK};
 use crate::false_color::{Scale, false_color};
@@ -43,13 +43,13 @@ struct Layout {
 const SHORTEST_BAR: i64 = 40;
 
 impl Layout {
-    /// The legend with the largest letters that leave at least three quarters of the picture's width free.
+    /// The legend with the largest text that leaves at least three quarters of the picture's width free.
     fn fitting(canvas: &Canvas<'_>, range: [f32; 2], scale: Scale) -> Option<Self> {
         let ticks = ticks(range, scale);
         (1..=i64::from(canvas.text_scale())).rev().find_map(|unit| {
             let text_width = |text: &str| Canvas::text_size(text, unit as u32)[0];
             let longest = ticks.iter().map(|tick| text_width(&tick.label)).max().unwrap_or(0);
-            // Padding, bar, tick, gap, number, padding; the unit stands above all of it.
+            // Padding, bar, tick, gap, number, padding; the unit is above them.
             let inner = ((10 + 6) * unit + longest).max(text_width(UNIT));
             let width = inner + (4 + 4) * unit;
             let height = (canvas.height() * 7 / 10).max((SHORTEST_BAR + 28) * unit);
@@ -67,7 +67,7 @@ impl Layout {
     }
 }
 
-/// A mark on the bar that explains false colours.
+/// A tick on the colour bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
     /// 0 at the bottom, 1 at the top.
@@ -76,17 +76,17 @@ pub struct Tick {
     pub label: String,
 }
 
-/// About this many ticks look well on a bar.
+/// The number of ticks aimed at.
 const TICKS_WANTED: f64 = 5.0;
 
-/// Marks at round numbers within a range, about five of them.
+/// About five ticks at round numbers within a range.
 pub fn ticks(range: [f32; 2], scale: Scale) -> Vec<Tick> {
     let ends = range.map(f64::from);
     let logarithmic = match scale {
         Scale::Linear => Vec::new(),
         Scale::Log => log_values(ends),
     };
-    // Over less than a factor of three or so, even a logarithmic scale is marked in equal steps.
+    // Over less than a factor of about three, a logarithmic scale is marked in equal steps as well.
     let values = if logarithmic.len() >= 3 { logarithmic } else { linear_values(ends) };
     let mark = |(value, label): (f64, String)| Tick { position: scale.position(value as f32, range), label };
     values.into_iter().map(mark).collect()
@@ -98,9 +98,9 @@ fn linear_values([lo, hi]: [f64; 2]) -> Vec<(f64, String)> {
     let decade = raw.log10().floor();
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * 10f64.powf(decade)).into_iter().find(|step| *step >= raw);
     let step = step.unwrap_or(raw);
-    // A hair of tolerance: ends that are multiples are marked, however they were rounded.
+    // The tolerance of rounding: ends that are multiples are marked.
     let (first, last) = ((lo / step - 1e-4).ceil(), (hi / step + 1e-4).floor());
-    // Far from zero a float has no room for steps; then only the ends are told apart.
+    // Far from zero, floats are too coarse for steps: only the ends are marked.
     if !(last - first <= 20.0 && first.abs() < 1e9) {
         return vec![(lo, number(lo, 0.0)), (hi, number(hi, 0.0))];
     }
@@ -120,7 +120,7 @@ fn log_values([lo, hi]: [f64; 2]) -> Vec<(f64, String)> {
     values.filter(inside).map(|value| (value, number(value, value))).collect()
 }
 
-/// A number with the digits that a step of this size needs.
+/// A number with the digits that the step requires.
 fn number(value: f64, step: f64) -> String {
     let size = value.abs().max(step.abs());
     if size == 0.0 || value.abs() < 1e-9 * step {

@@ -1,14 +1,14 @@
-//! The pinhole projection: which ray belongs to which point of the picture.
+//! The pinhole projection, from points of the picture to rays and back.
 
 use crate::PictureError;
 use glam::{Vec2, Vec3};
 use lumel_accel::Ray;
 use lumel_scene::Camera;
 
-/// Fields of view from here on have no finite picture plane that is worth drawing.
+/// Wider fields of view have no usable picture plane.
 const MAX_FOV_DEG: f32 = 179.0;
 
-/// A camera with the shape of its picture.
+/// A camera with the aspect ratio of its picture.
 ///
 /// Points of the picture are `(x, y)` in 0..1, from its left and from its top. With right, up and forward the unit
 /// axes of [`Camera::axes`] and `h = tan(fov_y / 2)`, the ray through one has the direction
@@ -27,8 +27,8 @@ impl Lens {
     /// The projection of a camera to a picture of this width over height.
     ///
     /// # Errors
-    /// [`PictureError::Camera`] when the camera looks nowhere, is not made of finite numbers or its vertical field
-    /// of view is not between 0° and 179°.
+    /// [`PictureError::Camera`] if the camera has no direction, its numbers are not finite, or its vertical field of
+    /// view is not between 0° and 179°.
     pub fn new(camera: &Camera, aspect: f32) -> Result<Self, PictureError> {
         let refuse = |problem| PictureError::Camera { name: camera.name.clone(), problem };
         if !(camera.position.is_finite() && camera.forward.is_finite() && camera.up.is_finite()) {
@@ -49,7 +49,7 @@ impl Lens {
         Ray::new(self.position, direction)
     }
 
-    /// Where a point in space is in the picture; `None` when it lies behind the camera.
+    /// The position of a point in the picture; `None` if it lies behind the camera.
     pub fn project(&self, point: Vec3) -> Option<Vec2> {
         let d = point - self.position;
         let depth = d.dot(self.forward);

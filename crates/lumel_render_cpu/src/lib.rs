@@ -1,14 +1,14 @@
-//! Draws lit scenes on the CPU, with our own ray tracer: no GPU, no display, the same bytes everywhere.
+//! Draws lit scenes on the CPU, with lumel's ray tracer: no GPU, no display, the same bytes on every machine.
 //!
-//! [`draw`] looks at a [`View`] (scene, tracer, light) through a camera and returns a [`Picture`]. What is shown is
-//! chosen by [`Show`], how it is shown by [`Display`]. From linear light to bytes it is, in this order:
+//! [`draw`] looks at a [`View`] (scene, tracer, light) through a camera and returns a [`Picture`]. [`Show`]
+//! selects the quantity, [`Display`] how it is shown. Linear light becomes bytes in this order:
 //!
 //! 1. the mean of the samples of a pixel, linear Rec. 709, unclamped;
-//! 2. exposure: times `2^stops` ([`Exposure`], read by [`meter`] unless given);
+//! 2. exposure: multiplication by `2^stops` ([`Exposure`], chosen by [`meter`] unless given);
 //! 3. [`ToneMapper::map`] to 0..=1;
 //! 4. [`srgb_encode`], times 255, rounded to nearest ([`srgb_byte`]).
 //!
-//! Any other renderer that follows the formulas given there shows the same scene within one step of 255.
+//! A renderer that follows these formulas produces the same picture within one step of 255.
 
 mod canvas;
 mod display;
@@ -17,13 +17,13 @@ mod error;
 mod exposure;
 mod false_color;
 mod font;
-mod lamp;
 mod legend;
 mod lens;
 mod limits;
 mod names;
 mod normal_map;
 mod picture;
+mod rect_light;
 mod resolution;
 mod show;
 mod srgb;

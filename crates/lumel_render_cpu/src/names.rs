@@ -1,6 +1,6 @@
-//! Names of settings, as the command line and files of settings spell them.
+//! Names of settings, as on the command line and in settings files.
 
-/// The text is not a name that a setting has.
+/// The text is not the name of a value of the setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown {what} \"{name}\": expected one of {}", .expected.join(", "))]
 pub struct UnknownName {
@@ -13,7 +13,7 @@ pub struct UnknownName {
 macro_rules! named {
     ($type:ident, $what:literal, $($variant:ident = $name:literal),+ $(,)?) => {
         impl $type {
-            /// Every value there is.
+            /// All values.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
             /// The names of [`ALL`](Self::ALL), in the same order.

@@ -1,14 +1,14 @@
-//! The normals that surfaces show, with their normal maps.
+//! Shading normals with normal maps.
 
 use glam::{Vec2, Vec3};
 use lumel_scene::{Scene, SurfacePoint, TextureRef, TriId};
 
-/// The unit normal that a picture shows: the interpolated vertex normal, turned by the material's normal map.
+/// The unit normal that a picture shows: the interpolated vertex normal, perturbed by the material's normal map.
 ///
-/// The tangent frame comes from the triangle: `t` is where the texture's `u` grows, `b` where the image's top is
-/// (`v` runs down), both made perpendicular to the interpolated normal `n`. A texel `m`, 0..=1, gives
+/// The tangent frame comes from the triangle: `t` points along increasing `u`, `b` towards the top of the
+/// image (`v` points down), both made perpendicular to the interpolated normal `n`. A texel `m`, 0..=1, gives
 /// `normalize(t (2m.x − 1) + b (2m.y − 1) + n (2m.z − 1))`. On the back of a two-sided face it is that of the front,
-/// reversed. Where texture coordinates span no area the map is left out.
+/// negated. Where texture coordinates span no area, the map is ignored.
 pub(crate) fn seen_normal(scene: &Scene, at: SurfacePoint) -> Vec3 {
     let normal = scene.shading_normal(at);
     let Some(map) = scene.material(at.tri).normal_texture else { return normal };

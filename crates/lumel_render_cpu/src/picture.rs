@@ -14,7 +14,7 @@ pub struct Picture {
     range: Option<[f32; 2]>,
 }
 
-/// What lies between pictures beside each other, and around the smaller ones.
+/// The background between and below joined pictures.
 const PAPER: [u8; 3] = [255; 3];
 
 impl Picture {
@@ -40,12 +40,12 @@ impl Picture {
         self.height
     }
 
-    /// The exposure it was drawn with, stops: what to ask for to get it again. `None` when it has none.
+    /// The exposure it was drawn with, stops; `None` if it has none.
     pub fn stops(&self) -> Option<f32> {
         self.stops
     }
 
-    /// The range of its false colours, W·m⁻²; `None` when it has none.
+    /// The range of its false colours, W·m⁻²; `None` if it has none.
     pub fn range(&self) -> Option<[f32; 2]> {
         self.range
     }
@@ -63,7 +63,7 @@ impl Picture {
 
     /// A label on a strip at the bottom left: printable ASCII, `²` and `×`; other letters become boxes.
     ///
-    /// The letters grow with the picture; a label that does not fit is cut.
+    /// Text scales with the picture; a label that does not fit is clipped.
     #[must_use]
     pub fn labelled(mut self, text: &str) -> Self {
         let mut canvas = self.canvas();
@@ -76,10 +76,10 @@ impl Picture {
         self
     }
 
-    /// Pictures from left to right with a gap between them, tops in line.
+    /// Pictures side by side from left to right, separated by a gap and aligned at the top.
     ///
     /// # Errors
-    /// [`PictureError::NoPictures`], and [`PictureError::Size`] when they do not fit one picture.
+    /// [`PictureError::NoPictures`], and [`PictureError::Size`] if the result would be too large.
     pub fn beside(pictures: &[Self]) -> Result<Self, PictureError> {
         let height = pictures.iter().map(|p| p.height).max().ok_or(PictureError::NoPictures)?;
         let gap = u64::from(height.div_ceil(100));

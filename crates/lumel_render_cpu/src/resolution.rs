@@ -3,7 +3,7 @@
 use crate::PictureError;
 use crate::limits::{MAX_PIXELS, MAX_SAMPLES};
 
-/// Pixels, and rays through each.
+/// Size and number of samples per pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resolution {
     /// Pixels per row.
@@ -11,7 +11,7 @@ pub struct Resolution {
     /// Rows.
     pub height: u32,
     /// Rays per pixel, averaged: Sobol points over the pixel's square, the centre if there is only one. Powers of
-    /// two are spread best.
+    /// two are distributed best.
     pub samples_per_pixel: u32,
 }
 

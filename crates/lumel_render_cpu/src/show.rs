@@ -1,8 +1,8 @@
 //! What a picture shows of a scene.
 
-use crate::lamp::Lamp;
 use crate::names::named;
 use crate::normal_map::seen_normal;
+use crate::rect_light::VisibleLight;
 use crate::view::{Sight, View};
 use glam::Vec3;
 use lumel_accel::Ray;
@@ -10,27 +10,27 @@ use lumel_scene::{Albedo, Irradiance};
 
 /// What a picture shows.
 ///
-/// Every sample is turned into linear numbers, the samples of a pixel are averaged, and only then comes the display:
+/// Samples are averaged as linear values; the display transform is applied to the mean:
 ///
 /// | | sample | display of the mean `c` |
 /// |---|---|---|
-/// | `Radiance` | `Le + ρE/π`, lamps, sky | `srgb(tone(2^stops · c))` |
-/// | `Irradiance` | `E/π`: a white wall looks as in `Radiance` | `srgb(tone(2^stops · c))` |
+/// | `Radiance` | `Le + ρE/π`, rectangle lights, sky | `srgb(tone(2^stops · c))` |
+/// | `Irradiance` | `E/π`: white walls look the same as in `Radiance` | `srgb(tone(2^stops · c))` |
 /// | `Albedo` | `ρ` | `srgb(c)` |
 /// | `Normals` | `(n + 1)/2`, `n` the shading normal with the normal map | `c` |
 /// | `FalseColor` | `E` | see [`FalseColor`](crate::FalseColor) |
 ///
-/// Where no lit side of a surface is seen, all but `Radiance` are black.
+/// Where no lit side of a surface is visible, all but `Radiance` are black.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Show {
     /// What the eye would see.
     #[default]
     Radiance,
-    /// The light that arrives, on white surfaces.
+    /// Irradiance, shown as on white surfaces.
     Irradiance,
-    /// The share that surfaces reflect.
+    /// The fraction of light that surfaces reflect.
     Albedo,
-    /// Where surfaces look: red is +x, green +y, blue +z.
+    /// The direction that surfaces face: red is +x, green +y, blue +z.
     Normals,
     /// Luminance of the irradiance as colours, with a legend.
     FalseColor,
@@ -52,10 +52,10 @@ impl Show {
         matches!(self, Self::Radiance | Self::Irradiance)
     }
 
-    /// The linear numbers a ray brings; `None` where it sees nothing of this kind.
-    pub(crate) fn sample(self, view: &View<'_>, lamps: &[Lamp<'_>], ray: Ray) -> Option<Vec3> {
+    /// The linear value along a ray; `None` where there is nothing of this kind.
+    pub(crate) fn sample(self, view: &View<'_>, lights: &[VisibleLight<'_>], ray: Ray) -> Option<Vec3> {
         if self == Self::Radiance {
-            return Some(view.radiance(lamps, ray).0);
+            return Some(view.radiance(lights, ray).0);
         }
         let (Sight::Surface(at), _) = view.sight(ray) else { return None };
         Some(match self {

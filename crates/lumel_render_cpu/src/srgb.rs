@@ -12,7 +12,7 @@ pub fn srgb_decode(code: f32) -> f32 {
 
 /// Linear light to the byte of a picture: clamped to 0..=1, encoded, times 255, rounded to nearest.
 ///
-/// What is not a number is black.
+/// NaN is black.
 pub fn srgb_byte(linear: f32) -> u8 {
     unit_byte(srgb_encode(linear.clamp(0.0, 1.0)))
 }
@@ -22,7 +22,7 @@ pub fn srgb_from_byte(byte: u8) -> f32 {
     srgb_decode(f32::from(byte) / 255.0)
 }
 
-/// A number of 0..=1 as a byte, without a curve; what is not a number is zero.
+/// A number in 0..=1 as a byte, without a curve; NaN is zero.
 pub(crate) fn unit_byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }

@@ -1,6 +1,6 @@
 //! Percentiles.
 
-/// The value that `percent` of all lie at or below (nearest rank); reorders the list. `None` for an empty one.
+/// The value at or below which `percent` of all values lie (nearest rank); reorders the list. `None` for an empty one.
 pub(crate) fn percentile(values: &mut [f32], percent: f64) -> Option<f32> {
     let last = values.len().checked_sub(1)?;
     let rank = ((percent / 100.0 * values.len() as f64).ceil() as usize).saturating_sub(1).min(last);

@@ -1,28 +1,28 @@
-//! Tone mapping: from scene light of any size to 0..=1.
+//! Tone mapping: from unbounded scene light to 0..=1.
 
 use crate::names::named;
 use glam::{Mat3, Vec3};
 use lumel_scene::luminance;
 
-/// How light brighter than the display is brought into its range.
+/// How light brighter than the display is compressed into its range.
 ///
 /// Input is linear Rec. 709 after exposure, output linear Rec. 709 in 0..=1, to be encoded as sRGB. All but
-/// [`Reinhard`](Self::Reinhard) keep middle grey: 0.18 stays 0.18.
+/// [`Reinhard`](Self::Reinhard) preserve middle grey: 0.18 stays 0.18.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ToneMapper {
-    /// `clamp(c, 0, 1)` per channel: numbers on the display are proportional to light until they clip.
+    /// `clamp(c, 0, 1)` per channel: linear until it clips.
     None,
-    /// On luminance `Y`, with white point `w`: `c · (1 + Y/w²) / (1 + Y)`, then clamped. Keeps hue and saturation.
+    /// On luminance `Y`, with white point `w`: `c · (1 + Y/w²) / (1 + Y)`, then clamped. Preserves hue and saturation.
     ///
     /// Reinhard, Stark, Shirley, Ferwerda, *Photographic Tone Reproduction for Digital Images*, 2002, equation 4.
     Reinhard,
     /// `O · f(I · 1.46193 c)` with `f(x) = (x² + 0.0245786 x − 0.000090537) / (0.983729 x² + 0.432951 x + 0.238081)`
-    /// per channel, then clamped: contrast of film, bright colours turn to white.
+    /// per channel, then clamped: filmic contrast; bright colours desaturate to white.
     ///
     /// `f` and the matrices `I`, `O` are Stephen Hill's fit to the ACES reference and output transforms for Rec. 709
-    /// (2016, in Matt Pettineo's *BakingLab*); the factor puts middle grey back to 0.18. An approximation, not ACES.
+    /// (2016, in Matt Pettineo's *BakingLab*); the factor restores middle grey to 0.18. An approximation, not ACES.
     Aces,
-    /// Logarithms of desaturated channels through a sigmoid: softer than ACES, hues hold longer.
+    /// A sigmoid of the logarithm of desaturated channels: softer than ACES; hues are preserved longer.
     ///
     /// With `k = (0.0425, 0.0785, 0.0785)` and `s = 1 − Σk`:
     /// 1. inset: `c₁ = s c + (k·c) (1,1,1)`;
@@ -42,12 +42,12 @@ pub enum ToneMapper {
 named!(ToneMapper, "tone mapper", None = "none", Reinhard = "reinhard", Aces = "aces", Agx = "agx");
 
 impl ToneMapper {
-    /// The white point that [`Reinhard`](Self::Reinhard) is given unless told otherwise.
+    /// The default white point of [`Reinhard`](Self::Reinhard).
     pub const DEFAULT_WHITE: f32 = 4.0;
 
-    /// Maps exposed linear light to 0..=1; `white` is the luminance that [`Reinhard`](Self::Reinhard) makes 1.
+    /// Maps exposed linear light to 0..=1; `white` is the luminance that [`Reinhard`](Self::Reinhard) maps to 1.
     ///
-    /// What is not a number becomes zero.
+    /// NaN becomes zero.
     pub fn map(self, exposed: Vec3, white: f32) -> Vec3 {
         let exposed = finite(exposed);
         clamp_unit(match self {
@@ -62,7 +62,7 @@ impl ToneMapper {
     }
 }
 
-/// Zero for what is not a number; numbers too large for the curves' squares are cut.
+/// Zero for NaN; numbers whose squares would overflow are clamped.
 fn finite(c: Vec3) -> Vec3 {
     c.map(|x| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1e15) })
 }

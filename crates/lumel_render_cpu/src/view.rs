@@ -1,13 +1,13 @@
-//! What can be seen: surfaces with their light, lamps and sky.
+//! What a camera can see: lit surfaces, rectangle lights and the sky.
 
 use crate::PictureError;
-use crate::lamp::Lamp;
 use crate::names::named;
+use crate::rect_light::VisibleLight;
 use glam::Vec3;
 use lumel_accel::{Hit, Ray, RayTracer};
 use lumel_scene::{FaceSide, Irradiance, Radiance, Scene, SurfacePoint, offset_along};
 
-/// How many backs of one-sided faces a ray passes before it is taken to see nothing.
+/// How many back faces a ray passes through before it is considered to see nothing.
 const MAX_BACKS: u32 = 256;
 
 /// Light on the surfaces of a scene.
@@ -53,19 +53,19 @@ impl Lighting for VertexLight<'_> {
     }
 }
 
-/// What the backs of one-sided faces look like.
+/// How the back faces of one-sided surfaces appear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Backfaces {
-    /// Nothing: one looks through them, into a room from outside. They block light all the same.
+    /// Invisible: the camera sees through them into a room from outside. They still block light.
     #[default]
     Through,
-    /// Black, which is what they send out.
+    /// Black: they emit and reflect nothing.
     Black,
 }
 
 named!(Backfaces, "look of back faces", Through = "through", Black = "black");
 
-/// A lit scene, ready to be looked at.
+/// A lit scene, ready to be drawn.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     /// The surfaces.
@@ -74,11 +74,11 @@ pub struct View<'a> {
     pub tracer: &'a dyn RayTracer,
     /// The light on them.
     pub lighting: &'a dyn Lighting,
-    /// What backs of one-sided faces look like.
+    /// How the back faces of one-sided surfaces appear.
     pub backfaces: Backfaces,
 }
 
-/// What a ray from the eye ends at.
+/// What a camera ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sight {
     /// A side of a surface that reflects.
@@ -90,12 +90,12 @@ pub(crate) enum Sight {
 }
 
 impl<'a> View<'a> {
-    /// A view that looks through the backs of one-sided faces.
+    /// A view in which back faces of one-sided surfaces are invisible.
     pub fn new(scene: &'a Scene, tracer: &'a dyn RayTracer, lighting: &'a dyn Lighting) -> Self {
         Self { scene, tracer, lighting, backfaces: Backfaces::default() }
     }
 
-    /// The lit surface that is seen along a ray from the eye, lamps apart.
+    /// The lit surface that a camera ray sees; rectangle lights are ignored.
     pub fn surface(&self, ray: Ray) -> Option<SurfacePoint> {
         match self.sight(ray).0 {
             Sight::Surface(at) => Some(at),
@@ -103,7 +103,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// What a ray from the eye ends at, and how far away in lengths of its direction.
+    /// What a camera ray hits, and the distance in lengths of its direction.
     pub(crate) fn sight(&self, mut ray: Ray) -> (Sight, f32) {
         let mut passed = 0.0;
         for _ in 0..MAX_BACKS {
@@ -125,23 +125,24 @@ impl<'a> View<'a> {
         (Sight::Nothing, f32::INFINITY)
     }
 
-    /// The lit surface that coincides with the back of a one-sided face: thin walls are often modelled as two faces
-    /// in one place that look away from each other, and either may be what a ray meets first.
+    /// The lit surface that coincides with the back of a one-sided face: thin walls are often modelled as two
+    /// coincident faces that face away from each other, and a ray may hit either first.
     fn front_beside(&self, back: &Hit) -> Option<SurfacePoint> {
         let (point, normal) = (self.scene.position(back.at), self.scene.geometric_normal(back.at.tri));
         let before = offset_along(point, -normal);
         let across = offset_along(point, normal) - before;
         let segment = Ray { t_max: 1.0, ..Ray::new(before, across) }.skipping(back.at.tri);
         let hit = self.tracer.closest_hit(&segment)?;
-        // Only faces that look the other way: those next to it across an edge do not hide it.
+        // Only faces that face the other way: neighbours across an edge do not hide it.
         let opposite = self.scene.geometric_normal(hit.at.tri).dot(normal) < -OPPOSITE_COS;
         (hit.side == FaceSide::Front && opposite).then_some(hit.at)
     }
 
-    /// Radiance that arrives at the eye along a ray: `Le + ρE/π` of a surface, or a lamp before it, or the sky.
-    pub(crate) fn radiance(&self, lamps: &[Lamp<'_>], ray: Ray) -> Radiance {
+    /// Radiance that arrives at the camera along a ray: `Le + ρE/π` of a surface, a rectangle light in front of it,
+    /// or the sky.
+    pub(crate) fn radiance(&self, lights: &[VisibleLight<'_>], ray: Ray) -> Radiance {
         let (sight, t) = self.sight(ray);
-        if let Some(radiance) = Lamp::nearest(lamps, &ray, t) {
+        if let Some(radiance) = VisibleLight::nearest(lights, &ray, t) {
             return radiance;
         }
         match sight {

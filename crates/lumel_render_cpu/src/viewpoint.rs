@@ -1,4 +1,4 @@
-//! A sensible camera for scenes that come without one.
+//! A default camera for scenes without one.
 
 use crate::Lens;
 use glam::{Vec2, Vec3};
@@ -6,20 +6,20 @@ use lumel_accel::{Ray, RayTracer};
 use lumel_sample::uniform_sphere;
 use lumel_scene::{Camera, Light, Scene, Sides};
 
-/// A camera for a scene: the first of its own, or one that shows the inside of a room or the outside of an object.
+/// A camera for a scene: its first, or one that shows the inside of a room or the outside of an object.
 ///
-/// From the middle of the bounds, 256 rays ask whether they see lit sides of surfaces. If at least 60 % do, the
-/// scene is a room. Sides of two-sided faces count only if all light comes from inside the bounds, because a vase
-/// whose faces are two-sided looks like a room from within.
+/// 256 rays are traced from the centre of the bounds. If at least 60 % hit lit sides of surfaces, the scene is a room.
+/// Sides of two-sided faces count only if all light comes from inside the bounds, because a vase with two-sided faces
+/// looks like a room from inside.
 ///
-/// - Room: for 16 horizontal directions the camera backs away from the middle up to nine tenths of the way to the
-///   wall behind it, and looks across, 70° high. Behind an opening it backs away by the diagonal of the bounds at
-///   most.
-/// - Object: for 8 directions, the camera stands above and beside it, 40° high, so far away that the sphere around
-///   the bounds fits. In front, at +z, is where glTF wants an object to look.
+/// - Room: for 16 horizontal directions the camera backs away from the centre by up to 90 % of the distance to the wall
+///   behind it and looks across, with a field of view of 70°. If there is an opening behind it, it backs away by at
+///   most the diagonal of the bounds.
+/// - Object: for 8 directions, the camera stands above and beside it, with a field of view of 40°, far enough away
+///   for the bounding sphere to fit. The front is +z, as in glTF.
 ///
-/// Of these cameras the one that sees lit sides with most of its rays wins, in rooms weighed by how far the ray goes
-/// (up to the diagonal); among equals the first.
+/// The camera with the most rays that hit lit sides wins; in rooms, rays are weighted by their length (up to the
+/// diagonal). Ties go to the first.
 pub fn camera_for(scene: &Scene, tracer: &dyn RayTracer) -> Camera {
     if let Some(camera) = scene.cameras().first() {
         return camera.clone();
@@ -28,7 +28,7 @@ pub fn camera_for(scene: &Scene, tracer: &dyn RayTracer) -> Camera {
     let candidates = if eye.is_in_a_room() { eye.room_views() } else { eye.object_views() };
     let scored = candidates.into_iter().map(|candidate| (eye.score(&candidate), candidate));
     let best = scored.fold(None, |best: Option<(f32, Candidate)>, next| match best {
-        // A hundredth more must be seen: the order of the candidates decides between views of the same worth.
+        // A gain of 1 % is required, so that ties go to the first candidate despite rounding.
         Some(best) if next.0 <= best.0 * 1.01 => Some(best),
         _ => Some(next),
     });
@@ -42,7 +42,7 @@ const NAME: &str = "automatic";
 const ROOM_FOV_DEG: f32 = 70.0;
 const OBJECT_FOV_DEG: f32 = 40.0;
 
-/// Share of the rays from the middle that see lit sides in a room.
+/// Fraction of the rays from the centre that hit lit sides in a room.
 const ENCLOSED: f32 = 0.6;
 
 struct Eye<'a> {
@@ -52,7 +52,7 @@ struct Eye<'a> {
 
 struct Candidate {
     camera: Camera,
-    /// Distance at which a ray counts in full; zero if all distances count the same.
+    /// Distance at which a ray has full weight; zero if all rays have the same weight.
     depth: f32,
 }
 
@@ -61,7 +61,7 @@ impl Eye<'_> {
         self.scene.bounds().center()
     }
 
-    /// Never zero, so that there is always somewhere to stand.
+    /// Never zero, so that the camera can always be placed.
     fn diagonal(&self) -> f32 {
         self.scene.bounds().diagonal().max(1e-3)
     }

@@ -173,8 +173,8 @@ fn walls_of_two_faces_in_one_place_hide_what_is_behind() {
     }
 }
 
-/// A lamp above the middle of a dark floor, seen by a camera above or below it.
-fn lamp_pixel(lights: Vec<Light>, textures: Vec<Texture>, eye: Vec3, up: Vec3) -> Picture {
+/// A rectangle light above the middle of a dark floor, seen by a camera above or below it.
+fn light_pixel(lights: Vec<Light>, textures: Vec<Texture>, eye: Vec3, up: Vec3) -> Picture {
     let floor = [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
     let builder = scene(vec![quad(floor, 0)], vec![grey(0.5)]);
     let scene = built(SceneBuilder { lights, textures, sky: Radiance::ZERO, ..builder });
@@ -184,17 +184,17 @@ fn lamp_pixel(lights: Vec<Light>, textures: Vec<Texture>, eye: Vec3, up: Vec3) -
 }
 
 #[test]
-fn lamps_are_seen_from_their_front_only_and_not_through_walls() {
-    let at = |height| lamp(Vec3::new(0.0, height, 0.0), Vec3::X, Vec3::Z);
-    let middle = |lights, eye| lamp_pixel(lights, vec![], eye, Vec3::Z).pixel(4, 4).unwrap();
+fn rect_lights_are_seen_from_their_front_only_and_not_through_walls() {
+    let at = |height| rect_light(Vec3::new(0.0, height, 0.0), Vec3::X, Vec3::Z);
+    let middle = |lights, eye| light_pixel(lights, vec![], eye, Vec3::Z).pixel(4, 4).unwrap();
     let (below, above) = (Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 4.0, 0.0));
     assert_eq!(middle(vec![at(2.0)], below), [255; 3]);
     assert_eq!(middle(vec![at(2.0)], above), [0; 3]);
     // Through the floor's back one looks, but not through its front.
     assert_eq!(middle(vec![at(2.0)], Vec3::new(0.0, -1.0, 0.0)), [255; 3]);
-    assert_eq!(middle(vec![lamp(Vec3::new(0.0, -1.0, 0.0), Vec3::Z, Vec3::X)], above), [0; 3]);
+    assert_eq!(middle(vec![rect_light(Vec3::new(0.0, -1.0, 0.0), Vec3::Z, Vec3::X)], above), [0; 3]);
     // In the plane of the floor it is seen.
-    assert_eq!(middle(vec![lamp(Vec3::ZERO, Vec3::Z, Vec3::X)], above), [255; 3]);
+    assert_eq!(middle(vec![rect_light(Vec3::ZERO, Vec3::Z, Vec3::X)], above), [255; 3]);
     // Of two, the nearer one.
     let Light::Rect(mut dim) = at(1.5) else { unreachable!() };
     dim.radiance = Radiance::splat(0.5);
@@ -204,7 +204,7 @@ fn lamps_are_seen_from_their_front_only_and_not_through_walls() {
 }
 
 #[test]
-fn lamps_have_their_size_and_their_texture() {
+fn rect_lights_have_their_size_and_their_texture() {
     // Seen from below with +z up in the picture, +x is on the right: the image is upright.
     let light = Light::Rect(lumel_scene::RectLight {
         center: Vec3::new(0.0, 2.0, 0.0),
@@ -218,7 +218,7 @@ fn lamps_have_their_size_and_their_texture() {
     let mut texture = Texture::from_floats("colours", 2, 2, texels).unwrap();
     (texture.wrap_u, texture.wrap_v) = (lumel_scene::Wrap::Clamp, lumel_scene::Wrap::Clamp);
     // One metre ahead the picture is 2 tan 30° = 1.155 m high, 0.128 m per pixel.
-    let picture = lamp_pixel(vec![light], vec![texture], Vec3::new(0.0, 1.0, 0.0), Vec3::Z);
+    let picture = light_pixel(vec![light], vec![texture], Vec3::new(0.0, 1.0, 0.0), Vec3::Z);
     let lit = |x, y| picture.pixel(x, y).unwrap() != [0; 3];
     assert_eq!((0..9).filter(|&x| lit(x, 4)).count(), 9 - 2 * ((0.577_f32 - 0.5) / 0.1283) as usize);
     assert_eq!((0..9).filter(|&y| lit(4, y)).count(), 5);

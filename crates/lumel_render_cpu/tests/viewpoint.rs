@@ -68,10 +68,10 @@ fn two_sided_boxes_are_rooms_or_objects_by_where_their_light_is() {
         let scene = built(SceneBuilder { lights: vec![light], sky, ..builder });
         is_inside(&scene, found(&scene).position)
     };
-    let lamp = 0.5 * (MIN + MAX);
-    assert!(inside(lamp, Radiance::ZERO));
-    assert!(!inside(lamp + 20.0 * Vec3::Y, Radiance::ZERO));
-    assert!(!inside(lamp, Radiance::splat(1.0)));
+    let middle = 0.5 * (MIN + MAX);
+    assert!(inside(middle, Radiance::ZERO));
+    assert!(!inside(middle + 20.0 * Vec3::Y, Radiance::ZERO));
+    assert!(!inside(middle, Radiance::splat(1.0)));
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
                 model: &model,
                 camera: &camera,
                 light,
-                lamps: &[],
+                rect_lights: &[],
                 look,
                 wireframe: false,
                 overlay: None,

@@ -1,4 +1,4 @@
-// Lays the overlay on the finished picture.
+// Composites the overlay over the finished picture.
 
 @group(0) @binding(0) var overlay: texture_2d<f32>;
 

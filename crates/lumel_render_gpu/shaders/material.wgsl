@@ -11,7 +11,7 @@ struct Material {
     /// The same for emission.
     emission_u: vec4<f32>,
     emission_v: vec4<f32>,
-    /// The same for the normal map. The last of the first row is -1 on backs of two-sided faces, else 1.
+    /// The same for the normal map. The last of the first row is -1 on back faces, otherwise 1.
     normal_u: vec4<f32>,
     normal_v: vec4<f32>,
 };

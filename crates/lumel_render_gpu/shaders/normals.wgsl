@@ -1,4 +1,4 @@
-// Where surfaces look, encoded as (n + 1)/2.
+// Shading normals, encoded as (n + 1)/2.
 
 override HAS_NORMAL_MAP: bool = false;
 
@@ -19,10 +19,10 @@ fn vertex(
     return Interpolated(project(from_eye), normal, from_eye, mapped(uv, material.normal_u, material.normal_v));
 }
 
-/// The shading normal on the front of a face, turned by its normal map: as in lumel_render_cpu's normal_map.rs.
+/// The shading normal on the front of a face, perturbed by its normal map, as in lumel_render_cpu's normal_map.rs.
 ///
-/// Position and texture coordinate change linearly over a triangle, so the steps to the neighbouring pixels span it as
-/// well as its edges do.
+/// Position and texture coordinates are linear over a triangle, so their screen-space derivatives span it as its edges
+/// do.
 fn turned(in: Interpolated, normal: vec3<f32>) -> vec3<f32> {
     let e1 = dpdx(in.from_eye);
     let e2 = dpdy(in.from_eye);
@@ -51,7 +51,7 @@ fn turned(in: Interpolated, normal: vec3<f32>) -> vec3<f32> {
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
     var normal = in.normal;
     if (dot(normal, normal) == 0.0) {
-        // Opposite vertex normals: the triangle's own, which looks at the eye.
+        // Opposite vertex normals cancel: use the triangle's normal, which faces the camera.
         let across = cross(dpdx(in.from_eye), dpdy(in.from_eye));
         normal = -across * sign(dot(across, in.from_eye));
     }

@@ -1,6 +1,6 @@
-// Dots, lines and edges of triangles over the picture, in sRGB codes. Colours are multiplied by their opacity.
+// Dots, lines and triangle edges over the picture, in sRGB codes. Colours are multiplied by their opacity.
 
-/// 1 for what is seen, less for what lies behind surfaces.
+/// 1 for visible marks, less for those behind surfaces.
 override OPACITY: f32 = 1.0;
 
 /// Of dots, pixels.
@@ -9,7 +9,7 @@ const RADIUS: f32 = 2.5;
 /// Half of the width of lines, pixels.
 const HALF_WIDTH: f32 = 0.75;
 
-/// Edges of triangles: a blue that shows on black and on white.
+/// Triangle edges: a blue that is visible on black and on white.
 const EDGE = vec4<f32>(0.25, 0.55, 1.0, 0.4);
 
 struct Dot {
@@ -58,7 +58,7 @@ struct Line {
     @location(1) across: f32,
 };
 
-/// The part of a segment that is before the near plane starts here.
+/// The start of the part of a segment in front of the near plane.
 fn cut(start: vec4<f32>, end: vec4<f32>) -> vec4<f32> {
     if (start.w >= view.near || end.w <= view.near) {
         return start;

@@ -1,4 +1,4 @@
-// The values of the light buffer as colours, shaded by a lamp at the eye.
+// The values of the light buffer as colours, shaded by a headlight.
 
 struct Interpolated {
     @builtin(position) clip: vec4<f32>,
@@ -19,7 +19,7 @@ fn vertex(
 
 @fragment
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
-    // Tiny enough to change nothing, and keeps zero vectors from dividing by zero.
+    // Too small to matter; prevents a division by zero.
     let lengths = max(length(in.normal) * length(in.from_eye), 1e-30);
     let facing = abs(dot(in.normal, in.from_eye)) / lengths;
     return vec4<f32>(storable(in.color * (0.35 + 0.65 * facing)), 1.0);

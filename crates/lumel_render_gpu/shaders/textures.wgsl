@@ -1,4 +1,4 @@
-// The textures of a draw call; what a material lacks is white.
+// The textures of a draw call; missing ones are white.
 
 @group(2) @binding(0) var albedo_map: texture_2d<f32>;
 @group(2) @binding(1) var albedo_sampler: sampler;

@@ -4,12 +4,12 @@
 override CURVE: u32 = 0u;
 
 struct Tone {
-    /// The luminance that Reinhard's curve makes white.
+    /// The luminance that Reinhard's curve maps to white.
     white: f32,
-    /// Smallest and largest luminance of false colours, divided by what the exposure multiplies by.
+    /// Smallest and largest luminance of false colours, divided by the factor of the exposure.
     low: f32,
     high: f32,
-    /// 1 where false colours are logarithmic, else 0.
+    /// 1 if false colours are logarithmic, otherwise 0.
     logarithmic: f32,
 };
 
@@ -83,7 +83,7 @@ fn agx_code(c: vec3<f32>) -> vec3<f32> {
     return select(1.055 * outset - 0.055, 12.92 * linear, linear <= vec3<f32>(0.0031308));
 }
 
-/// The colour of a pixel: mean luminance in two halves, and the share of it that shows surfaces.
+/// The colour of a pixel: mean luminance in two halves, and the fraction covered by surfaces.
 fn false_color(mean: vec4<f32>) -> vec3<f32> {
     if (mean.a == 0.0) {
         return vec3<f32>(0.0);
@@ -116,6 +116,6 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     } else {
         code = false_color(mean);
     }
-    // Rounded here, to the nearest on every device.
+    // Rounded here, so that every device rounds to nearest.
     return vec4<f32>(floor(255.0 * unit(code) + 0.5) / 255.0, 1.0);
 }

@@ -1,4 +1,4 @@
-// What is linear over a triangle: computed at the vertices, so that fragments only store it.
+// Values that are linear over a triangle: computed at the vertices and only stored by fragments.
 
 /// See `Value` in pipelines.rs.
 override VALUE: u32 = 0u;
@@ -29,7 +29,7 @@ fn vertex(@location(0) position: vec3<f32>, @location(1) light: vec3<f32>) -> In
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
     let value = storable(in.value * view.exposure);
     if (VALUE == 3u) {
-        // One number in two halves: 11 bits are too few to tell 256 colours apart.
+        // One number in two halves: 11 bits cannot distinguish 256 colours.
         let high = bitcast<f32>(bitcast<u32>(value.x) & 0xffffe000u);
         return vec4<f32>(high, value.x - high, 0.0, 1.0);
     }

@@ -1,5 +1,5 @@
-// The camera and the exposure, shared by all that draws in the scene.
-// Composed behind the constants that shaders.rs takes from lumel_scene.
+// The camera and the exposure, shared by all scene shaders.
+// Follows the constants that shaders.rs prepends.
 
 struct View {
     /// World space, metres.
@@ -8,15 +8,15 @@ struct View {
     near: f32,
     /// Unit vector to the right, over half the width of the picture one metre ahead.
     right: vec3<f32>,
-    /// 2^stops, or what brings the range of false colours to 0..=1.
+    /// 2^stops, or the factor that maps the range of false colours to 0..=1.
     exposure: f32,
     /// Unit vector up, over half the height of the picture one metre ahead.
     up: vec3<f32>,
-    /// What the depth of marks is multiplied by, so that they lie before the surface they are on.
+    /// Factor of the depth of marks, so that they lie in front of their surface.
     closer: f32,
-    /// Unit vector into the picture.
+    /// Unit vector along the view direction.
     forward: vec3<f32>,
-    /// Keeps the next one aligned.
+    /// Padding.
     unused: f32,
     /// Width and height of the picture, pixels.
     size: vec2<f32>,
@@ -24,13 +24,13 @@ struct View {
 
 @group(0) @binding(0) var<uniform> view: View;
 
-/// A point relative to the eye in clip space. Depth is near/z: 1 at the near plane, 0 infinitely far away, where
+/// A point relative to the camera, in clip space. Depth is near/z: 1 at the near plane, 0 infinitely far away, where
 /// floats are densest.
 fn project(from_eye: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(dot(from_eye, view.right), dot(from_eye, view.up), view.near, dot(from_eye, view.forward));
 }
 
-/// What 16 bits can hold: an infinity would make the average of its pixel's samples worthless.
+/// Clamped to the range of 16-bit floats: an infinity would spoil the mean of the pixel's samples.
 fn storable(color: vec3<f32>) -> vec3<f32> {
     return clamp(color, vec3<f32>(-MAX_F16), vec3<f32>(MAX_F16));
 }

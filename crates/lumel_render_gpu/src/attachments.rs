@@ -1,12 +1,12 @@
-//! What pictures are drawn into: formats and samples.
+//! Formats and sample counts of attachments.
 
 /// Exposed linear light; coverage in the fourth channel.
 pub(crate) const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Near over distance: floats are dense around zero, which is far away.
+/// Near over distance: floats are densest around zero, at infinity.
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// sRGB codes: not a format that decodes them.
+/// sRGB codes, in a format that does not decode them.
 pub(crate) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Samples per pixel.

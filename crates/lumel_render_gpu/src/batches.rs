@@ -10,11 +10,11 @@ use std::ops::Range;
 pub(crate) struct Group {
     /// Index of the material.
     pub(crate) material: usize,
-    /// -1 for the backs of two-sided faces, else 1.
+    /// -1 for back faces of two-sided surfaces, otherwise 1.
     pub(crate) side: f32,
-    /// Into the indices.
+    /// Range of the indices.
     pub(crate) indices: Range<u32>,
-    /// What varies over them.
+    /// Their attributes.
     pub(crate) detail: Detail,
 }
 

@@ -1,14 +1,14 @@
-//! From a [`Look`] to the numbers that the shaders are given.
+//! From a [`Look`] to the inputs of the shaders.
 
 use crate::Look;
 use crate::layout::Tone;
 use crate::pipelines::Curve;
 use lumel_render_cpu::{Exposure, Scale, ToneMapper};
 
-/// How linear numbers become sRGB codes.
+/// How linear values become sRGB codes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shown {
-    /// What they are multiplied by before they are stored in 16 bits.
+    /// Their factor before they are stored in 16 bits.
     pub(crate) exposure: f32,
     pub(crate) curve: Curve,
     pub(crate) tone: Tone,
@@ -47,7 +47,7 @@ impl Shown {
         }
     }
 
-    /// The luminance is brought to the size of 1, by a power of two so that nothing is rounded.
+    /// The luminance is scaled to about 1 by a power of two, so that nothing is rounded.
     fn false_color([low, high]: [f32; 2], scale: Scale) -> Self {
         let is_range =
             low < high && low.is_finite() && high.is_finite() && (scale == Scale::Linear || low > 0.0);

@@ -1,12 +1,12 @@
 //! The passes of a frame: scene, tone mapper, overlay.
 
 use crate::display::Shown;
-use crate::lamps::{LampInstance, instances};
 use crate::layout::View;
 use crate::memory::buffer;
 use crate::model::Model;
 use crate::overlay::Hidden;
 use crate::pipelines::{Detail, Key, Layer, Pipelines, Quantity, Value};
+use crate::rect_lights::{RectLightInstance, instances};
 use crate::shaders::MAX_F16;
 use crate::{Frame, Gpu, LightBuffer, Lit, Look, Target};
 
@@ -19,7 +19,7 @@ pub(crate) fn draw(gpu: &Gpu, pipelines: &Pipelines, target: &Target, frame: &Fr
     }
     gpu.queue().write_buffer(&target.tone_values, 0, bytemuck::bytes_of(&shown.tone));
     let draw = Draw { gpu, pipelines, target, frame };
-    // What a camera without a view sees is nothing.
+    // A camera without a view sees nothing.
     let sees = view.is_some();
     let marks = sees && draw.has_marks();
     let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -93,16 +93,16 @@ impl Draw<'_> {
         }
         pass.set_scissor_rect(0, 0, width, height);
         if let Look::Radiance { .. } = self.frame.look {
-            self.lamps(&mut pass);
+            self.rect_lights(&mut pass);
         }
     }
 
-    /// Which light is shown in which columns of the picture.
+    /// The light shown in each range of columns.
     fn parts(&self, width: u32) -> Vec<(&LightBuffer, std::ops::Range<u32>)> {
         match self.frame.light {
             Lit::One(light) => vec![(light, 0..width)],
             Lit::Split { left, right, at } => {
-                // A cast of what is not a number is 0.
+                // Casting NaN gives 0.
                 let divider = (at.clamp(0.0, 1.0) * width as f32).round() as u32;
                 vec![(left, 0..divider.min(width)), (right, divider.min(width)..width)]
             }
@@ -151,7 +151,7 @@ impl Draw<'_> {
         }
     }
 
-    /// All triangles at once, for what does not depend on materials.
+    /// All triangles at once, for quantities that do not depend on materials.
     fn everything(&self, pass: &mut wgpu::RenderPass<'_>, key: Key) {
         pass.set_pipeline(&self.pipeline(key));
         if let Key::Value(..) = key {
@@ -172,20 +172,20 @@ impl Draw<'_> {
         }
     }
 
-    fn lamps(&self, pass: &mut wgpu::RenderPass<'_>) {
+    fn rect_lights(&self, pass: &mut wgpu::RenderPass<'_>) {
         let model = self.frame.model;
-        let lamps = instances(self.frame.lamps);
-        if lamps.is_empty() {
+        let rect_lights = instances(self.frame.rect_lights);
+        if rect_lights.is_empty() {
             return;
         }
-        let values: Vec<LampInstance> = lamps.iter().map(|(values, _)| *values).collect();
+        let values: Vec<RectLightInstance> = rect_lights.iter().map(|(values, _)| *values).collect();
         let bytes = bytemuck::cast_slice(&values);
-        let buffer = buffer(self.gpu, "lamps", wgpu::BufferUsages::VERTEX, bytes);
-        pass.set_pipeline(&self.pipeline(Key::Lamp(self.target.samples())));
+        let buffer = buffer(self.gpu, "rect_lights", wgpu::BufferUsages::VERTEX, bytes);
+        pass.set_pipeline(&self.pipeline(Key::RectLight(self.target.samples())));
         pass.set_vertex_buffer(0, buffer.slice(..));
-        for (i, (_, texture)) in (0..).zip(&lamps) {
-            let group = texture.and_then(|id| model.textured_lamps.get(id.index()));
-            pass.set_bind_group(1, group.unwrap_or(&model.plain_lamp), &[]);
+        for (i, (_, texture)) in (0..).zip(&rect_lights) {
+            let group = texture.and_then(|id| model.textured_rect_lights.get(id.index()));
+            pass.set_bind_group(1, group.unwrap_or(&model.plain_rect_light), &[]);
             pass.draw(0..6, i..i + 1);
         }
     }

@@ -12,25 +12,25 @@ pub enum RenderError {
     TooLarge {
         /// The scene's name.
         scene: String,
-        /// Which part of it.
+        /// The part.
         what: &'static str,
-        /// How much it takes.
+        /// Its size.
         bytes: u64,
-        /// How much one part may take.
+        /// The limit.
         limit: u64,
     },
     /// The device has no memory left.
     #[error("the graphics device has no memory left for {what}")]
     OutOfMemory {
-        /// What there was to be made.
+        /// What was to be created.
         what: String,
     },
     /// No pixels, or more than the device allows.
     #[error("a picture of {width} x {height} pixels cannot be drawn; both must be 1 to {limit}")]
     Size {
-        /// Asked for.
+        /// The requested size.
         width: u32,
-        /// Asked for.
+        /// The requested size.
         height: u32,
         /// The largest width or height.
         limit: u32,
@@ -43,10 +43,10 @@ pub enum RenderError {
         /// Vertices of the scene.
         vertices: usize,
     },
-    /// Pixels that make no picture.
+    /// Pixels that do not form a picture.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// The device failed to hand out its pixels.
+    /// The device did not return the pixels.
     #[error("the graphics device did not return the picture: {0}")]
     Read(String),
 }

@@ -15,7 +15,7 @@ pub struct Gpu {
 pub enum GpuError {
     /// There is no adapter, neither hardware nor software.
     #[error(
-        "no graphics adapter found ({0})\n  hint: install the driver of the graphics card, or a software one (Debian: `apt-get install libvulkan1 mesa-vulkan-drivers`)"
+        "no graphics adapter found ({0})\n  hint: install the driver of the graphics card or a software renderer (Debian: `apt-get install libvulkan1 mesa-vulkan-drivers`)"
     )]
     NoAdapter(wgpu::RequestAdapterError),
     /// The adapter does not work.
@@ -29,12 +29,12 @@ pub enum GpuError {
 }
 
 impl Gpu {
-    /// A device without a window: the fastest there is, a software one where there is no other.
+    /// A device without a window: the fastest, or a software device if there is no other.
     ///
     /// Blocks until the driver answers. `WGPU_BACKEND` chooses among vulkan, metal, dx12 and gl.
     ///
     /// # Errors
-    /// [`GpuError`] when there is none, with what to install.
+    /// [`GpuError`] if there is none; it says what to install.
     pub fn headless() -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let options = wgpu::RequestAdapterOptions {
@@ -47,12 +47,12 @@ impl Gpu {
         Ok(Self::new(&adapter, device, queue))
     }
 
-    /// A device that there is already, such as a UI's; made with [`Self::device_descriptor`] where one has the choice.
+    /// An existing device, such as that of a UI; create it with [`Self::device_descriptor`] where possible.
     pub fn new(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
         Self { info: adapter.get_info(), device, queue }
     }
 
-    /// What to ask an adapter for: wireframes if it has them, and room for large scenes.
+    /// What to request from an adapter: wireframes if supported, and limits for large scenes.
     pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
         let offered = adapter.limits();
         let fits = |limits: &wgpu::Limits| limits.check_limits(&offered);
@@ -68,12 +68,12 @@ impl Gpu {
         }
     }
 
-    /// Name, driver and interface, for people: `llvmpipe (LLVM 15.0.6, 256 bits), Vulkan`.
+    /// Name, driver and interface, for display: `llvmpipe (LLVM 15.0.6, 256 bits), Vulkan`.
     pub fn name(&self) -> String {
         format!("{}, {:?}", self.info.name, self.info.backend)
     }
 
-    /// Whether it is a program on the CPU, which takes tens of milliseconds per picture.
+    /// Whether it is a software renderer, which takes tens of milliseconds per picture.
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
@@ -88,7 +88,7 @@ impl Gpu {
         &self.device
     }
 
-    /// Where its work is handed in.
+    /// The queue for its work.
     pub fn queue(&self) -> &wgpu::Queue {
         &self.queue
     }

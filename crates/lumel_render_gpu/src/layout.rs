@@ -1,4 +1,4 @@
-//! Numbers as the shaders read them: the order and padding of the structs of the same names in `shaders/`.
+//! Data as the shaders read it: order and padding are those of the structs of the same names in `shaders/`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -31,7 +31,7 @@ pub(crate) struct MaterialValues {
     normal_uv: [[f32; 4]; 2],
 }
 
-/// What the tone mapper is told: `tone.wgsl`.
+/// Settings of the tone mapper: `tone.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct Tone {
@@ -41,17 +41,18 @@ pub(crate) struct Tone {
     pub(crate) logarithmic: f32,
 }
 
-/// How far before its surface a mark is drawn whatever the camera, as a share of the distance.
+/// How far in front of its surface a mark is drawn at least, as a fraction of the distance.
 const CLOSER: f32 = 1e-4;
 
-/// The same in pixels at its distance: enough for a dot on a surface that is tilted by 60°.
+/// The same in pixels at its distance: enough for a dot on a surface tilted by 60°.
 const CLOSER_PIXELS: f32 = 4.0;
 
-/// The same at most, where pixels are huge.
+/// The same at most, where pixels are large.
 const CLOSEST: f32 = 0.02;
 
 impl View {
-    /// `exposure` multiplies linear values. `None` for a camera without a view, by the rules of [`lumel_render_cpu::Lens`].
+    /// `exposure` multiplies linear values. `None` for a camera without a view; see
+    /// [`lumel_render_cpu::Lens`].
     pub(crate) fn new(camera: &Camera, near: f32, size: [u32; 2], exposure: f32) -> Option<Self> {
         let [width, height] = size.map(|n| n as f32);
         let aspect = (f64::from(size[0]) / f64::from(size[1])) as f32;
@@ -75,7 +76,7 @@ impl View {
 }
 
 impl MaterialValues {
-    /// `side` is -1 on the backs of two-sided faces, else 1.
+    /// `side` is -1 on back faces of two-sided surfaces, otherwise 1.
     pub(crate) fn new(material: &Material, side: f32) -> Self {
         let rows = |map: Option<TextureRef>| uv_rows(map.map_or(UvTransform::default(), |map| map.transform));
         let [normal_u, normal_v] = rows(material.normal_texture);
@@ -104,7 +105,7 @@ mod tests {
     use glam::Vec2;
     use std::mem::offset_of;
 
-    /// Size, and members with their offsets, of a struct as WGSL lays it out.
+    /// Size of a struct in WGSL, and its members with their offsets.
     fn in_wgsl(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
         let module = naga::front::wgsl::parse_str(source).unwrap();
         let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap().1;

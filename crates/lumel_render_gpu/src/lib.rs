@@ -1,12 +1,12 @@
-//! Draws lit scenes with wgpu, offscreen: for the viewer, for tests and for screenshots. It knows no window and no UI.
+//! Draws lit scenes with wgpu, offscreen, for the viewer, tests and screenshots. Needs neither a window nor a UI.
 //!
-//! A [`Renderer`] turns a scene into a [`Model`] once, and the light on it into a [`LightBuffer`] whenever there is
-//! new light. A [`Frame`] says what to draw, a [`Target`] holds the picture: a texture for a UI to show, which
+//! A [`Renderer`] turns a scene into a [`Model`] once, and its light into a [`LightBuffer`] whenever it
+//! changes. A [`Frame`] describes what to draw, a [`Target`] holds the picture: a texture that a UI can show and that
 //! [`Renderer::read`] turns into a [`Picture`](lumel_render_cpu::Picture).
 //!
-//! The picture is that of [`lumel_render_cpu`], by the same formulas: light is summed up in linear numbers and exposed,
-//! then tone mapped, then encoded. Surfaces come first, then lamps, then the tone mapper, then what a user draws on
-//! top ([`Overlay`], wireframe), in colours that no exposure changes.
+//! The picture follows the formulas of [`lumel_render_cpu`]: linear light is summed and exposed, then tone mapped, then
+//! encoded. Surfaces are drawn first, then rectangle lights; tone mapping follows, then the [`Overlay`] and the
+//! wireframe, whose colours do not depend on the exposure.
 
 mod attachments;
 mod batches;
@@ -15,7 +15,6 @@ mod draw;
 mod error;
 mod frame;
 mod gpu;
-mod lamps;
 mod layout;
 mod light;
 mod memory;
@@ -24,6 +23,7 @@ mod model;
 mod overlay;
 mod pipelines;
 mod read;
+mod rect_lights;
 mod renderer;
 mod shaders;
 mod target;

@@ -1,17 +1,17 @@
-//! Light in the vertices of a model.
+//! Light at the vertices of a model.
 
 use glam::Vec3;
 
 /// One linear RGB value per vertex of a [`Model`](crate::Model), on the device: usually irradiance, W·m⁻².
 ///
-/// Geometry never moves while a solve runs; this is all that has to be sent again.
+/// Geometry never moves while a solve runs; only this is uploaded again.
 #[derive(Debug)]
 pub struct LightBuffer {
     pub(crate) buffer: wgpu::Buffer,
     vertices: usize,
 }
 
-/// Beyond this the formulas of the tone mappers would overflow: they cut there as well.
+/// Larger values would overflow in the formulas of the tone mappers, which clamp to it as well.
 const BRIGHTEST: f32 = 1e15;
 
 impl LightBuffer {
@@ -30,13 +30,13 @@ impl LightBuffer {
         self.vertices
     }
 
-    /// Whether it has no values; no model is without vertices.
+    /// Whether it has no values; every model has vertices.
     pub fn is_empty(&self) -> bool {
         self.vertices == 0
     }
 }
 
-/// What is sent to the device: what is not a number becomes zero, so that it does not spread over its triangles.
+/// The values to upload: NaN becomes zero, so that it does not spread over triangles.
 pub(crate) fn to_upload(values: &[Vec3]) -> Vec<[f32; 3]> {
     let number = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(-BRIGHTEST, BRIGHTEST) };
     values.iter().map(|value| value.to_array().map(number)).collect()

@@ -3,12 +3,12 @@
 use crate::{Gpu, RenderError};
 use pollster::block_on;
 
-/// Makes something on the device, and says so when there is no room for it.
+/// Creates something on the device; an error says if there is no memory for it.
 ///
 /// # Errors
 /// [`RenderError::OutOfMemory`] with `what`.
 pub(crate) fn within_memory<T>(gpu: &Gpu, what: &str, make: impl FnOnce() -> T) -> Result<T, RenderError> {
-    // What could not be made gives errors of validation wherever it is used.
+    // An object that could not be created causes validation errors wherever it is used.
     let validation = gpu.device().push_error_scope(wgpu::ErrorFilter::Validation);
     let memory = gpu.device().push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let made = make();

@@ -1,4 +1,4 @@
-//! Smaller and smaller copies of a texture, averaged in linear light.
+//! Mipmaps of a texture, averaged in linear light.
 
 use crate::shaders::MAX_F16;
 use half::f16;
@@ -28,7 +28,7 @@ struct Linear {
 }
 
 impl Pyramid {
-    /// All sizes of a texture down to one texel, without those wider or higher than `limit`.
+    /// All sizes of a texture down to one texel, except those wider or higher than `limit`.
     pub(crate) fn new(texture: &Texture, limit: u32) -> Self {
         let encoding = texture.bytes().map(|(_, encoding)| encoding);
         let format = match encoding {
@@ -90,7 +90,7 @@ fn smaller(size: [u32; 2], at: impl Fn(u32, u32) -> [f32; 3]) -> Option<Linear> 
     Some(Linear { size: half, texels })
 }
 
-/// The texels that each texel of a smaller row covers, and the share that each has of it.
+/// The texels that each texel of a smaller row covers, with their weights.
 fn shares(from: u32, to: u32) -> Vec<Vec<(u32, f32)>> {
     let (from, to) = (u64::from(from), u64::from(to));
     // In steps of 1/(from·to): a texel is `to` long, one of the smaller row `from`.
@@ -108,7 +108,7 @@ fn shares(from: u32, to: u32) -> Vec<Vec<(u32, f32)>> {
 /// Entries of [`SRGB`] per unit of light: in the dark, where the curve is steepest, an entry is 0.8 codes.
 const SRGB_STEPS: usize = 4095;
 
-/// Copies are seen from afar: they need not be exact, but there are many texels.
+/// A table instead of the exact curve: mipmaps need not be exact, and there are many texels.
 static SRGB: LazyLock<Vec<u8>> =
     LazyLock::new(|| (0..=SRGB_STEPS).map(|i| srgb_byte(i as f32 / SRGB_STEPS as f32)).collect());
 

@@ -25,15 +25,15 @@ pub struct Model {
     /// For batches without tints.
     pub(crate) no_tint: wgpu::Buffer,
     pub(crate) indices: wgpu::Buffer,
-    /// All materials; batches say where theirs is.
+    /// All materials; batches hold the offset of theirs.
     pub(crate) materials: wgpu::BindGroup,
     material_values: wgpu::Buffer,
     groups: Vec<Group>,
     pub(crate) batches: Vec<Batch>,
-    /// For lamps without texture.
-    pub(crate) plain_lamp: wgpu::BindGroup,
-    /// For lamps with one, in the order of the scene's textures.
-    pub(crate) textured_lamps: Vec<wgpu::BindGroup>,
+    /// For rectangle lights without texture.
+    pub(crate) plain_rect_light: wgpu::BindGroup,
+    /// For rectangle lights with one, in the order of the scene's textures.
+    pub(crate) textured_rect_lights: Vec<wgpu::BindGroup>,
 }
 
 /// Triangles that are drawn at once.
@@ -47,14 +47,14 @@ pub(crate) struct Batch {
     pub(crate) textures: wgpu::BindGroup,
 }
 
-/// The near plane in diagonals of the scene. Nearer ones cost precision on triangles that pass the eye.
+/// The near plane in diagonals of the scene. Nearer planes cost precision on triangles close to the camera.
 const NEAR: f32 = 1e-4;
 
-/// Where materials may start in their buffer: the largest alignment that a device may ask for.
+/// Alignment of materials in their buffer: the largest that a device may require.
 const MATERIAL_STRIDE: usize = 256;
 
 impl Model {
-    /// Number of vertices: what light buffers must have.
+    /// Number of vertices, which light buffers must match.
     pub fn vertex_count(&self) -> usize {
         self.vertices
     }
@@ -69,7 +69,7 @@ impl Model {
         0..3 * self.triangles as u32
     }
 
-    /// Takes over the materials of a scene that differs in their albedos alone.
+    /// Takes the materials of a scene that differs in albedos only.
     pub(crate) fn repaint(&self, gpu: &Gpu, scene: &Scene) {
         gpu.queue().write_buffer(&self.material_values, 0, &values_of(scene, &self.groups));
     }
@@ -83,7 +83,7 @@ impl Model {
         check_size(gpu, scene)?;
         let what = format!("scene \"{}\"", scene.name());
         let model = within_memory(gpu, &what, || Self::upload(gpu, layouts, blank, scene))?;
-        // Lets go of the copies that were made on the way.
+        // Frees temporary copies.
         gpu.queue().submit([]);
         Ok(model)
     }
@@ -105,14 +105,14 @@ impl Model {
         };
         let vertices = |label, bytes: &[u8]| buffer(gpu, label, wgpu::BufferUsages::VERTEX, bytes);
         let numbers = |label, values: &[Vec3]| vertices(label, bytemuck::cast_slice(&finite(values)));
-        let lamp = |image| blank.lamp(gpu, layouts, image);
+        let rect_light = |image| blank.rect_light(gpu, layouts, image);
         let values = values_of(scene, &groups);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let material_values = buffer(gpu, "materials", usage, &values);
         Self {
             vertices: scene.vertex_count(),
             triangles: scene.triangle_count(),
-            // Scenes may be as small as a grain or so large that their diagonal overflows.
+            // The diagonal of a scene may be tiny or overflow.
             near: (NEAR * scene.bounds().diagonal()).clamp(1e-12, 1e30),
             positions: numbers("positions", scene.positions()),
             normals: vertices("normals", bytemuck::cast_slice(&packed_normals(scene.normals()))),
@@ -124,8 +124,8 @@ impl Model {
             material_values,
             batches: groups.iter().enumerate().map(batch).collect(),
             groups,
-            plain_lamp: lamp(None),
-            textured_lamps: images.iter().map(|image| lamp(Some(image))).collect(),
+            plain_rect_light: rect_light(None),
+            textured_rect_lights: images.iter().map(|image| rect_light(Some(image))).collect(),
         }
     }
 }
@@ -170,7 +170,7 @@ fn check_size(gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
     }
 }
 
-/// What is not finite becomes zero: shaders may do anything with it.
+/// Numbers that are not finite become zero: shaders may do anything with them.
 fn finite(values: &[Vec3]) -> Vec<[f32; 3]> {
     values.iter().map(|v| v.to_array().map(|x| if x.is_finite() { x } else { 0.0 })).collect()
 }

@@ -5,29 +5,29 @@ use crate::memory::buffer;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// A place in the scene and a colour.
+/// A position in the scene and a colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Where, world space.
+    /// Position in world space, metres.
     pub position: Vec3,
     /// sRGB and opacity.
     pub color: [u8; 4],
 }
 
-/// What is shown of marks behind surfaces.
+/// How marks behind surfaces are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hidden {
-    /// Nothing.
+    /// Not at all.
     #[default]
     Invisible,
-    /// A quarter of their opacity.
+    /// At a quarter of their opacity.
     Faint,
 }
 
-/// Dots and lines over the picture, in colours that no exposure changes.
+/// Dots and lines over the picture, in colours that do not depend on the exposure.
 ///
-/// Dots are 5 pixels wide, lines 1.5. What lies on a surface is drawn before it; what lies behind one within a few
-/// pixels' worth of distance is too.
+/// Dots are 5 pixels wide, lines 1.5. Marks on a surface are drawn in front of it, as are those up to a few
+/// pixels behind it.
 #[derive(Debug)]
 pub struct Overlay {
     pub(crate) dots: Marks,
@@ -51,20 +51,20 @@ struct Instance {
 }
 
 impl Overlay {
-    /// Sends dots and lines to the device, to be drawn in this order. Those at places that are not finite are left
-    /// out, and what is too much for the device.
+    /// Uploads dots and lines, to be drawn in this order. Those at positions that are not finite and those that exceed
+    /// the limits of the device are left out.
     pub fn new(gpu: &Gpu, points: &[Mark], lines: &[[Mark; 2]]) -> Self {
         let dots: Vec<_> = points.iter().map(|mark| [*mark]).collect();
         Self { dots: marks(gpu, &dots), lines: marks(gpu, lines), hidden: Hidden::default() }
     }
 
-    /// The same with what lies behind surfaces shown or not.
+    /// The same, with or without marks behind surfaces.
     #[must_use]
     pub fn with_hidden(self, hidden: Hidden) -> Self {
         Self { hidden, ..self }
     }
 
-    /// What is shown of marks behind surfaces.
+    /// How marks behind surfaces are shown.
     pub fn hidden(&self) -> Hidden {
         self.hidden
     }

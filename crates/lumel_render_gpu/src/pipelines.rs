@@ -1,4 +1,4 @@
-//! Render pipelines, made when they are first needed.
+//! Render pipelines, created on first use.
 
 use crate::Gpu;
 use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
@@ -7,7 +7,7 @@ use crate::vertices::{self, Attribute};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// What is computed at the vertices; the numbers are those of `value.wgsl`.
+/// Values computed at the vertices; the numbers are those of `value.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Value {
     Radiance = 0,
@@ -16,7 +16,7 @@ pub(crate) enum Value {
     Luminance = 3,
 }
 
-/// How linear numbers become codes; the numbers are those of `tone.wgsl`.
+/// How linear values become sRGB codes; the numbers are those of `tone.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Curve {
     Srgb = 0,
@@ -34,7 +34,7 @@ pub(crate) enum Quantity {
     Albedo,
 }
 
-/// What varies over the surfaces of a draw call besides light.
+/// The attributes of a draw call besides light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Detail {
     pub(crate) albedo_map: bool,
@@ -42,7 +42,7 @@ pub(crate) struct Detail {
     pub(crate) tint: bool,
 }
 
-/// Marks that are seen, or those behind surfaces.
+/// Visible marks, or those behind surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Layer {
     Seen,
@@ -57,7 +57,7 @@ pub(crate) enum Key {
     /// With or without a normal map.
     Normals(bool, Samples),
     Plain(Samples),
-    Lamp(Samples),
+    RectLight(Samples),
     Tone(Curve),
     Dots(Layer, Samples),
     Lines(Layer, Samples),
@@ -65,10 +65,10 @@ pub(crate) enum Key {
     Composite,
 }
 
-/// Opacity of what lies behind surfaces.
+/// Opacity of marks behind surfaces.
 const FAINT: f64 = 0.25;
 
-/// Layouts of bind groups, and the pipelines made so far.
+/// Layouts of bind groups, and the pipelines created so far.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
@@ -76,7 +76,7 @@ pub(crate) struct Pipelines {
     made: Mutex<BTreeMap<Key, wgpu::RenderPipeline>>,
 }
 
-/// What the shaders are given.
+/// Layouts of the shaders' inputs.
 #[derive(Debug)]
 pub(crate) struct Layouts {
     /// Camera and exposure.
@@ -86,7 +86,7 @@ pub(crate) struct Layouts {
     /// Albedo, emission and normal map.
     pub(crate) textures: wgpu::BindGroupLayout,
     /// One texture.
-    pub(crate) lamp: wgpu::BindGroupLayout,
+    pub(crate) rect_light: wgpu::BindGroupLayout,
     /// The exposed picture, the tone mapper's settings and the map of false colours.
     pub(crate) tone: wgpu::BindGroupLayout,
     /// The overlay.
@@ -123,14 +123,14 @@ impl Layouts {
             view: layout("view", &[uniform(false)]),
             material: layout("material", &[uniform(true)]),
             textures: layout("textures", &[image; 3].concat()),
-            lamp: layout("lamp", &image),
+            rect_light: layout("rect_light", &image),
             tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
             composite: layout("composite", &[texture(false)]),
         }
     }
 }
 
-/// What tells one pipeline from another.
+/// The key of a pipeline.
 struct Recipe<'a> {
     shader: Shader,
     entries: [&'a str; 2],
@@ -141,7 +141,7 @@ struct Recipe<'a> {
     samples: Samples,
 }
 
-/// What is drawn on, and what depth does to it.
+/// The attachments, and the depth test.
 enum Surface {
     /// The exposed picture; the nearest wins.
     Scene,
@@ -164,13 +164,13 @@ impl Pipelines {
 
     /// A pipeline; the first time it takes tens of milliseconds.
     pub(crate) fn get(&self, device: &wgpu::Device, key: Key) -> wgpu::RenderPipeline {
-        // A thread that panicked has left no half-made pipeline behind.
+        // A thread that panicked has left no incomplete pipeline behind.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         made.entry(key).or_insert_with(|| self.make(device, key, self.recipe(key))).clone()
     }
 
     fn recipe(&self, key: Key) -> Recipe<'_> {
-        let Layouts { view, material, textures, lamp, tone, composite } = &self.layouts;
+        let Layouts { view, material, textures, rect_light, tone, composite } = &self.layouts;
         let number = |flag: bool| f64::from(u8::from(flag));
         let scene = |shader, samples, groups, vertices, constants| Recipe {
             shader,
@@ -218,8 +218,8 @@ impl Pipelines {
                 let vertices = vec![vertices::POSITION, vertices::LIGHT, vertices::NORMAL];
                 scene(Shader::Plain, samples, vec![view], vertices, vec![])
             }
-            Key::Lamp(samples) => {
-                scene(Shader::Lamp, samples, vec![view, lamp], vec![vertices::LAMP], vec![])
+            Key::RectLight(samples) => {
+                scene(Shader::RectLight, samples, vec![view, rect_light], vec![vertices::RECT_LIGHT], vec![])
             }
             Key::Tone(curve) => screen(Shader::Tone, tone, vec![("CURVE", f64::from(curve as u8))], None),
             Key::Dots(layer, samples) => {
@@ -307,7 +307,7 @@ impl Surface {
         };
         match *self {
             Self::Scene => {
-                // One looks through the backs of faces.
+                // Back faces are invisible.
                 let primitive =
                     wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() };
                 (HDR, None, primitive, depth(true, wgpu::CompareFunction::Greater))
@@ -317,7 +317,7 @@ impl Surface {
                     Layer::Seen => wgpu::CompareFunction::GreaterEqual,
                     Layer::Behind => wgpu::CompareFunction::Less,
                 };
-                // The strips of marks face the eye either way; edges are those of faces that are seen.
+                // Strips of marks face the camera either way; edges belong to visible faces.
                 let edges = polygon_mode == wgpu::PolygonMode::Line;
                 let primitive = wgpu::PrimitiveState {
                     topology,

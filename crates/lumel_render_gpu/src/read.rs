@@ -1,11 +1,11 @@
-//! Pictures back from the device.
+//! Reading pictures back from the device.
 
 use crate::target::Target;
 use crate::{Gpu, RenderError, memory::within_memory};
 use lumel_render_cpu::Picture;
 use std::sync::mpsc;
 
-/// Waits for the device and fetches the picture.
+/// Waits for the device and reads the picture.
 pub(crate) fn read(gpu: &Gpu, target: &Target) -> Result<Picture, RenderError> {
     let [width, height] = target.size();
     // Rows start at multiples of 256 bytes.
@@ -19,7 +19,7 @@ pub(crate) fn read(gpu: &Gpu, target: &Target) -> Result<Picture, RenderError> {
     let buffer = within_memory(gpu, &what, || copy(gpu, target, row, bytes))?;
     let (sender, receiver) = mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // Nobody waits any longer when polling has failed.
+        // If polling has failed, nobody is waiting.
         let _ = sender.send(result);
     });
     let failed = |error: &dyn std::fmt::Display| RenderError::Read(error.to_string());

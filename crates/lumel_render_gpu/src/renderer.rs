@@ -12,7 +12,7 @@ use lumel_render_cpu::{Picture, false_color_map};
 use lumel_scene::Scene;
 use std::sync::Arc;
 
-/// Draws frames: holds what does not depend on the scene.
+/// Draws frames; holds everything that does not depend on the scene.
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Arc<Gpu>,
@@ -34,25 +34,25 @@ impl Renderer {
         &self.gpu
     }
 
-    /// Sends the surfaces of a scene to the device.
+    /// Uploads the surfaces of a scene.
     ///
     /// # Errors
-    /// When they do not fit.
+    /// If they do not fit.
     pub fn upload(&self, scene: &Scene) -> Result<Model, RenderError> {
         Model::new(&self.gpu, &self.pipelines.layouts, &self.blank, scene)
     }
 
-    /// Gives a model the materials of a scene that was [repainted](Scene::repainted); all else must be the same.
+    /// Gives a model the materials of a scene that was [repainted](Scene::repainted); everything else must be the same.
     pub fn repaint(&self, model: &Model, scene: &Scene) {
         model.repaint(&self.gpu, scene);
     }
 
-    /// Light for a model: dark.
+    /// A light buffer for a model, initially dark.
     pub fn light(&self, model: &Model) -> LightBuffer {
         LightBuffer::new(self.gpu.device(), model.vertex_count())
     }
 
-    /// Replaces the light. What is not a number becomes zero.
+    /// Replaces the light. NaN becomes zero.
     ///
     /// # Errors
     /// [`RenderError::Light`] unless there is one value per vertex.
@@ -67,20 +67,20 @@ impl Renderer {
     /// A picture to draw on.
     ///
     /// # Errors
-    /// When the size is zero or too large, or memory is short.
+    /// If the size is zero or too large, or memory runs out.
     pub fn target(&self, size: [u32; 2], samples: Samples) -> Result<Target, RenderError> {
         Target::new(&self.gpu, &self.pipelines.layouts, &self.false_colors, size, samples)
     }
 
-    /// Draws a frame. Returns before the device is done.
+    /// Draws a frame; returns before the device has finished.
     pub fn draw(&self, target: &Target, frame: &Frame<'_>) {
         draw::draw(&self.gpu, &self.pipelines, target, frame);
     }
 
-    /// Waits for the device and fetches the picture.
+    /// Waits for the device and reads the picture.
     ///
     /// # Errors
-    /// When the device fails, or the picture has more pixels than a [`Picture`] may have.
+    /// If the device fails, or the picture has more pixels than a [`Picture`] may have.
     pub fn read(&self, target: &Target) -> Result<Picture, RenderError> {
         read::read(&self.gpu, target)
     }

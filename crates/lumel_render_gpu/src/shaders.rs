@@ -1,4 +1,4 @@
-//! The sources of the shaders, put together from the files in `shaders/`.
+//! The sources of the shaders, composed from the files in `shaders/`.
 
 use glam::Vec3;
 use lumel_scene::{MAX_ALBEDO, Radiosity, luminance};
@@ -10,7 +10,7 @@ pub(crate) enum Shader {
     Surface,
     Normals,
     Plain,
-    Lamp,
+    RectLight,
     Tone,
     Overlay,
     Composite,
@@ -23,7 +23,7 @@ impl Shader {
         Self::Surface,
         Self::Normals,
         Self::Plain,
-        Self::Lamp,
+        Self::RectLight,
         Self::Tone,
         Self::Overlay,
         Self::Composite,
@@ -42,7 +42,7 @@ pub(crate) fn source(shader: Shader) -> String {
         Shader::Surface => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/surface.wgsl")],
         Shader::Normals => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/normals.wgsl")],
         Shader::Plain => &[VIEW, include_str!("../shaders/plain.wgsl")],
-        Shader::Lamp => &[VIEW, include_str!("../shaders/lamp.wgsl")],
+        Shader::RectLight => &[VIEW, include_str!("../shaders/rect_light.wgsl")],
         Shader::Tone => &[SCREEN, include_str!("../shaders/tone.wgsl")],
         Shader::Overlay => &[VIEW, include_str!("../shaders/overlay.wgsl")],
         Shader::Composite => &[SCREEN, include_str!("../shaders/composite.wgsl")],
@@ -50,13 +50,14 @@ pub(crate) fn source(shader: Shader) -> String {
     constants() + &parts.join("\n")
 }
 
-/// A lamp counts as before a surface from here on: `SHADOW_END` of `lumel_accel`, as `lumel_render_cpu` has it too.
+/// A light up to this fraction behind a surface counts as in front of it: `SHADOW_END` of `lumel_accel`, as in
+/// `lumel_render_cpu`.
 const SHADOW_END: f32 = 1.0 - 1e-4;
 
-/// The largest number that 16 bits hold.
+/// The largest 16-bit float.
 pub(crate) const MAX_F16: f32 = 65_504.0;
 
-/// Constants that have their home elsewhere.
+/// Constants that are defined elsewhere.
 fn constants() -> String {
     let [r, g, b] = [Vec3::X, Vec3::Y, Vec3::Z].map(luminance);
     let inverse_pi = Radiosity(Vec3::ONE).radiance().0.x;

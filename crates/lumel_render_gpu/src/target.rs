@@ -1,4 +1,4 @@
-//! Where pictures are drawn.
+//! Render targets.
 
 use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
 use crate::layout::{Tone, View};
@@ -7,7 +7,7 @@ use crate::pipelines::Layouts;
 use crate::{Gpu, RenderError};
 use std::sync::OnceLock;
 
-/// A picture on the device, with all that drawing it takes.
+/// A picture on the device, with all its attachments.
 #[derive(Debug)]
 pub struct Target {
     size: [u32; 2],
@@ -16,7 +16,7 @@ pub struct Target {
     view: wgpu::TextureView,
     pub(crate) exposed: Layer,
     pub(crate) depth: wgpu::TextureView,
-    /// Made when there is something to lay over the picture.
+    /// Created when there is an overlay.
     overlay: OnceLock<(Layer, wgpu::BindGroup)>,
     pub(crate) view_values: wgpu::Buffer,
     pub(crate) view_group: wgpu::BindGroup,
@@ -24,7 +24,7 @@ pub struct Target {
     pub(crate) tone_group: wgpu::BindGroup,
 }
 
-/// A colour attachment with its samples, and the mean of them.
+/// A colour attachment with its samples, and their mean.
 #[derive(Debug)]
 pub(crate) struct Layer {
     /// `None` when there is only one sample.
@@ -42,7 +42,7 @@ impl Layer {
         }
     }
 
-    /// The attachment that clears to a colour and leaves the mean.
+    /// The attachment, cleared to a colour and resolved to the mean.
     pub(crate) fn cleared(&self, color: wgpu::Color) -> wgpu::RenderPassColorAttachment<'_> {
         let (view, resolve_target, store) = match &self.samples {
             Some(samples) => (samples, Some(&self.mean), wgpu::StoreOp::Discard),
@@ -104,7 +104,7 @@ impl Target {
         }
     }
 
-    /// What lies over the picture, and how the picture is given it.
+    /// The overlay, and how it is composited.
     pub(crate) fn overlay(&self, gpu: &Gpu, layouts: &Layouts) -> &(Layer, wgpu::BindGroup) {
         self.overlay.get_or_init(|| {
             let layer = Layer::new(gpu, "overlay", self.size, self.samples, PICTURE);
@@ -113,7 +113,7 @@ impl Target {
         })
     }
 
-    /// The picture as `Rgba8Unorm` that holds sRGB codes: what egui wants of a texture, and what a PNG stores.
+    /// The picture as `Rgba8Unorm` that holds sRGB codes: the format that egui expects and PNG stores.
     pub fn view(&self) -> &wgpu::TextureView {
         &self.view
     }

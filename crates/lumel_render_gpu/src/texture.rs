@@ -5,19 +5,19 @@ use crate::mips::Pyramid;
 use crate::pipelines::Layouts;
 use lumel_scene::{Texture, TextureRef, Wrap};
 
-/// Texture filtering across the slope of surfaces, on devices that do it in hardware.
+/// Anisotropic filtering, on devices that do it in hardware.
 const ANISOTROPY: u16 = 8;
 
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
 
-/// What all models share: samplers for all ways to wrap, and a white texture in place of none.
+/// What all models share: samplers for all wrap modes, and a white texture for materials without one.
 #[derive(Debug)]
 pub(crate) struct Blank {
     samplers: Vec<wgpu::Sampler>,
     white: Image,
 }
 
-/// A texture with the sampler that wraps it as it wants to be.
+/// A texture with the sampler for its wrap modes.
 #[derive(Clone, Debug)]
 pub(crate) struct Image {
     view: wgpu::TextureView,
@@ -46,7 +46,7 @@ impl Blank {
         Self { samplers, white }
     }
 
-    /// Sends a texture to the device, scaled down if it is too large for it.
+    /// Uploads a texture, scaled down if it is too large for the device.
     pub(crate) fn upload(&self, gpu: &Gpu, texture: &Texture) -> Image {
         let limit = gpu.device().limits().max_texture_dimension_2d;
         let view = send(gpu, &texture.name, &Pyramid::new(texture, limit));
@@ -68,9 +68,9 @@ impl Blank {
         bind(gpu, &layouts.textures, &images)
     }
 
-    /// The bind group of a lamp with this texture, or with none.
-    pub(crate) fn lamp(&self, gpu: &Gpu, layouts: &Layouts, image: Option<&Image>) -> wgpu::BindGroup {
-        bind(gpu, &layouts.lamp, &[image.unwrap_or(&self.white)])
+    /// The bind group of a rectangle light with this texture, or without one.
+    pub(crate) fn rect_light(&self, gpu: &Gpu, layouts: &Layouts, image: Option<&Image>) -> wgpu::BindGroup {
+        bind(gpu, &layouts.rect_light, &[image.unwrap_or(&self.white)])
     }
 }
 

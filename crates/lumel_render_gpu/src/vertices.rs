@@ -3,7 +3,7 @@
 use wgpu::VertexFormat::{self, Float32x2, Float32x3, Snorm16x4, Unorm8x4};
 use wgpu::VertexStepMode;
 
-/// One vertex buffer: a stream of its own for every attribute, so that a pipeline reads only what it needs.
+/// One vertex buffer per attribute, so that a pipeline reads only what it needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attribute {
     formats: &'static [VertexFormat],
@@ -28,7 +28,7 @@ pub(crate) const TINT: Attribute = per_vertex(&[Float32x3]);
 pub(crate) const NO_TINT: Attribute = Attribute { constant: true, ..TINT };
 
 /// Centre, half edges, radiance.
-pub(crate) const LAMP: Attribute = per_instance(&[Float32x3; 4]);
+pub(crate) const RECT_LIGHT: Attribute = per_instance(&[Float32x3; 4]);
 
 /// Position, colour.
 pub(crate) const DOT: Attribute = per_instance(&[Float32x3, Unorm8x4]);
@@ -53,7 +53,7 @@ impl Layout {
     }
 }
 
-/// Buffers in their order; locations are counted through.
+/// Buffers in order; locations are numbered consecutively.
 pub(crate) fn layouts(buffers: &[Attribute]) -> Vec<Layout> {
     let mut location = 0;
     let layout = |buffer: &Attribute| {

@@ -152,7 +152,7 @@ pub fn without_window(
             model: &model,
             camera: &camera,
             light: Lit::One(&buffer),
-            lamps: &lamps,
+            rect_lights: &lamps,
             look: Look::Radiance { stops, tone: prefs.tone(), white: prefs.white },
             wireframe: false,
             overlay: None,

@@ -83,8 +83,8 @@ pub(crate) fn built(builder: SceneBuilder) -> Scene {
     scene
 }
 
-/// A lamp of radiance 1 that shines along `-normal` of nothing: `u × v`.
-pub(crate) fn lamp(center: Vec3, u: Vec3, v: Vec3) -> Light {
+/// A rectangle light of radiance 1 that shines along `-normal` of nothing: `u × v`.
+pub(crate) fn rect_light(center: Vec3, u: Vec3, v: Vec3) -> Light {
     Light::Rect(RectLight { center, u, v, radiance: Radiance::splat(1.0), texture: None })
 }
 

@@ -41,23 +41,23 @@ pub(crate) struct Uploaded<'a> {
     pub(crate) subject: &'a Subject,
     pub(crate) model: Model,
     pub(crate) light: LightBuffer,
-    pub(crate) lamps: Vec<RectLight>,
+    pub(crate) rect_lights: Vec<RectLight>,
 }
 
 impl Subject {
-    pub(crate) fn lamps(&self) -> Vec<RectLight> {
-        let lamp = |light: &Light| match light {
-            Light::Rect(lamp) => Some(*lamp),
+    pub(crate) fn rect_lights(&self) -> Vec<RectLight> {
+        let rect_light = |light: &Light| match light {
+            Light::Rect(rect_light) => Some(*rect_light),
             _ => None,
         };
-        self.scene.lights().iter().filter_map(lamp).collect()
+        self.scene.lights().iter().filter_map(rect_light).collect()
     }
 
     pub(crate) fn on<'a>(&'a self, renderer: &'a Renderer) -> Uploaded<'a> {
         let model = renderer.upload(&self.scene).unwrap();
         let light = renderer.light(&model);
         renderer.set_light(&light, &self.light).unwrap();
-        Uploaded { renderer, subject: self, model, light, lamps: self.lamps() }
+        Uploaded { renderer, subject: self, model, light, rect_lights: self.rect_lights() }
     }
 
     /// What the CPU draws with one sample per pixel.
@@ -77,7 +77,7 @@ impl Uploaded<'_> {
             model: &self.model,
             camera: &self.subject.camera,
             light: Lit::One(&self.light),
-            lamps: &self.lamps,
+            rect_lights: &self.rect_lights,
             look,
             wireframe: false,
             overlay: None,

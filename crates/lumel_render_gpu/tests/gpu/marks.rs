@@ -9,7 +9,7 @@ use lumel_render_gpu::{Frame, Hidden, Mark, Overlay, Samples};
 const SIZE: [u32; 2] = [160, 120];
 const GREEN: [u8; 4] = [20, 240, 30, 255];
 
-/// On the back wall of the Cornell box, and on its lamp's side of the tall block but behind it.
+/// On the back wall of the Cornell box, and on its light's side of the tall block but behind it.
 const SEEN: Vec3 = Vec3::new(0.1, 0.4, 0.559);
 const BEHIND_THE_BLOCK: Vec3 = Vec3::new(0.39, 0.1, 0.55);
 

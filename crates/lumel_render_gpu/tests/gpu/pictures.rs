@@ -112,31 +112,31 @@ fn a_divider_shows_one_light_left_of_it_and_another_right_of_it() {
 }
 
 #[test]
-fn lamps_are_those_of_the_frame() {
+fn rect_lights_are_those_of_the_frame() {
     let Some(renderer) = renderer() else { return };
     let subject = scenes::everything();
     let uploaded = subject.on(renderer);
     let look = radiance(0.0, ToneMapper::None);
     let with = uploaded.show(SIZE, Samples::One, look);
-    let frame = Frame { lamps: &[], ..uploaded.frame(look) };
+    let frame = Frame { rect_lights: &[], ..uploaded.frame(look) };
     let without = uploaded.draw(SIZE, Samples::One, &frame);
     let lit = share_beyond(&with, &without, 1);
     assert!((0.01..0.2).contains(&lit), "{lit}");
-    // Lamps with area but no place for them, an unknown image, or no area are no reason to stop.
-    let lamp = uploaded.lamps[0];
+    // Rectangle lights with area but no place for them, an unknown image, or no area are no reason to stop.
+    let rect_light = uploaded.rect_lights[0];
     let odd = [
-        RectLight { texture: Some(lumel_scene::TextureId(99)), ..lamp },
-        RectLight { center: Vec3::NAN, ..lamp },
-        RectLight { u: Vec3::ZERO, ..lamp },
+        RectLight { texture: Some(lumel_scene::TextureId(99)), ..rect_light },
+        RectLight { center: Vec3::NAN, ..rect_light },
+        RectLight { u: Vec3::ZERO, ..rect_light },
     ];
-    let frame = Frame { lamps: &odd, ..uploaded.frame(look) };
+    let frame = Frame { rect_lights: &odd, ..uploaded.frame(look) };
     let odd = uploaded.draw(SIZE, Samples::One, &frame);
-    let frame = Frame { lamps: &uploaded.lamps[..1], ..uploaded.frame(look) };
+    let frame = Frame { rect_lights: &uploaded.rect_lights[..1], ..uploaded.frame(look) };
     assert_eq!(odd, uploaded.draw(SIZE, Samples::One, &frame));
 }
 
 #[test]
-fn a_lamp_in_the_plane_of_a_surface_is_seen() {
+fn a_rect_light_in_the_plane_of_a_surface_is_seen() {
     let Some(renderer) = renderer() else { return };
     let subject = scenes::cornell();
     let uploaded = subject.on(renderer);
@@ -149,8 +149,9 @@ fn a_lamp_in_the_plane_of_a_surface_is_seen() {
         texture: None,
     };
     let look = radiance(0.0, ToneMapper::None);
-    let draw =
-        |lamps: &[RectLight]| uploaded.draw(SIZE, Samples::One, &Frame { lamps, ..uploaded.frame(look) });
+    let draw = |rect_lights: &[RectLight]| {
+        uploaded.draw(SIZE, Samples::One, &Frame { rect_lights, ..uploaded.frame(look) })
+    };
     let none = draw(&[]);
     assert!(share_beyond(&draw(&[behind(3e-5)]), &none, 1) > 0.002);
     assert_eq!(draw(&[behind(1e-3)]), none);

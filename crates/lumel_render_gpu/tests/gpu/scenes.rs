@@ -50,7 +50,7 @@ pub(crate) fn shine(scene: &Scene) -> Vec<Vec3> {
 }
 
 /// All that a scene can have: textures of every kind, wrapped, mirrored and turned, on both sides; tints; glowing and
-/// normal-mapped faces; lamps with and without an image; a sky.
+/// normal-mapped faces; rectangle lights with and without an image; a sky.
 pub(crate) fn everything() -> Subject {
     let mut builder = SceneBuilder { name: "everything".to_owned(), ..SceneBuilder::default() };
     builder.sky = Radiance(Vec3::new(0.3, 0.5, 0.9));
@@ -72,7 +72,7 @@ pub(crate) fn everything() -> Subject {
     let bumpy = Material { normal_texture: map(2, UvTransform::default()), ..grey.clone() };
     builder.materials = vec![both, glowing, grey, bumpy];
     builder.objects = objects();
-    let lamp = |center, texture| {
+    let rect_light = |center, texture| {
         Light::Rect(RectLight {
             center,
             u: Vec3::new(0.35, 0.0, 0.1),
@@ -90,8 +90,8 @@ pub(crate) fn everything() -> Subject {
         texture: None,
     };
     builder.lights = vec![
-        lamp(Vec3::new(-1.0, 1.3, -0.5), None),
-        lamp(Vec3::new(1.0, 1.3, -0.5), Some(TextureId(0))),
+        rect_light(Vec3::new(-1.0, 1.3, -0.5), None),
+        rect_light(Vec3::new(1.0, 1.3, -0.5), Some(TextureId(0))),
         Light::Rect(away),
     ];
     let (scene, warnings) = builder.build().unwrap();

@@ -173,7 +173,7 @@ impl Stage {
             model,
             camera: &showing.session.camera.camera(),
             light,
-            lamps: &drawn.lamps,
+            rect_lights: &drawn.lamps,
             look: drawn.look,
             wireframe: drawn.wireframe,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),

@@ -139,7 +139,7 @@ impl Strip {
             model: canvas.model,
             camera: &session.camera.camera(),
             light: Lit::One(&cell.buffer),
-            lamps: &drawn.lamps,
+            rect_lights: &drawn.lamps,
             look,
             wireframe: false,
             overlay: None,

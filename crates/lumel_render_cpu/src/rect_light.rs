@@ -1,21 +1,21 @@
-//! Rectangle lights as the eye sees them.
+//! Rectangle lights that the camera sees directly.
 
 use glam::{Vec2, Vec3};
 use lumel_accel::{Ray, SHADOW_END};
 use lumel_scene::{Light, Radiance, RectLight, Scene, Texture};
 
-/// A [`RectLight`] prepared for rays from the eye: visible from its front, nothing from behind.
+/// A [`RectLight`] prepared for camera rays: visible from its front only.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lamp<'a> {
+pub(crate) struct VisibleLight<'a> {
     light: &'a RectLight,
     normal: Vec3,
     texture: Option<&'a Texture>,
 }
 
-impl<'a> Lamp<'a> {
-    /// The lamps of a scene.
+impl<'a> VisibleLight<'a> {
+    /// The rectangle lights of a scene.
     pub(crate) fn all_of(scene: &'a Scene) -> Vec<Self> {
-        let lamp = |light: &'a Light| match light {
+        let visible = |light: &'a Light| match light {
             Light::Rect(light) => Some(Self {
                 light,
                 normal: light.normal()?,
@@ -23,27 +23,27 @@ impl<'a> Lamp<'a> {
             }),
             _ => None,
         };
-        scene.lights().iter().filter_map(lamp).collect()
+        scene.lights().iter().filter_map(visible).collect()
     }
 
-    /// The radiance of the lamp that a ray meets first before it ends at `t`, if any.
+    /// The radiance of the first light that a ray hits before it ends at `t`, if any.
     ///
-    /// A lamp counts as before a surface from the last ten-thousandth of the way behind it on: shadow rays pass
-    /// there too, so that a lamp may lie in a ceiling.
-    pub(crate) fn nearest(lamps: &[Self], ray: &Ray, t: f32) -> Option<Radiance> {
+    /// A light up to a ten-thousandth of the distance behind a surface counts as in front of it: shadow rays end there
+    /// too, so a light may lie in the plane of a ceiling.
+    pub(crate) fn nearest(lights: &[Self], ray: &Ray, t: f32) -> Option<Radiance> {
         let mut nearest = None;
         let mut end = t / SHADOW_END;
-        for lamp in lamps {
-            if let Some((t, at)) = lamp.meet(ray).filter(|(t, _)| *t < end) {
+        for light in lights {
+            if let Some((t, at)) = light.intersect(ray).filter(|(t, _)| *t < end) {
                 end = t;
-                nearest = Some((lamp, at));
+                nearest = Some((light, at));
             }
         }
-        nearest.map(|(lamp, at)| lamp.radiance(at))
+        nearest.map(|(light, at)| light.radiance(at))
     }
 
-    /// Distance and position, -1..=1 along `u` and `v`, where a ray meets the front.
-    fn meet(&self, ray: &Ray) -> Option<(f32, Vec2)> {
+    /// Distance and position, -1..=1 along `u` and `v`, at which a ray hits the front.
+    fn intersect(&self, ray: &Ray) -> Option<(f32, Vec2)> {
         let RectLight { center, u, v, .. } = *self.light;
         let facing = -ray.direction.dot(self.normal);
         if facing <= 0.0 {

@@ -1,7 +1,7 @@
-// Rectangle lights, seen from their front: one instance each, two triangles.
+// Rectangle lights, visible from their front: one instance each, two triangles.
 
-@group(1) @binding(0) var lamp_map: texture_2d<f32>;
-@group(1) @binding(1) var lamp_sampler: sampler;
+@group(1) @binding(0) var light_map: texture_2d<f32>;
+@group(1) @binding(1) var light_sampler: sampler;
 
 struct Interpolated {
     @builtin(position) clip: vec4<f32>,
@@ -28,13 +28,13 @@ fn vertex(
     );
     let at = corners[index];
     var clip = project(center + at.x * u + at.y * v - view.eye);
-    // A lamp counts as before a surface from the last ten-thousandth of the way behind it on, as in lumel_render_cpu.
+    // A light up to a ten-thousandth of the distance behind a surface counts as in front of it, as in lumel_render_cpu.
     clip.z /= SHADOW_END;
     return Interpolated(clip, radiance, vec2<f32>(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y));
 }
 
 @fragment
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
-    let radiance = in.radiance * textureSample(lamp_map, lamp_sampler, in.uv).rgb;
+    let radiance = in.radiance * textureSample(light_map, light_sampler, in.uv).rgb;
     return vec4<f32>(storable(radiance * view.exposure), 1.0);
 }
