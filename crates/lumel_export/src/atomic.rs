@@ -1,21 +1,21 @@
-//! Files that appear whole or not at all.
+//! Atomic file writing.
 
 use crate::ExportError;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-/// Links followed before a path counts as a loop, as Linux has it.
+/// Links followed before a path counts as a loop; the limit of Linux.
 const MAX_LINKS: usize = 40;
 
-/// Writes a file through a temporary one beside it, which takes its place only when all is on the disk.
+/// Writes a temporary file beside the target and renames it once everything is on disk.
 ///
-/// Whoever reads `path`, also after a crash or a power cut, finds the old content or the new, never a part. A new file
-/// gets the permissions that any program's files get, a replaced one keeps those it had. A link stays a link: the
-/// file it points to is replaced. A program killed while it writes leaves a hidden `.lumel-*.tmp` beside the file.
+/// Readers of `path` see either the old or the new content, never a part, even after a crash or a power failure. A new
+/// file gets default permissions; a replaced file keeps its own. A symbolic link is kept and the file it points to is
+/// replaced. A process killed while writing leaves a hidden `.lumel-*.tmp` beside the file.
 ///
 /// # Errors
-/// [`ExportError`] names the file and what to do. The temporary file is gone then, and the old content still there.
+/// [`ExportError`] names the file and the remedy. The temporary file is removed and the old content kept.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -36,7 +36,7 @@ fn replace(
     write(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
     if let Some(old) = old {
-        // A file system that has no permissions to keep must not cost the result.
+        // On a file system without permissions, the result is kept all the same.
         let _ = file.set_permissions(old.permissions());
     }
     file.sync_all()?;
@@ -46,9 +46,9 @@ fn replace(
     sync_folder(folder)
 }
 
-/// Checks that `target` is a file or nothing; returns what is known about the file.
+/// Checks that `target` is a file or does not exist; returns the metadata of the file.
 fn check_replaceable(path: &Path, target: &Path) -> Result<Option<fs::Metadata>, ExportError> {
-    // The text is asked too: "folder/" and "folder/." would otherwise lose their end and name a file.
+    // The text is checked too: "folder/" and "folder/." would otherwise be shortened to the name of a file.
     let names_folder = path.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR]);
     let path = path.to_owned();
     match fs::metadata(target) {
@@ -57,15 +57,13 @@ fn check_replaceable(path: &Path, target: &Path) -> Result<Option<fs::Metadata>,
         Ok(old) if old.permissions().readonly() => Err(ExportError::WriteProtected { path }),
         Ok(old) => Ok(Some(old)),
         Err(_) if names_folder || target.file_name().is_none() => Err(ExportError::NoFileName { path }),
-        Err(_) if target.is_symlink() => {
-            Err(ExportError::NotAFile { path, what: "a link that goes in circles" })
-        }
-        // No old file, or none to be seen: creating the new one tells why.
+        Err(_) if target.is_symlink() => Err(ExportError::NotAFile { path, what: "a circular link" }),
+        // No old file, or none that is accessible: creating the new one reports the reason.
         Err(_) => Ok(None),
     }
 }
 
-/// The file that a path stands for, whether it exists or not.
+/// The file that a path refers to, whether it exists or not.
 fn follow_links(path: &Path) -> PathBuf {
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -75,7 +73,7 @@ fn follow_links(path: &Path) -> PathBuf {
     target
 }
 
-/// The folder a file is in; a bare name is in the current one.
+/// The folder of a file; the current folder for a bare name.
 fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -86,17 +84,17 @@ fn create_temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // What every program asks for; the system takes away what the umask forbids.
+        // The default of every program; the system applies the umask.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder)
 }
 
-/// Makes the new name in a folder survive a power cut.
+/// Makes a rename survive a power failure.
 #[cfg(unix)]
 fn sync_folder(folder: &Path) -> io::Result<()> {
     match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // Folders that may be written but not listed, and file systems that have no such thing.
+        // Fails for folders that cannot be listed and on file systems without support.
         Err(error)
             if matches!(
                 error.kind(),
@@ -109,7 +107,7 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Windows has no way to; its file systems log renames.
+/// Windows offers no way to do this; its file systems log renames.
 #[cfg(not(unix))]
 fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
@@ -239,7 +237,7 @@ mod tests {
             let link = folder.path().join("loop");
             std::os::unix::fs::symlink("loop", &link).unwrap();
             let error = write_atomically(&link, |out| out.write_all(b"x")).unwrap_err();
-            assert!(matches!(error, ExportError::NotAFile { what: "a link that goes in circles", .. }));
+            assert!(matches!(error, ExportError::NotAFile { what: "a circular link", .. }));
         }
 
         #[test]

@@ -1,30 +1,30 @@
-//! From light to what is shown: exposure and the sRGB curve.
+//! Exposure and the sRGB curve.
 
 use crate::ExportError;
 use glam::Vec3;
 use lumel_scene::{Albedo, Barycentrics, Irradiance, Radiance, Scene, SurfacePoint, TriId};
 use std::path::Path;
 
-/// The share of lit vertices that an automatic exposure shows without clipping. The rest are bright spots beside lamps.
+/// The fraction of lit vertices that an automatic exposure shows without clipping. The rest are highlights near lights.
 const UNCLIPPED_SHARE: f64 = 0.98;
 
-/// How much brighter or darker than 1 W·m⁻²·sr⁻¹ white is shown.
+/// The scale from radiance to display values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Exposure {
-    /// White paper would be shown white where it is as brightly lit as the 98th of 100 lit vertices.
+    /// Chosen so that a white surface at the 98th percentile of irradiance is displayed as white.
     #[default]
     Auto,
-    /// Radiance times this is shown; 1 is white.
+    /// A fixed factor: radiance times this is displayed; 1 is white.
     Factor(f32),
 }
 
 impl Exposure {
-    /// What radiance is multiplied with before it is shown: greater than zero and finite.
+    /// The factor of radiance before display: finite and greater than zero.
     pub(crate) fn factor(self, path: &Path, irradiance: &[Vec3]) -> Result<f32, ExportError> {
         match self {
             Self::Factor(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
             Self::Factor(factor) => {
-                let problem = format!("an exposure of {factor} shows nothing; it must be greater than zero");
+                let problem = format!("the exposure is {factor}; it must be finite and greater than zero");
                 Err(ExportError::content(path, problem))
             }
             Self::Auto => Ok(auto_factor(irradiance)),
@@ -40,7 +40,7 @@ fn auto_factor(irradiance: &[Vec3]) -> f32 {
     }
     let rank = ((lit.len() - 1) as f64 * UNCLIPPED_SHARE) as usize;
     let (_, &mut white, _) = lit.select_nth_unstable_by(rank, f32::total_cmp);
-    // Light of less than 1e-38 has no inverse.
+    // Radiance below 1e-38 has no finite inverse.
     let factor = 1.0 / white;
     if factor.is_finite() { factor } else { 1.0 }
 }
@@ -50,12 +50,12 @@ pub(crate) fn white_radiance(irradiance: Vec3) -> Vec3 {
     Irradiance(irradiance).reflected(Albedo::splat(1.0)).radiance().0
 }
 
-/// Radiance that leaves a surface point: what it emits and what it reflects.
+/// Radiance that leaves a surface point: emitted and reflected.
 pub(crate) fn seen_radiance(scene: &Scene, at: SurfacePoint, irradiance: Vec3) -> Radiance {
     scene.emission(at) + Irradiance(irradiance).reflected(scene.albedo(at)).radiance()
 }
 
-/// Where on its first triangle each vertex is.
+/// The position of each vertex on its first triangle.
 pub(crate) fn first_places(scene: &Scene) -> Vec<Option<SurfacePoint>> {
     let mut places = vec![None; scene.vertex_count()];
     for (tri, vertices) in scene.triangles().iter().enumerate() {

@@ -1,19 +1,19 @@
-//! What can go wrong with files, and what to do about it.
+//! Errors of reading and writing files, with remedies.
 
 use lumel_scene::Scene;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a file could not be written. Whatever was there before is still there, and nothing partial is.
+/// Why a file could not be written. An existing file is unchanged, and no partial file is left.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The path ends in no name: `..`, `/` or nothing.
+    /// The path has no file name: it ends in `..` or `/`, or is empty.
     #[error("a file name is missing at the end of the path: \"{}\"", path.display())]
     NoFileName {
         /// The file to write.
         path: PathBuf,
     },
-    /// There is no folder to write into.
+    /// The folder does not exist.
     #[error("the folder does not exist; create it or choose another: \"{}\"", path.display())]
     NoFolder {
         /// The file to write.
@@ -27,18 +27,18 @@ pub enum ExportError {
         /// "a folder", for example.
         what: &'static str,
     },
-    /// The file is there and marked read-only.
+    /// The existing file is read-only.
     #[error("the file is write-protected; remove it or choose another name: \"{}\"", path.display())]
     WriteProtected {
         /// The file to write.
         path: PathBuf,
     },
-    /// The folder may not be written to.
+    /// The folder is not writable.
     #[error("no permission to write here; choose another folder or change its permissions: \"{}\"", path.display())]
     NoPermission {
         /// The file to write.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// The disk or the quota is full.
@@ -46,29 +46,29 @@ pub enum ExportError {
     DiskFull {
         /// The file to write.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
-    /// Anything else the system reports.
+    /// Any other error of the system.
     #[error("cannot write ({source}): \"{}\"", path.display())]
     Io {
         /// The file to write.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
-    /// The content does not fit the format.
+    /// The content cannot be expressed in the format.
     #[error("{problem}: \"{}\"", path.display())]
     Content {
         /// The file to write.
         path: PathBuf,
-        /// What is wrong, and what to do.
+        /// The problem and the remedy.
         problem: String,
     },
 }
 
 impl ExportError {
-    /// Sorts an error of the system by what its user can do about it.
+    /// Classifies an error of the system by its remedy.
     pub(crate) fn io(path: &Path, source: io::Error) -> Self {
         let path = path.to_owned();
         match source.kind() {
@@ -97,15 +97,15 @@ pub enum ReadError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
-    /// The file as a whole is not what it should be.
+    /// The file as a whole is invalid.
     #[error("{problem}: \"{}\"", path.display())]
     BadFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it, and what to do.
+        /// The problem and the remedy.
         problem: String,
     },
     /// The archive has no member of this name.
@@ -113,17 +113,17 @@ pub enum ReadError {
     Missing {
         /// The file.
         path: PathBuf,
-        /// The array or member looked for.
+        /// The array or other member.
         member: String,
     },
-    /// A member of the archive is not what it should be.
+    /// A member of the archive is invalid.
     #[error("\"{member}\" {problem}: \"{}\"", path.display())]
     BadMember {
         /// The file.
         path: PathBuf,
         /// The array or other member.
         member: String,
-        /// What is wrong with it, and what to do.
+        /// The problem and the remedy.
         problem: String,
     },
 }
@@ -137,12 +137,12 @@ pub enum SolutionError {
     /// The file could not be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The file is no solution of a format this version knows.
+    /// The file is not a solution in a format known to this version.
     #[error("{problem}: \"{}\"", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// What it is instead, and what to do.
+        /// What it is instead, and the remedy.
         problem: String,
     },
     /// Two arrays do not cover the same vertices.
@@ -163,31 +163,31 @@ pub enum SolutionError {
         /// The first such vertex.
         vertex: usize,
     },
-    /// The solution has fewer bounces than asked for.
-    #[error("the solution has no bounce {wanted}, only {count} bounces counted from 0 (direct light)")]
+    /// The solution does not have the requested bounce.
+    #[error("the solution has no bounce {wanted}; it has {count} bounces, counted from 0 (direct light)")]
     NoSuchBounce {
-        /// The bounce asked for.
+        /// The requested bounce.
         wanted: usize,
         /// How many it has.
         count: usize,
     },
-    /// The solution was computed for other geometry.
+    /// The solution was computed for different geometry.
     #[error(
         "{} was computed for scene \"{}\" ({}), not for \"{}\" ({}): \
          bake this scene again or open the scene it belongs to",
         solution_name(file.as_deref()), theirs.name, theirs.size(), ours.name, ours.size()
     )]
     OtherScene {
-        /// The solution's file, when it came from one.
+        /// The file of the solution, if it was read from one.
         file: Option<PathBuf>,
         /// The scene the solution was computed for.
         theirs: Box<SceneLabel>,
-        /// The scene it was to be used with.
+        /// The scene it was meant to be used with.
         ours: Box<SceneLabel>,
     },
 }
 
-/// What tells scenes apart in a message.
+/// How messages identify a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneLabel {
     /// Its name.

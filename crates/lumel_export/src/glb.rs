@@ -22,18 +22,18 @@ const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 /// Writes the lit scene as a GLB file, atomically. Returns the exposure used.
 ///
 /// Every object is a mesh with one primitive per material. Its vertices carry
-/// - `_IRRADIANCE`: irradiance, W·m⁻² (lux where the lights are photometric), linear Rec. 709, exact;
+/// - `_IRRADIANCE`: irradiance, W·m⁻² (lux if the lights are photometric), linear Rec. 709, exact;
 /// - `COLOR_0`: radiance of a white surface under that irradiance, times the exposure, clamped to 0..=1.
 ///
 /// Materials are unlit and one-sided, with the albedo as base colour, so that any viewer shows base colour times
-/// `COLOR_0`: radiance times exposure. Base colour can only darken, which is why the exposure is that of white, not of
-/// the surfaces there are. Emitting surfaces are shown by what they emit and reflect, in `COLOR_0` alone, or, where
-/// emission is textured, by their emission. Albedo and emission of each material are in its `extras`; exposure, units
+/// `COLOR_0`: radiance times exposure. Base colour can only darken, so the exposure is that of white, not of the
+/// actual surfaces. Emissive surfaces show emitted and reflected radiance in `COLOR_0` alone or, if the emission is
+/// textured, their emission. Albedo and emission of each material are in its `extras`; exposure, units
 /// and the hash of the geometry in those of `asset`. Normal maps are left out.
 ///
 /// # Errors
-/// Irradiance that does not fit the scene or is not finite, an exposure that is not positive, a scene beyond the 4 GiB
-/// of the format, and all that [`write_atomically`] meets.
+/// Irradiance that does not match the scene or is not finite, an exposure that is not positive, a scene beyond the
+/// format's limit of 4 GiB, and the errors of [`write_atomically`].
 pub fn write_glb(
     path: &Path,
     scene: &Scene,
@@ -60,7 +60,7 @@ pub fn write_glb(
         out.write_all(b"glTF")?;
         out.write_all(&2_u32.to_le_bytes())?;
         out.write_all(&length.to_le_bytes())?;
-        // Both fit: the whole does.
+        // Both fit, because the whole does.
         out.write_all(&(json.len() as u32).to_le_bytes())?;
         out.write_all(JSON_CHUNK)?;
         out.write_all(&json)?;
@@ -72,14 +72,14 @@ pub fn write_glb(
     Ok(exposure)
 }
 
-/// The length of the file, which has to fit 32 bits.
+/// The length of the file, which must fit in 32 bits.
 fn file_length(json: u64, binary: u64) -> Result<u32, String> {
     // A header of 12 bytes for the file and one of 8 for each of its two chunks.
     let length = 28 + json + binary;
     u32::try_from(length).map_err(|_| {
         let gib = length as f64 / f64::from(1 << 30);
         format!(
-            "the GLB file would have {gib:.1} GiB, and the format ends at 4; write PLY or split the scene"
+            "the GLB file would have {gib:.1} GiB; the limit of the format is 4 GiB: write PLY or split the scene"
         )
     })
 }

@@ -33,8 +33,8 @@ const MARK: &str = "# lumel";
 /// Each file appears whole or not at all, the OBJ file last. Textures of an older export stay where they are.
 ///
 /// # Errors
-/// Irradiance that does not fit the scene or is not finite, an exposure that is not positive, files of others in the
-/// way (see [`check_obj`]), and all that [`write_atomically`] meets.
+/// Irradiance that does not match the scene or is not finite, an exposure that is not positive, conflicting files (see
+/// [`check_obj`]), and the errors of [`write_atomically`].
 ///
 /// [`write_ply`]: crate::write_ply
 pub fn write_obj(
@@ -63,10 +63,10 @@ pub fn write_obj(
     Ok(exposure)
 }
 
-/// Checks that the files beside an OBJ file to be written would replace none that lumel has not written.
+/// Checks that writing an OBJ file would not replace files beside it that lumel has not written.
 ///
 /// # Errors
-/// A material library that somebody else has made, or names that cannot be given.
+/// A material library that lumel has not written, or invalid names.
 pub fn check_obj(path: &Path) -> Result<(), ExportError> {
     Files::beside(path)?.check()
 }
@@ -88,7 +88,7 @@ impl Files {
         let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else {
             return Err(ExportError::content(
                 path,
-                "the name must be Unicode text, to be written into the file",
+                "the name must be valid Unicode because the file contains it",
             ));
         };
         let (mtl_name, folder_name) = (format!("{stem}.mtl"), format!("{stem}_textures"));
@@ -97,17 +97,17 @@ impl Files {
 
     fn check(&self) -> Result<(), ExportError> {
         if self.folder.exists() && !self.folder.is_dir() {
-            let problem = "this is needed as a folder for textures; choose another name";
+            let problem = "a folder of this name is needed for textures; choose another name";
             return Err(ExportError::content(&self.folder, problem));
         }
-        // What cannot be read is for writing to complain about.
+        // If it cannot be read, writing reports the reason.
         let Ok(old) = File::open(&self.mtl) else { return Ok(()) };
         let mut start = Vec::new();
         let _ = io::Read::take(BufReader::new(old), MARK.len() as u64).read_until(b'\n', &mut start);
         if start.is_empty() || start == MARK.as_bytes() {
             return Ok(());
         }
-        let problem = "this material library is not of lumel and would be replaced; choose another name";
+        let problem = "the material library of this name is not from lumel and would be replaced; choose another name";
         Err(ExportError::content(&self.mtl, problem))
     }
 }

@@ -1,14 +1,14 @@
-//! Textures as pictures of bytes.
+//! Textures as 8-bit images.
 
 use crate::display::srgb_byte;
 use lumel_scene::{Encoding, Texture};
 
-/// What stored texels are divided by so that all fit a picture of bytes.
+/// The divisor that brings all stored texels into the range of an 8-bit image.
 pub(crate) fn largest(texture: &Texture) -> f32 {
     if texture.bytes().is_some() { 1.0 } else { texture.max().max_element().max(1.0) }
 }
 
-/// The texels over the [`largest`] as sRGB, row by row from the top; those that are sRGB bytes already stay as they are.
+/// The texels over the [`largest`] as sRGB, row by row from the top; sRGB bytes are kept.
 pub(crate) fn srgb_pixels(texture: &Texture) -> Vec<[u8; 3]> {
     if let Some((rgba, Encoding::Srgb)) = texture.bytes() {
         return rgba.iter().map(|&[r, g, b, _]| [r, g, b]).collect();

@@ -1,4 +1,4 @@
-//! Lit meshes as PLY, for tools that look at points and meshes.
+//! Lit meshes as PLY, for viewers of points and meshes.
 
 use crate::display::{check_irradiance, first_places, seen_radiance, srgb_byte};
 use crate::{ExportError, Exposure, write_atomically};
@@ -13,8 +13,8 @@ use std::path::Path;
 /// times exposure on the sRGB curve. Its albedo and emission are those of the first triangle it belongs to.
 ///
 /// # Errors
-/// Irradiance that does not fit the scene or is not finite, an exposure that is not positive, and all that
-/// [`write_atomically`] meets.
+/// Irradiance that does not match the scene or is not finite, an exposure that is not positive, and the errors of
+/// [`write_atomically`].
 pub fn write_ply(
     path: &Path,
     scene: &Scene,
@@ -72,7 +72,7 @@ fn write_faces(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
     for triangle in scene.triangles() {
         out.write_all(&[3])?;
         for vertex in triangle {
-            // A scene has fewer vertices than a signed number counts.
+            // Indices of a scene fit in 31 bits.
             out.write_all(&vertex.to_le_bytes())?;
         }
     }

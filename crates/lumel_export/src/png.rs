@@ -4,16 +4,16 @@ use crate::{ExportError, write_atomically};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Keywords of texts are 1 to this many characters long, says the PNG specification.
+/// The longest keyword of a text, characters; PNG specification.
 const MAX_KEYWORD: usize = 79;
 
 /// Writes a picture as PNG, atomically: sRGB, 8 bits per channel, rows from the top.
 ///
-/// `texts` are keywords and texts to keep with it, such as `("Title", "cornell-box")`.
+/// `texts` are keywords and texts to store in the file, such as `("Title", "cornell-box")`.
 ///
 /// # Errors
-/// A size that does not fit the number of pixels or is beyond what PNG holds, a keyword that is not 1 to 79 plain
-/// characters, and all that [`write_atomically`] meets.
+/// A size that does not match the number of pixels or exceeds the limits of PNG, a keyword that is not 1 to 79 plain
+/// characters, and the errors of [`write_atomically`].
 pub fn write_png(
     path: &Path,
     width: u32,
@@ -43,7 +43,7 @@ fn problem(width: u32, height: u32, n_pixels: usize, texts: &[(&str, &str)]) -> 
     bad.map(|(keyword, _)| format!("\"{keyword}\" cannot be a text of a PNG file"))
 }
 
-/// Encodes a picture that has as many pixels as its size says.
+/// Encodes a picture whose number of pixels matches its size.
 pub(crate) fn encode_png(
     out: impl Write,
     width: u32,
@@ -56,7 +56,7 @@ pub(crate) fn encode_png(
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
     for (keyword, text) in texts {
-        // tEXt is Latin-1, and known to more programs.
+        // tEXt is Latin-1 and more widely supported.
         if text.is_ascii() {
             encoder.add_text_chunk((*keyword).to_owned(), (*text).to_owned())?;
         } else {

@@ -13,10 +13,10 @@ const N_DIGITS: usize = 32;
 /// Bytes of an RGB value.
 const VALUE_SIZE: usize = 12;
 
-/// One RGB value per vertex of a mesh that is known by the MD5 of its positions.
+/// One RGB value per vertex of a mesh that is identified by the MD5 of its positions.
 ///
-/// A value is irradiance divided by π, summed over all bounces: what times the albedo is radiance. The file says
-/// nothing of lights, materials or settings.
+/// A value is irradiance divided by π, summed over all bounces; times the albedo, it is radiance. The file
+/// holds no lights, materials or settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadFile {
     /// MD5 of the packed `f32` positions, 32 lower-case hexadecimal digits.
@@ -25,7 +25,7 @@ pub struct RadFile {
     pub values: Vec<Vec3>,
 }
 
-/// MD5 of positions as the course takes it: over their packed little-endian `f32` coordinates.
+/// MD5 of positions as defined by the course: over their packed little-endian `f32` coordinates.
 pub fn position_md5(positions: &[Vec3]) -> String {
     let mut hasher = Md5::new();
     for number in positions.iter().flat_map(|p| p.to_array()) {
@@ -50,7 +50,7 @@ impl RadFile {
         irradiance.collect()
     }
 
-    /// Whether this is light on the scene's vertices, in their order.
+    /// Whether this is light for the scene's vertices, in the same order.
     pub fn matches(&self, scene: &Scene) -> bool {
         self.values.len() == scene.vertex_count() && self.position_md5 == position_md5(scene.positions())
     }
@@ -89,7 +89,7 @@ impl RadFile {
     /// Writes the file, atomically.
     ///
     /// # Errors
-    /// An MD5 that is not 32 lower-case hexadecimal digits, and all that [`write_atomically`] meets.
+    /// An MD5 that is not 32 lower-case hexadecimal digits, and the errors of [`write_atomically`].
     pub fn write(&self, path: &Path) -> Result<(), ExportError> {
         let digits = self.position_md5.as_bytes();
         if digits.len() != N_DIGITS || !digits.iter().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f')) {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-/// The plan of the binary chunk: what is where, before anything is written.
+/// The layout of the binary chunk, planned before anything is written.
 #[derive(Default)]
 pub(super) struct Binary {
     pub(super) length: u64,

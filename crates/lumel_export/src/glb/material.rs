@@ -1,4 +1,4 @@
-//! The materials and pictures of a GLB file.
+//! The materials and images of a GLB file.
 
 use super::binary::Binary;
 use crate::pixels::{self, srgb_pixels};
@@ -17,7 +17,7 @@ const NO_INDEX: usize = usize::MAX;
 
 /// Materials and textures that the scene's triangles use, ready to be written.
 pub(super) struct Materials {
-    /// Index in the file of each of the scene's materials; `NO_INDEX` for those that no triangle has.
+    /// Index in the file of each of the scene's materials; `NO_INDEX` for unused ones.
     index: Vec<usize>,
     textured: Vec<bool>,
     json: Vec<Value>,
@@ -31,7 +31,7 @@ struct Image {
     wrap: [Wrap; 2],
 }
 
-/// The textures of a file while it is put together.
+/// The textures of a file under construction.
 #[derive(Default)]
 struct Images {
     list: Vec<Image>,
@@ -107,14 +107,14 @@ impl Materials {
     }
 }
 
-/// Base colour factor and texture of a material: its albedo, or what it emits.
+/// Base colour factor and texture of a material: its albedo or its emission.
 fn base_color(scene: &Scene, material: &Material, exposure: f32) -> (Vec3, Option<TextureRef>) {
     let largest = |texture: TextureRef| pixels::largest(&scene.textures()[texture.texture.index()]);
     match (material.emits(), material.albedo_texture, material.emission_texture) {
         (false, Some(texture), _) => (material.albedo * largest(texture), Some(texture)),
         (false, None, _) => (material.albedo.min(Vec3::splat(MAX_ALBEDO)), None),
         (true, _, Some(texture)) => (material.emission.0 * (exposure * largest(texture)), Some(texture)),
-        // The vertex colours hold all that is seen.
+        // The vertex colours hold the visible radiance.
         (true, _, None) => (Vec3::ONE, None),
     }
 }
@@ -136,7 +136,7 @@ fn describe(material: &Material, factor: Vec3, base_texture: Option<Value>) -> V
         surface["baseColorTexture"] = texture;
     }
     if material.emits() {
-        // For programs that do not know unlit: the hue, as bright as they can; how bright it is, is in the extras.
+        // For programs without support for unlit: the hue at full brightness; the extras hold the radiance.
         let emission = material.emission.0;
         json["emissiveFactor"] = json!((emission / emission.max_element()).to_array());
     }
@@ -145,7 +145,7 @@ fn describe(material: &Material, factor: Vec3, base_texture: Option<Value>) -> V
 }
 
 impl Images {
-    /// A material's reference to a texture, which is added when it is new.
+    /// A material's reference to a texture, which is added if it is new.
     fn reference(&mut self, scene: &Scene, texture: TextureRef) -> io::Result<Value> {
         let index = match self.index.get(&texture.texture) {
             Some(&index) => index,

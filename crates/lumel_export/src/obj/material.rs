@@ -10,10 +10,10 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// The longest part of a texture's name that its file keeps, characters.
+/// The longest part of a texture's name that its file name keeps, characters.
 const MAX_STEM: usize = 40;
 
-/// The materials that faces have, ready to be written.
+/// The materials in use, ready to be written.
 pub(super) struct Materials {
     by_id: BTreeMap<MaterialId, Entry>,
     /// File names of the textures they use.
@@ -40,9 +40,9 @@ struct Map {
     clamped: bool,
 }
 
-/// How a texture's picture lies on the surface.
+/// How a texture is mapped to the surface.
 ///
-/// Mirrored textures become pictures of twice the size that repeat.
+/// Mirrored textures become repeating images of twice the size.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct OnSurface {
     transform: UvTransform,
@@ -54,7 +54,7 @@ impl OnSurface {
         Self { transform: texture.transform, doubled: mirrored(&scene.textures()[texture.texture.index()]) }
     }
 
-    /// The coordinate in the picture, `v` down.
+    /// The coordinate in the image, `v` down.
     pub(super) fn apply(&self, uv: Vec2) -> Vec2 {
         self.transform.apply(uv) * self.shrink()
     }
@@ -133,7 +133,7 @@ impl Materials {
         writeln!(out, " {}/{}", self.folder, self.textures[texture])
     }
 
-    /// Writes the pictures into a folder, which is made if there are any.
+    /// Writes the images into a folder, which is created if there are any.
     pub(super) fn write_textures(&self, scene: &Scene, folder: &Path) -> Result<(), ExportError> {
         if self.have_textures() {
             create_folder(folder)?;
@@ -204,7 +204,7 @@ fn unique(name: &str, names: &mut BTreeSet<String>) -> String {
     candidates.find(|candidate| names.insert(candidate.clone())).unwrap_or_default()
 }
 
-/// The name of a texture's file, in letters that every program reads.
+/// The name of a texture's file, in characters that every program accepts.
 fn file_name(texture: &Texture, id: TextureId) -> String {
     let file = texture.name.rsplit(['/', '\\']).next().unwrap_or_default();
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
@@ -229,7 +229,7 @@ fn picture(texture: &Texture) -> (u32, u32, Vec<[u8; 3]>) {
     (width * times(twice_u), height * times(twice_v), rows.concat())
 }
 
-/// Creates a folder that may be there already.
+/// Creates a folder unless it exists.
 fn create_folder(folder: &Path) -> Result<(), ExportError> {
     match fs::create_dir(folder) {
         Err(error) if !folder.is_dir() => Err(ExportError::io(folder, error)),

@@ -65,7 +65,7 @@ fn parts_are_selected_by_bounce() {
     assert_eq!(solution.select(SolutionSelection::Sum).unwrap(), solution.sum());
     assert_eq!(solution.select(SolutionSelection::Bounce(1)).unwrap(), solution.bounces[1]);
     let error = solution.select(SolutionSelection::Bounce(2)).unwrap_err().to_string();
-    assert_eq!(error, "the solution has no bounce 2, only 2 bounces counted from 0 (direct light)");
+    assert_eq!(error, "the solution has no bounce 2; it has 2 bounces, counted from 0 (direct light)");
 }
 
 #[test]
