@@ -15,12 +15,12 @@ pub struct Comparison {
     /// Which bounces right of the divider.
     pub selection: Selection,
     at: f32,
-    difference: Option<(Key, Option<Difference>)>,
+    difference: Option<(DifferenceKey, Option<Difference>)>,
 }
 
 /// What a difference depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Key {
+struct DifferenceKey {
     light: u64,
     left: Selection,
     right: Side,
@@ -72,7 +72,12 @@ impl Comparison {
     ///
     /// `None` where there is nothing to compare. Computed when one of both has changed.
     pub fn difference(&mut self, session: &Session, left: Selection) -> Option<&Difference> {
-        let key = Key { light: session.light_generation, left, right: self.right, selection: self.selection };
+        let key = DifferenceKey {
+            light: session.light_generation,
+            left,
+            right: self.right,
+            selection: self.selection,
+        };
         if self.difference.as_ref().is_none_or(|(of, _)| *of != key) {
             self.difference = Some((key, self.compute(session, left)));
         }

@@ -1,6 +1,6 @@
 //! Inspecting the light where the user clicks.
 
-use crate::selection::Light;
+use crate::selection::Illumination;
 use crate::solver::Solved;
 use crate::task::Background;
 use crate::wake::Wake;
@@ -68,7 +68,7 @@ fn spot_at(scene: &Scene, at: SurfacePoint) -> Spot {
 
 impl Spot {
     /// The stored light at the spot: each bounce that is known, W·m⁻².
-    pub fn bounces(&self, scene: &Scene, light: &Light) -> Vec<Vec3> {
+    pub fn bounces(&self, scene: &Scene, light: &Illumination) -> Vec<Vec3> {
         light.bounces.iter().chain(&light.current).map(|values| self.value(scene, values)).collect()
     }
 

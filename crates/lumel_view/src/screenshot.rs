@@ -5,7 +5,7 @@ use crate::document::{self, error_text};
 use crate::lights::shining;
 use crate::notice::Level;
 use crate::prefs::ViewPrefs;
-use crate::selection::{Light, Selection};
+use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::stage::Stage;
 use anyhow::Context;
@@ -108,7 +108,7 @@ pub fn without_window(
     let (document, contents) = document::open(scene).map_err(anyhow::Error::msg)?;
     let light = match &args.solution {
         Some(file) => crate::session::light_from(&LightFile::load_for(file, &document.scene)?),
-        None => Light::default(),
+        None => Illumination::default(),
     };
     let selection = args.bounce.map_or(Selection::All, Selection::bounce);
     if let Some(bounce) = args.bounce.filter(|b| *b as usize >= light.bounce_count()) {

@@ -67,7 +67,7 @@ impl fmt::Display for Selection {
 
 /// Light as far as it is known, at every vertex.
 #[derive(Clone, Debug, Default)]
-pub struct Light {
+pub struct Illumination {
     /// Tells the light of one solve or file from that of others.
     pub id: u64,
     /// Bounces that are done; empty where a file holds nothing but their sum.
@@ -87,7 +87,7 @@ pub struct Light {
 /// Numbers solves and files.
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
-impl Light {
+impl Illumination {
     /// Darkness with a number of its own.
     pub fn new() -> Self {
         Self { id: NEXT.fetch_add(1, Ordering::Relaxed), ..Self::default() }
@@ -124,13 +124,13 @@ impl Light {
 mod tests {
     use super::*;
 
-    fn light() -> Light {
+    fn light() -> Illumination {
         let values = |x: f32| Arc::new(vec![Vec3::splat(x), Vec3::splat(10.0 * x)]);
-        Light {
+        Illumination {
             bounces: vec![values(1.0), values(2.0), values(4.0)],
             current: Some(values(8.0)),
             tail: Some(values(16.0)),
-            ..Light::default()
+            ..Illumination::default()
         }
     }
 
@@ -148,11 +148,11 @@ mod tests {
 
     #[test]
     fn a_sum_has_no_bounces() {
-        let sum = Light { sum_only: Some(Arc::new(vec![Vec3::ONE; 2])), ..Light::default() };
+        let sum = Illumination { sum_only: Some(Arc::new(vec![Vec3::ONE; 2])), ..Illumination::default() };
         assert_eq!(sum.select(Selection::All, 2), [Vec3::ONE; 2]);
         assert_eq!(sum.select(Selection::DIRECT, 2), [Vec3::ZERO; 2]);
         assert!(!sum.is_empty() && sum.bounce_count() == 0);
-        assert_eq!(Light::default().select(Selection::All, 2), [Vec3::ZERO; 2]);
+        assert_eq!(Illumination::default().select(Selection::All, 2), [Vec3::ZERO; 2]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the vertices of the picture hold: light, or numbers about the mesh.
 
 use crate::prefs::{Unit, ViewMode};
-use crate::selection::{Light, Selection};
+use crate::selection::{Illumination, Selection};
 use glam::Vec3;
 use lumel::Scene;
 use lumel_render_cpu::{FalseColor, Legend, Scale};
@@ -17,7 +17,12 @@ const INVALID: Vec3 = Vec3::new(0.9, 0.06, 0.03);
 const UNKNOWN: Vec3 = Vec3::new(0.12, 0.12, 0.12);
 
 /// One value for each vertex, for a way of looking at the scene; `None` where there is nothing to show.
-pub fn of_vertices(mode: ViewMode, scene: &Scene, light: &Light, selection: Selection) -> Option<Vec<Vec3>> {
+pub fn of_vertices(
+    mode: ViewMode,
+    scene: &Scene,
+    light: &Illumination,
+    selection: Selection,
+) -> Option<Vec<Vec3>> {
     let n = scene.vertex_count();
     match mode {
         ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => Some(light.select(selection, n)),
@@ -96,7 +101,7 @@ mod tests {
     fn every_mode_but_an_unknown_error_has_a_value_for_each_vertex() {
         let scene = cornell();
         for mode in ViewMode::ALL {
-            let values = of_vertices(mode, &scene, &Light::default(), Selection::All);
+            let values = of_vertices(mode, &scene, &Illumination::default(), Selection::All);
             assert_eq!(
                 values.map(|v| v.len()),
                 (mode != ViewMode::StandardError).then(|| scene.vertex_count()),
@@ -110,7 +115,7 @@ mod tests {
         let scene = cornell();
         let mut valid = vec![true; scene.vertex_count()];
         valid[7] = false;
-        let light = Light { valid: Arc::new(valid), ..Light::default() };
+        let light = Illumination { valid: Arc::new(valid), ..Illumination::default() };
         let values = of_vertices(ViewMode::Validity, &scene, &light, Selection::All).unwrap();
         assert_eq!((values[7], values[8]), (INVALID, VALID));
     }

@@ -1,7 +1,7 @@
 //! The light on the surfaces: what it was computed from, and by what.
 
 use crate::inputs::Inputs;
-use crate::selection::Light;
+use crate::selection::Illumination;
 use crate::solver::Solved;
 use lumel::{Accuracy, Settings, Solution, TargetError};
 use std::sync::Arc;
@@ -43,7 +43,7 @@ impl Computed {
     }
 
     /// What it is, in a few words.
-    pub fn label(&self, light: &Light) -> String {
+    pub fn label(&self, light: &Illumination) -> String {
         let bounces = light.bounce_count().saturating_sub(1);
         match (self.settings(), &self.origin) {
             (_, Some(origin)) => origin.clone(),

@@ -1,6 +1,6 @@
 //! Light from files and into files.
 
-use crate::selection::Light;
+use crate::selection::Illumination;
 use lumel::{LightFile, Solution};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,17 +30,19 @@ pub struct SavedFile {
 }
 
 /// The light of a file, bounce by bounce where it tells them apart.
-pub fn light_from(file: &LightFile) -> Light {
+pub fn light_from(file: &LightFile) -> Illumination {
     match file {
         LightFile::Solution(solution) => light_of_solution(solution),
-        LightFile::Rad(rad) => Light { sum_only: Some(Arc::new(rad.irradiance())), ..Light::new() },
+        LightFile::Rad(rad) => {
+            Illumination { sum_only: Some(Arc::new(rad.irradiance())), ..Illumination::new() }
+        }
     }
 }
 
-fn light_of_solution(solution: &Solution) -> Light {
+fn light_of_solution(solution: &Solution) -> Illumination {
     let sum_only = solution.bounces.is_empty().then(|| Arc::new(solution.irradiance.clone()));
-    Light {
-        id: Light::new().id,
+    Illumination {
+        id: Illumination::new().id,
         bounces: solution.bounces.iter().cloned().map(Arc::new).collect(),
         current: None,
         tail: solution.tail.clone().map(Arc::new),

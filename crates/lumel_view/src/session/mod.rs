@@ -26,7 +26,7 @@ use crate::history::History;
 use crate::lights::EditLight;
 use crate::notice::{Level, Notices};
 use crate::recovery::{LeftBehind, Recovery};
-use crate::selection::{Light, Selection};
+use crate::selection::{Illumination, Selection};
 use crate::slots::Slots;
 use crate::solver::{BounceStats, SolveJob};
 use crate::task::Background;
@@ -45,7 +45,7 @@ pub struct Kept {
     /// What it is: sampler, rays and bounces, or a file.
     pub name: String,
     /// The light.
-    pub light: Light,
+    pub light: Illumination,
     /// Tells it from others that had its place in the list.
     pub id: u64,
 }
@@ -82,7 +82,7 @@ pub struct Session {
     /// The view.
     pub camera: FlyCamera,
     /// Light on the surfaces, as far as it is known.
-    pub light: Light,
+    pub light: Illumination,
     /// Changes with the light.
     pub light_generation: u64,
     /// What each bounce brought.
@@ -146,7 +146,7 @@ impl Session {
             live: true,
             slots: Slots::default(),
             camera: FlyCamera::default(),
-            light: Light::default(),
+            light: Illumination::default(),
             light_generation: 0,
             stats: Vec::new(),
             kept: Vec::new(),
@@ -230,7 +230,7 @@ impl Session {
     }
 
     fn forget_light(&mut self) {
-        self.light = Light::default();
+        self.light = Illumination::default();
         self.light_generation += 1;
         self.stats.clear();
         self.computed = None;

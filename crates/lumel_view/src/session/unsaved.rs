@@ -4,7 +4,7 @@ use super::Session;
 use crate::lights::EditLight;
 use crate::notice::Level;
 use crate::recovery::{LeftBehind, Note, Recovery};
-use crate::selection::{Light, Selection};
+use crate::selection::{Illumination, Selection};
 use crate::slots::Slots;
 use crate::solver::{Keep, SolveStart};
 use lumel::{LightEntry, LightFile, Solution, TargetError};
@@ -151,7 +151,7 @@ impl Session {
     pub fn solution(&self) -> Option<Solution> {
         let (document, computed) = (self.document.as_ref()?, self.computed.as_ref()?);
         let scene = &document.scene;
-        let light = Light { current: None, ..self.light.clone() };
+        let light = Illumination { current: None, ..self.light.clone() };
         let n = scene.vertex_count();
         let settings = computed.settings().and_then(|s| serde_json::to_value(s).ok()).unwrap_or_default();
         let mut meta = match &computed.file {

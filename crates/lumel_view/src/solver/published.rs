@@ -1,7 +1,7 @@
 //! What can be seen of a job while it runs.
 
 use super::task::Solved;
-use crate::selection::Light;
+use crate::selection::Illumination;
 use crate::wake::Wakes;
 use lumel::{Control, Reading, Tracker};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -58,7 +58,7 @@ pub struct Published {
     /// Where it is.
     pub phase: Phase,
     /// The light so far.
-    pub light: Light,
+    pub light: Illumination,
     /// One for each finished bounce.
     pub stats: Vec<BounceStats>,
     /// Changes with the light.
@@ -82,7 +82,7 @@ impl Shared {
     pub(super) fn new(wakes: Wakes) -> Self {
         let published = Published {
             phase: Phase::Preparing,
-            light: Light::new(),
+            light: Illumination::new(),
             stats: Vec::new(),
             generation: 0,
             checkpoint_problem: None,

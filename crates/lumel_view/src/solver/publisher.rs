@@ -2,7 +2,7 @@
 
 use super::published::{BounceStats, Phase, Shared, lock};
 use super::task::{Keep, Task};
-use crate::selection::{Light, VertexValues};
+use crate::selection::{Illumination, VertexValues};
 use glam::Vec3;
 use lumel::{Baker, Control, Observer, Reading, Snapshot, SolveState, Step, Tracker};
 use lumel_scene::luminance;
@@ -104,7 +104,7 @@ impl<'a> Publisher<'a> {
         let errors = state.errors.as_ref();
         let standard_error = errors.map(|e| Arc::new(self.baker.at_vertices(&e.standard_error)));
         self.shared.publish_light(|p| {
-            p.light = Light { bounces, tail, valid, standard_error, ..Light::new() };
+            p.light = Illumination { bounces, tail, valid, standard_error, ..Illumination::new() };
             p.stats = stats;
         });
     }

@@ -15,7 +15,7 @@ pub(super) struct Blit {
 
 /// A picture that can be shown in the window.
 #[derive(Clone)]
-pub struct Shown {
+pub struct ShownPicture {
     pipeline: Arc<wgpu::RenderPipeline>,
     group: Arc<wgpu::BindGroup>,
 }
@@ -74,7 +74,7 @@ impl Blit {
     }
 
     /// A picture made ready for the window.
-    pub(super) fn shown(&self, state: &RenderState, picture: &wgpu::TextureView) -> Shown {
+    pub(super) fn shown(&self, state: &RenderState, picture: &wgpu::TextureView) -> ShownPicture {
         let group = state.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("picture"),
             layout: &self.layout,
@@ -83,18 +83,18 @@ impl Blit {
                 resource: wgpu::BindingResource::TextureView(picture),
             }],
         });
-        Shown { pipeline: Arc::clone(&self.pipeline), group: Arc::new(group) }
+        ShownPicture { pipeline: Arc::clone(&self.pipeline), group: Arc::new(group) }
     }
 }
 
-impl Shown {
+impl ShownPicture {
     /// The picture over an area of the window.
     pub fn shape(&self, area: Rect) -> Shape {
         Shape::Callback(Callback::new_paint_callback(area, self.clone()))
     }
 }
 
-impl CallbackTrait for Shown {
+impl CallbackTrait for ShownPicture {
     fn paint(
         &self,
         _info: PaintCallbackInfo,

@@ -1,7 +1,7 @@
 //! What the renderer's light buffers hold.
 
 use crate::prefs::ViewMode;
-use crate::selection::{Light, Selection};
+use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::values;
 use glam::Vec3;
@@ -48,7 +48,7 @@ impl Content {
     /// What a mode shows of a part of the light.
     pub(super) fn new(session: &Session, side: Side, mode: ViewMode, selection: Selection) -> Self {
         let light = light_of(session, side);
-        let unlit = light.is_none_or(Light::is_empty) && side == Side::Current;
+        let unlit = light.is_none_or(Illumination::is_empty) && side == Side::Current;
         let values = match mode {
             ViewMode::Final | ViewMode::Irradiance if unlit => Values::Preview,
             ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => Values::Light,
@@ -89,7 +89,7 @@ impl Content {
     /// The values, one for each vertex; `None` when nothing is open.
     pub(super) fn values(&self, session: &Session) -> Option<Vec<Vec3>> {
         let scene = &session.document.as_ref()?.scene;
-        let none = Light::default();
+        let none = Illumination::default();
         let light = light_of(session, self.side).unwrap_or(&none);
         let values = match self.values {
             Values::Light => values::of_vertices(ViewMode::Final, scene, light, self.selection),
@@ -101,7 +101,7 @@ impl Content {
     }
 }
 
-fn light_of(session: &Session, side: Side) -> Option<&Light> {
+fn light_of(session: &Session, side: Side) -> Option<&Illumination> {
     match side {
         Side::Current => Some(&session.light),
         Side::Kept(id) => session.kept.iter().find(|kept| kept.id == id).map(|kept| &kept.light),

@@ -8,7 +8,7 @@ mod metered;
 mod showing;
 mod strip;
 
-pub use blit::Shown;
+pub use blit::ShownPicture;
 pub use content::Side;
 pub use showing::{Marks, Quality, Showing, Split};
 pub use strip::{ShownThumbnail, Thumbnail};
@@ -60,7 +60,7 @@ struct LoadedModel {
 /// What is drawn into, and shown in the window.
 struct ShownTarget {
     target: Target,
-    shown: Shown,
+    shown: ShownPicture,
 }
 
 /// Marks on the device.
@@ -151,7 +151,11 @@ impl Stage {
     ///
     /// # Errors
     /// A scene or a size that the device cannot hold.
-    pub fn show(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Option<Shown>, RenderError> {
+    pub fn show(
+        &mut self,
+        showing: &Showing<'_>,
+        size: [u32; 2],
+    ) -> Result<Option<ShownPicture>, RenderError> {
         let Some(document) = &showing.session.document else { return Ok(None) };
         self.load(showing.session, &document.scene)?;
         let drawn = self.wanted(showing, size)?;
