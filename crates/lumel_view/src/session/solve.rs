@@ -66,7 +66,7 @@ impl Session {
             return Some(SolveStart::Anew);
         }
         Some(match (&computed.solved, &computed.file) {
-            (Some(solved), _) => SolveStart::From(rules::wanted_bounces(solved, &self.settings)),
+            (Some(solved), _) => SolveStart::From(Box::new(rules::wanted_bounces(solved, &self.settings))),
             (None, Some(file)) => SolveStart::FromFile(Box::new((**file).clone())),
             (None, None) => SolveStart::Anew,
         })
@@ -105,7 +105,8 @@ impl Session {
         let start = match solved {
             Some(solved) if settings.basis == BasisKind::Vertex => {
                 let SolveState { basis, ref valid, .. } = solved.state;
-                SolveStart::From(SolveState { basis, valid: valid.clone(), ..SolveState::new() })
+                let known = SolveState { basis, valid: valid.clone(), ..SolveState::new() };
+                SolveStart::From(Box::new(known))
             }
             _ => SolveStart::Anew,
         };

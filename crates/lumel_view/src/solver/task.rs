@@ -32,7 +32,7 @@ pub enum SolveStart {
     /// With direct light.
     Anew,
     /// After the bounces of this state.
-    From(SolveState),
+    From(Box<SolveState>),
     /// After the bounces of a solution that was saved; an error if it does not fit.
     FromFile(Box<lumel::Solution>),
 }
