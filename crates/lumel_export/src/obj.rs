@@ -107,7 +107,8 @@ impl Files {
         if start.is_empty() || start == MARK.as_bytes() {
             return Ok(());
         }
-        let problem = "the material library of this name is not from lumel and would be replaced; choose another name";
+        let problem =
+            "the material library of this name is not from lumel and would be replaced; choose another name";
         Err(ExportError::content(&self.mtl, problem))
     }
 }
