@@ -6,6 +6,7 @@
 mod args;
 mod checkpoint;
 mod clock;
+mod command_run;
 mod commands;
 mod console;
 mod failure;
@@ -19,7 +20,6 @@ mod points;
 mod progress;
 mod report;
 mod scene_report;
-mod session;
 
 use crate::console::Console;
 use args::{Cli, Command};

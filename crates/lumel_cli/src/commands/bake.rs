@@ -3,12 +3,12 @@
 use super::summary::{Step, Summary, Written};
 use crate::args::BakeArgs;
 use crate::checkpoint::{self, Checkpoint};
+use crate::command_run::{CommandRun, SolveLog, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::with_hint;
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
-use crate::session::{Session, SolveLog, thread_pool};
 use anyhow::bail;
 use lumel::{Baker, Ended, ResumeError, Saved, Solution, SolveState};
 use std::path::{Path, PathBuf};
@@ -16,14 +16,14 @@ use std::sync::Arc;
 
 /// Bakes.
 pub(crate) fn run(args: &BakeArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
-    let plan = Plan::new(args)?;
+    let files = BakeFiles::new(args)?;
     let pool = thread_pool(&args.run.threads)?;
-    let mut session = Session::start(args.run.progress, console)?;
-    let result = pool.install(|| bake(args, &plan, &session));
-    session.progress.finish();
+    let mut run = CommandRun::start(args.run.progress, console)?;
+    let result = pool.install(|| bake(args, &files, &run));
+    run.progress.finish();
     match result? {
         Baked::Done(mut summary) => {
-            summary.seconds.total = session.clock.seconds();
+            summary.seconds.total = run.clock.seconds();
             console::print(&if args.json { summary.json()? } else { summary.text() })?;
             Ok(console.outcome(args.run.strict))
         }
@@ -42,12 +42,12 @@ enum Baked {
 }
 
 /// The files of a bake.
-struct Plan {
+struct BakeFiles {
     outputs: Vec<Output>,
     checkpoint: PathBuf,
 }
 
-impl Plan {
+impl BakeFiles {
     /// Checks everything that can be checked in advance.
     fn new(args: &BakeArgs) -> anyhow::Result<Self> {
         let mut outputs =
@@ -68,42 +68,42 @@ impl Plan {
 }
 
 /// The bake on the threads of the pool.
-fn bake(args: &BakeArgs, plan: &Plan, session: &Session) -> anyhow::Result<Baked> {
-    let (loaded, load_seconds) = session.timed("load", || load::load_and_warn(&args.scene, &session.console));
+fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<Baked> {
+    let (loaded, load_seconds) = run.timed("load", || load::load_and_warn(&args.scene, &run.console));
     let Loaded { scene, patch, .. } = loaded?;
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
-    let (baker, build_seconds) = session.timed("build", || Baker::new(scene, settings));
+    let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
     let mut state = match &args.resume {
         Some(file) => resume(&baker, file)?,
         None => SolveState::new(),
     };
     let first_bounce = state.bounces.len();
-    let checkpoint = Checkpoint::new(plan.checkpoint.clone(), &session.console);
+    let checkpoint = Checkpoint::new(files.checkpoint.clone(), &run.console);
     match &args.resume {
         Some(file) => checkpoint.resumed_from(file),
-        None => tell_of_old_checkpoint(checkpoint.path(), session),
+        None => tell_of_old_checkpoint(checkpoint.path(), run),
     }
-    let Some(log) = session.solve(&baker, &mut state, Some(&checkpoint))? else {
+    let Some(log) = run.solve(&baker, &mut state, Some(&checkpoint))? else {
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
-    warn_of_dark_faces(&baker, &state, session);
-    warn_of_error(&state, session);
-    let solution = solution(&baker, &state, session, &log);
+    warn_of_dark_faces(&baker, &state, run);
+    warn_of_error(&state, run);
+    let solution = solution(&baker, &state, run, &log);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
     let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
-    let (written, write_seconds) = session.timed("write", || write(plan, &baker, &solution, kept, session));
+    let (written, write_seconds) = run.timed("write", || write(files, &baker, &solution, kept, run));
     let Some(written) = written? else {
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
     checkpoint.remove();
-    let mut summary = Summary::new(&baker, &state, &solution, session.interrupt.control().rays(), &log);
+    let mut summary = Summary::new(&baker, &state, &solution, run.interrupt.control().rays(), &log);
     summary.resumed_bounces = first_bounce;
     summary.files = written;
     summary.seconds.load = load_seconds;
     summary.seconds.build = build_seconds;
     summary.seconds.write = write_seconds;
-    summary.warnings = session.console.warning_count();
+    summary.warnings = run.console.warning_count();
     Ok(Baked::Done(Box::new(summary)))
 }
 
@@ -123,31 +123,31 @@ fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
     })
 }
 
-fn warn_of_dark_faces(baker: &Baker, state: &SolveState, session: &Session) {
+fn warn_of_dark_faces(baker: &Baker, state: &SolveState, run: &CommandRun) {
     let n = baker.dark_faces(state);
     if n > 0 {
         let faces = crate::report::counted(n, "visible triangle stays", "visible triangles stay");
-        session.console.warning(&format!(
+        run.console.warning(&format!(
             "{faces} dark because all vertices lie inside geometry; split edges with a smaller --max-edge"
         ));
     }
 }
 
 /// Warns of a missed target error.
-fn warn_of_error(state: &SolveState, session: &Session) {
+fn warn_of_error(state: &SolveState, run: &CommandRun) {
     let Some(ended) = state.errors.as_ref().and_then(|errors| errors.accuracy.ended) else { return };
     let why = match ended {
         Ended::Reached => return,
         Ended::Memory => "more rays do not fit into memory; raise --memory",
         Ended::Samples => "some vertices have 64 times the initial samples; start with more samples",
     };
-    session.console.warning(&format!("the target error was not reached: {why}"));
+    run.console.warning(&format!("the target error was not reached: {why}"));
 }
 
-fn tell_of_old_checkpoint(path: &Path, session: &Session) {
+fn tell_of_old_checkpoint(path: &Path, run: &CommandRun) {
     if path.exists() {
         let name = path.display();
-        session.console.note(&format!(
+        run.console.note(&format!(
             "this bake will replace the checkpoint of an earlier one; to continue that one, use --resume {name}"
         ));
     }
@@ -193,12 +193,12 @@ fn bounces(n: usize) -> String {
 }
 
 /// The solution, with its statistics.
-fn solution(baker: &Baker, state: &SolveState, session: &Session, log: &SolveLog) -> Solution {
+fn solution(baker: &Baker, state: &SolveState, run: &CommandRun, log: &SolveLog) -> Solution {
     let mut solution = baker.solution(state);
     solution.meta.statistics = serde_json::json!({
         "seconds_solve": log.seconds,
         "seconds_steps": log.steps.iter().map(|(step, seconds)| (Step::from(*step).key(), seconds)).collect::<Vec<_>>(),
-        "rays": session.interrupt.control().rays(),
+        "rays": run.interrupt.control().rays(),
         "threads": rayon::current_num_threads(),
         "remainder": baker.remainder(state),
     });
@@ -207,20 +207,20 @@ fn solution(baker: &Baker, state: &SolveState, session: &Session, log: &SolveLog
 
 /// Writes all outputs in order. `None` if cancelled. The file `kept` also contains all light.
 fn write(
-    plan: &Plan,
+    files: &BakeFiles,
     baker: &Baker,
     solution: &Solution,
     kept: Option<&Path>,
-    session: &Session,
+    run: &CommandRun,
 ) -> anyhow::Result<Option<Vec<Written>>> {
-    let _heeding = session.interrupt.heed();
+    let _heeding = run.interrupt.heed();
     let mut written = Vec::new();
-    for output in &plan.outputs {
-        if session.interrupt.is_requested() {
+    for output in &files.outputs {
+        if run.interrupt.is_requested() {
             return Ok(None);
         }
-        let result = output.write(baker, solution, session.interrupt.picture());
-        if result.is_err() && output.is_picture() && session.interrupt.is_requested() {
+        let result = output.write(baker, solution, run.interrupt.picture());
+        if result.is_err() && output.is_picture() && run.interrupt.is_requested() {
             return Ok(None);
         }
         let bytes = result.map_err(|error| match kept {

@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 /// How two files of light differ.
 #[derive(Debug, Serialize)]
-struct Comparison {
+struct SolutionComparison {
     a: String,
     b: String,
     vertices: usize,
@@ -27,7 +27,7 @@ struct Comparison {
 
 /// Compares.
 pub(crate) fn run(args: &CompareArgs, console: &Console) -> anyhow::Result<Outcome> {
-    let comparison = Comparison::new(args)?;
+    let comparison = SolutionComparison::new(args)?;
     console::print(&if args.json { serde_json::to_string(&comparison)? + "\n" } else { comparison.text() })?;
     let Some(limit) = args.max_error else { return Ok(Outcome::Done) };
     match comparison.error() {
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &CompareArgs, console: &Console) -> anyhow::Result<Outco
     }
 }
 
-impl Comparison {
+impl SolutionComparison {
     fn new(args: &CompareArgs) -> anyhow::Result<Self> {
         let (a, b) = (LightFile::read(&args.a)?, LightFile::read(&args.b)?);
         if !a.same_vertices_as(&b) {

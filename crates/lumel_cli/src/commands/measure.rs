@@ -1,6 +1,7 @@
 //! `lumel measure`
 
 use crate::args::MeasureArgs;
+use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::{hinted, with_hint};
 use crate::load::{self, Loaded};
@@ -8,7 +9,6 @@ use crate::outcome::Outcome;
 use crate::outputs;
 use crate::points::Points;
 use crate::report;
-use crate::session::{Session, thread_pool};
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
@@ -28,9 +28,9 @@ pub(crate) fn run(args: &MeasureArgs, console: &Arc<Console>) -> anyhow::Result<
     }
     let points = Points::from_args(args)?;
     let pool = thread_pool(&args.run.threads)?;
-    let mut session = Session::start(args.run.progress, console)?;
-    let result = pool.install(|| measure(args, &points, &session));
-    session.progress.finish();
+    let mut run = CommandRun::start(args.run.progress, console)?;
+    let result = pool.install(|| measure(args, &points, &run));
+    run.progress.finish();
     let Some(measured) = result? else {
         console.note("stopped; nothing was measured");
         return Ok(Outcome::Cancelled);
@@ -60,19 +60,19 @@ fn check_output(args: &MeasureArgs, output: &Path) -> anyhow::Result<()> {
 fn measure(
     args: &MeasureArgs,
     points: &Points,
-    session: &Session,
+    run: &CommandRun,
 ) -> anyhow::Result<Option<PointMeasurement>> {
-    let (loaded, _) = session.timed("load", || load::load_and_warn(&args.scene, &session.console));
+    let (loaded, _) = run.timed("load", || load::load_and_warn(&args.scene, &run.console));
     let Loaded { scene, patch, .. } = loaded?;
     let receivers = points.receivers()?;
     let light = match &args.solution {
-        Some(file) => reuse(args, file, &scene, session)?,
-        None => solve(args, patch, scene, session)?,
+        Some(file) => reuse(args, file, &scene, run)?,
+        None => solve(args, patch, scene, run)?,
     };
     let Some((baker, state)) = light else { return Ok(None) };
-    session.progress.phase("measure");
-    let _heeding = session.interrupt.heed();
-    Ok(measure_points(&baker, &state, &receivers, session.interrupt.control()).ok())
+    run.progress.phase("measure");
+    let _heeding = run.interrupt.heed();
+    Ok(measure_points(&baker, &state, &receivers, run.interrupt.control()).ok())
 }
 
 /// Solves for the light. `None` if cancelled.
@@ -80,13 +80,13 @@ fn solve(
     args: &MeasureArgs,
     patch: SettingsPatch,
     scene: Arc<Scene>,
-    session: &Session,
+    run: &CommandRun,
 ) -> anyhow::Result<Option<(Baker, SolveState)>> {
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
-    let (baker, _) = session.timed("build", || Baker::new(scene, settings));
+    let (baker, _) = run.timed("build", || Baker::new(scene, settings));
     let mut state = SolveState::new();
-    Ok(session.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
+    Ok(run.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
 }
 
 /// The light of a solution, to be gathered with the sample counts from the command line.
@@ -94,25 +94,25 @@ fn reuse(
     args: &MeasureArgs,
     file: &Path,
     scene: &Arc<Scene>,
-    session: &Session,
+    run: &CommandRun,
 ) -> anyhow::Result<Option<(Baker, SolveState)>> {
     let saved = Saved::load_for(file, scene).map_err(|error| match error {
         error @ SolutionError::OtherScene { .. } => load::belongs_hint(error),
         error => error.into(),
     })?;
     if !saved.is_complete() {
-        session.console.warning(&format!("this is the checkpoint of an unfinished bake: {}", file.display()));
+        run.console.warning(&format!("this is the checkpoint of an unfinished bake: {}", file.display()));
     }
     let settings = stored_settings(&saved)
         .with_context(|| format!("the settings of this solution are unknown: {}", file.display()))?;
     let stored = SettingsPatch::complete(&settings);
-    let (baker, _) = session.timed("build", || Baker::new(Arc::clone(scene), settings));
+    let (baker, _) = run.timed("build", || Baker::new(Arc::clone(scene), settings));
     let mut state = baker.resume(&saved).map_err(|error| {
         let error = anyhow::Error::new(error).context(format!("cannot use {}", file.display()));
         with_hint(error, "use the scene and lights it was baked with, or omit --solution")
     })?;
     // All bounces are present: this only computes the tail.
-    if session.solve(&baker, &mut state, None)?.is_none() {
+    if run.solve(&baker, &mut state, None)?.is_none() {
         return Ok(None);
     }
     let wanted = load::settings(stored, &args.settings, &args.scene)?;

@@ -1,6 +1,7 @@
 //! `lumel render`
 
 use crate::args::{ProgressMode, RenderArgs};
+use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::hinted;
 use crate::load::{self, Loaded};
@@ -9,7 +10,6 @@ use crate::outputs::{self, Output};
 use crate::parse::CameraChoice;
 use crate::picture::{self, Subject};
 use crate::report;
-use crate::session::{Session, thread_pool};
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{Bvh, Camera, LightFile, RayTracer, Scene};
@@ -25,8 +25,8 @@ pub(crate) fn run(args: &RenderArgs, console: &Arc<Console>) -> anyhow::Result<O
     }
     outputs::check(&[&args.output], &load::source_files(&args.scene.scene))?;
     let pool = thread_pool(&args.threads)?;
-    let session = Session::start(ProgressMode::None, console)?;
-    let Some(picture) = pool.install(|| render(args, &display, &session))? else {
+    let run = CommandRun::start(ProgressMode::None, console)?;
+    let Some(picture) = pool.install(|| render(args, &display, &run))? else {
         console.note("stopped; no image was written");
         return Ok(Outcome::Cancelled);
     };
@@ -58,17 +58,17 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
 }
 
 /// Draws and writes the image. `None` if cancelled.
-fn render(args: &RenderArgs, display: &Display, session: &Session) -> anyhow::Result<Option<Picture>> {
-    let Loaded { scene, .. } = load::load_and_warn(&args.scene, &session.console)?;
-    let light = light(args, &scene, &session.console)?;
+fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Result<Option<Picture>> {
+    let Loaded { scene, .. } = load::load_and_warn(&args.scene, &run.console)?;
+    let light = light(args, &scene, &run.console)?;
     let tracer = Bvh::build(&scene);
     let camera = camera(args.camera.as_ref(), &scene, &tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
     let subject = Subject { scene: &scene, tracer: &tracer, light: &light, camera: &camera };
-    let _heeding = session.interrupt.heed();
-    let result = picture::write(&args.output, &subject, &resolution, display, session.interrupt.picture());
-    if result.is_err() && session.interrupt.is_requested() {
+    let _heeding = run.interrupt.heed();
+    let result = picture::write(&args.output, &subject, &resolution, display, run.interrupt.picture());
+    if result.is_err() && run.interrupt.is_requested() {
         return Ok(None);
     }
     result.map(Some)

@@ -1,7 +1,7 @@
 //! What a bake reports.
 
+use crate::command_run::SolveLog;
 use crate::report::{self, counted};
-use crate::session::SolveLog;
 use lumel::{Accuracy, Baker, Ended, Solution, SolveState};
 use serde::Serialize;
 use std::path::PathBuf;

@@ -19,7 +19,7 @@ pub(crate) fn thread_pool(args: &ThreadArgs) -> anyhow::Result<ThreadPool> {
 }
 
 /// A run of a long command.
-pub(crate) struct Session {
+pub(crate) struct CommandRun {
     /// Where messages go.
     pub(crate) console: Arc<Console>,
     /// Requests to stop.
@@ -40,8 +40,8 @@ pub(crate) struct SolveLog {
     pub(crate) checkpoint_seconds: f64,
 }
 
-impl Session {
-    /// Starts a session.
+impl CommandRun {
+    /// Starts a run.
     pub(crate) fn start(mode: ProgressMode, console: &Arc<Console>) -> anyhow::Result<Self> {
         let clock = Clock::start();
         let interrupt = Interrupt::listen(console)?;
@@ -65,7 +65,7 @@ impl Session {
         checkpoint: Option<&Checkpoint>,
     ) -> anyhow::Result<Option<SolveLog>> {
         let tracker = Arc::new(Mutex::new(Tracker::new(baker, state)));
-        let watch = Watch { session: self, baker, checkpoint, tracker, checkpoint_seconds: Mutex::default() };
+        let watch = Watch { run: self, baker, checkpoint, tracker, checkpoint_seconds: Mutex::default() };
         let begun = self.clock.seconds();
         let result = {
             let _heeding = self.interrupt.heed();
@@ -90,7 +90,7 @@ impl Session {
 
 /// Observes a solve.
 struct Watch<'a> {
-    session: &'a Session,
+    run: &'a CommandRun,
     baker: &'a Baker,
     checkpoint: Option<&'a Checkpoint>,
     tracker: Arc<Mutex<Tracker>>,
@@ -99,14 +99,14 @@ struct Watch<'a> {
 
 impl Watch<'_> {
     fn reading(&self) -> Reading {
-        Reading::new(self.session.interrupt.control(), self.session.clock.seconds())
+        Reading::new(self.run.interrupt.control(), self.run.clock.seconds())
     }
 }
 
 impl Observer for Watch<'_> {
     fn step_started(&self, step: Step) {
         lock(&self.tracker).step_started(step, self.reading());
-        self.session.progress.step_started(step, &self.tracker);
+        self.run.progress.step_started(step, &self.tracker);
     }
 
     fn step_done(&self, step: Step, state: &SolveState) {
@@ -114,11 +114,11 @@ impl Observer for Watch<'_> {
         let remainder = self.baker.remainder(state);
         let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
         let seconds = lock(&self.tracker).step_done(step, remainder, accuracy, now);
-        self.session.progress.step_done(step, seconds, remainder, accuracy);
+        self.run.progress.step_done(step, seconds, remainder, accuracy);
         if let (Some(checkpoint), Step::Bounce(_) | Step::Round(_)) = (self.checkpoint, step) {
-            let begun = self.session.clock.seconds();
+            let begun = self.run.clock.seconds();
             checkpoint.save(self.baker, state);
-            *lock(&self.checkpoint_seconds) += self.session.clock.seconds() - begun;
+            *lock(&self.checkpoint_seconds) += self.run.clock.seconds() - begun;
         }
     }
 }
