@@ -25,9 +25,9 @@ pub struct VertexBasis {
 impl VertexBasis {
     /// The basis on a scene's vertices.
     pub fn new(scene: Arc<Scene>) -> Self {
-        let (node_of_vertex, first_vertices) = merge_vertices(&scene);
+        let (nodes, first_vertices) = merge_vertices(&scene);
         let corner_nodes: Vec<[NodeId; 3]> =
-            scene.triangles().iter().map(|corners| corners.map(|v| node_of_vertex[v as usize])).collect();
+            scene.triangles().iter().map(|corners| corners.map(|v| nodes[v as usize])).collect();
         let areas = node_areas(&scene, &corner_nodes, first_vertices.len());
         Self { scene, corner_nodes, first_vertices, areas, adjacency: OnceLock::new() }
     }
