@@ -130,6 +130,16 @@ impl Baker {
         self.integrals.remainder(&state.bounces)
     }
 
+    /// Power that arrives in a field, W by luminance.
+    pub fn power(&self, field: &Field) -> f64 {
+        self.integrals.power(field)
+    }
+
+    /// The root of the mean over all surfaces of a field's squared irradiance, W·m⁻² by luminance.
+    pub fn root_mean_square(&self, field: &Field) -> f64 {
+        self.integrals.mean_square(field).sqrt()
+    }
+
     /// The share that each bounce of `state` has of their sum, by luminance of the incident power.
     pub fn shares(&self, state: &SolveState) -> Vec<f64> {
         let powers: Vec<f64> = state.bounces.iter().map(|bounce| self.integrals.power(bounce)).collect();

@@ -34,7 +34,7 @@ fn open(project: &Project, path: &Path) {
         Some(_) => false,
         None => true,
     };
-    let is_coarse = project.max_edge.is_none_or(|edge| !(edge < LEAST_EDGE));
+    let is_coarse = project.max_edge.is_none_or(|edge| edge.is_nan() || edge >= LEAST_EDGE);
     if !is_small || !is_coarse {
         return;
     }

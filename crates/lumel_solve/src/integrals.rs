@@ -34,6 +34,14 @@ impl Integrals {
         if area > 0.0 { self.power(field) / area } else { 0.0 }
     }
 
+    /// The mean over all surfaces of the squared irradiance at nodes, by luminance, W²·m⁻⁴.
+    pub fn mean_square(&self, field: &Field) -> f64 {
+        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        let nodes = self.areas.iter().zip(field.values().iter().step_by(field.channels()));
+        let sum: f64 = nodes.map(|(&area, e)| f64::from(area) * f64::from(luminance(*e)).powi(2)).sum();
+        if area > 0.0 { sum / area } else { 0.0 }
+    }
+
     /// Power that is reflected and so arrives again, W per channel.
     pub fn reflected(&self, field: &Field) -> DVec3 {
         field.weighted_sum(self.reflecting.iter().copied())

@@ -3,7 +3,6 @@
 use crate::camera::FlyCamera;
 use crate::lights::{EditLight, default_name, shining};
 use crate::slots::Slots;
-use crate::spread::Neighbours;
 use glam::Vec3;
 use lumel::{Baker, Bvh, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
 use lumel_render_cpu::camera_for;
@@ -47,10 +46,6 @@ pub struct Document {
     pub tracer: Arc<dyn RayTracer>,
     /// What solves are made from; holds everything that depends only on the surfaces.
     pub baker: Arc<Baker>,
-    /// Which vertices are connected.
-    pub neighbours: Arc<Neighbours>,
-    /// The area that each vertex stands for, m².
-    pub areas: Arc<Vec<f32>>,
     /// Lights that cannot be edited here: points, spots and suns.
     pub other_lights: Vec<Light>,
     /// The view it opens with.
@@ -97,8 +92,6 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
     };
     let document = Document {
-        neighbours: Arc::new(Neighbours::new(&scene)),
-        areas: Arc::new(vertex_areas(&scene)),
         other_lights: scene.lights().iter().filter(|l| !matches!(l, Light::Rect(_))).copied().collect(),
         home: FlyCamera::from_camera(&camera).unwrap_or_default(),
         warnings: warnings.iter().map(ToString::to_string).collect(),
@@ -132,16 +125,6 @@ fn editable_lights(scene: &Scene, project: Option<&Project>) -> Vec<EditLight> {
 /// The albedo of each material of a scene.
 pub fn albedos_of(scene: &Scene) -> impl Iterator<Item = Vec3> + '_ {
     scene.materials().iter().map(|material| material.albedo)
-}
-
-/// A third of the triangles around each vertex, m².
-fn vertex_areas(scene: &Scene) -> Vec<f32> {
-    let mut areas = vec![0.0; scene.vertex_count()];
-    for (tri, corners) in scene.triangles().iter().enumerate() {
-        let third = scene.area(TriId(tri as u32)) / 3.0;
-        corners.iter().for_each(|&v| areas[v as usize] += third);
-    }
-    areas
 }
 
 /// An error and its causes in one line, without what the text before says already.

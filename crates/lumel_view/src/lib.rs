@@ -30,7 +30,6 @@ pub mod selection;
 pub mod session;
 pub mod slots;
 pub mod solver;
-pub mod spread;
 pub mod stage;
 pub mod task;
 pub mod theme;

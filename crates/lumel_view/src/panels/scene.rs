@@ -6,6 +6,7 @@ use crate::values::significant;
 use crate::widgets::{albedo_button, heading, hint, value};
 use eframe::egui::{self, RichText, Ui};
 use glam::Vec3;
+use lumel_basis::Basis as _;
 
 /// More materials than this are only counted.
 const MAX_MATERIALS: usize = 200;
@@ -32,7 +33,7 @@ pub(super) fn show(session: &mut Session, ui: &mut Ui) {
         "Size",
         format!("{} × {} × {} m", significant(size.x), significant(size.y), significant(size.z)),
     );
-    let area: f64 = document.areas.iter().map(|a| f64::from(*a)).sum();
+    let area: f64 = document.baker.basis().node_areas().iter().map(|a| f64::from(*a)).sum();
     value(ui, "Surface", format!("{} m²", significant(area as f32)));
     value(ui, "Lights", format!("{}", session.lights.len() + document.other_lights.len()));
     let hidden = session.light.valid.iter().filter(|valid| !**valid).count();

@@ -156,11 +156,5 @@ impl Session {
 }
 
 fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings) -> Task {
-    Task {
-        scene: Arc::clone(scene),
-        baker: Arc::clone(&document.baker),
-        neighbours: Arc::clone(&document.neighbours),
-        areas: Arc::clone(&document.areas),
-        settings: settings.clone(),
-    }
+    Task { scene: Arc::clone(scene), baker: Arc::clone(&document.baker), settings: settings.clone() }
 }

@@ -1,11 +1,10 @@
 //! Publishes what a solve finds while it runs.
 
 use super::published::{BounceStats, Phase, Shared, lock};
-use super::task::{Keep, Task};
+use super::task::Keep;
 use crate::selection::{Illumination, VertexValues};
-use glam::Vec3;
 use lumel::{Baker, Control, Observer, Reading, Snapshot, SolveState, Step, Tracker};
-use lumel_scene::luminance;
+use lumel_basis::Basis as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -18,7 +17,6 @@ const FIRST_SNAPSHOT: Duration = Duration::from_millis(120);
 
 /// Follows a solve and publishes what it finds.
 pub(super) struct Publisher<'a> {
-    task: &'a Task,
     baker: &'a Baker,
     control: &'a Control,
     shared: &'a Shared,
@@ -43,15 +41,8 @@ struct Mail {
 }
 
 impl<'a> Publisher<'a> {
-    pub(super) fn new(
-        task: &'a Task,
-        baker: &'a Baker,
-        control: &'a Control,
-        shared: &'a Shared,
-        keep: &'a Keep,
-    ) -> Self {
+    pub(super) fn new(baker: &'a Baker, control: &'a Control, shared: &'a Shared, keep: &'a Keep) -> Self {
         Self {
-            task,
             baker,
             control,
             shared,
@@ -81,11 +72,10 @@ impl<'a> Publisher<'a> {
 
     /// The light of the last bounce of a state, and what it brought.
     fn last_bounce(&self, state: &SolveState, seconds: f64) -> Option<(VertexValues, BounceStats)> {
-        let values: VertexValues = Arc::new(self.baker.at_vertices(state.bounces.last()?));
-        let areas = &self.task.areas;
-        let power = areas.iter().zip(values.iter()).map(|(a, e)| f64::from(a * luminance(*e))).sum();
-        let total = self.baker.at_vertices(&state.total());
-        let change = mean_square(areas, &values).sqrt() / mean_square(areas, &total).sqrt();
+        let last = state.bounces.last()?;
+        let values: VertexValues = Arc::new(self.baker.at_vertices(last));
+        let power = self.baker.power(last);
+        let change = self.baker.root_mean_square(last) / self.baker.root_mean_square(&state.total());
         let change = if change.is_finite() { change } else { 0.0 };
         Some((values, BounceStats { power, change, unfinished: self.baker.remainder(state), seconds }))
     }
@@ -138,10 +128,10 @@ impl<'a> Publisher<'a> {
             Step::Round(0) => 0,
             Step::Round(_) | Step::Validity | Step::FinalGather | Step::Layer(_) => return,
         };
-        let mut values = self.baker.at_vertices(&snapshot.current);
-        let measured = self.baker.flags_at_vertices(&snapshot.measured);
-        self.task.neighbours.spread(&mut values, &measured);
-        let current = Some(Arc::new(values));
+        // A guess for looking at, where nothing is measured yet.
+        let mut field = (*snapshot.current).clone();
+        self.baker.basis().adjacency().extrapolate(&mut field, &snapshot.measured);
+        let current = Some(Arc::new(self.baker.at_vertices(&field)));
         // The bounce may have been finished meanwhile.
         self.shared.change_light(|p| {
             if p.light.bounces.len() == bounce as usize {
@@ -233,14 +223,4 @@ fn for_each_prefix(state: &SolveState, mut call: impl FnMut(&SolveState)) {
         so_far.bounces.push(bounce.clone());
         call(&so_far);
     }
-}
-
-/// Mean of the squared luminance over the surfaces.
-fn mean_square(areas: &[f32], values: &[Vec3]) -> f64 {
-    let (mut sum, mut area) = (0.0, 0.0);
-    for (&a, value) in areas.iter().zip(values) {
-        sum += f64::from(a) * f64::from(luminance(*value)).powi(2);
-        area += f64::from(a);
-    }
-    if area > 0.0 { sum / area } else { 0.0 }
 }

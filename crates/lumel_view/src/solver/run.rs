@@ -40,7 +40,7 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
         },
     };
     *lock(&shared.tracker) = Some(Tracker::new(&baker, &state));
-    let publisher = Publisher::new(task, &baker, control, shared, keep);
+    let publisher = Publisher::new(&baker, control, shared, keep);
     publisher.resumed(&state);
     let result = std::thread::scope(|scope| {
         scope.spawn(|| publisher.serve());

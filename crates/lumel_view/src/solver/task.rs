@@ -1,6 +1,5 @@
 //! What there is to compute, and what was computed.
 
-use crate::spread::Neighbours;
 use lumel::{Baker, Scene, Settings, SolveState};
 use std::sync::Arc;
 
@@ -11,10 +10,6 @@ pub struct Task {
     pub scene: Arc<Scene>,
     /// What computed light on these surfaces before.
     pub baker: Arc<Baker>,
-    /// For what is not measured yet.
-    pub neighbours: Arc<Neighbours>,
-    /// The area that each vertex stands for, m².
-    pub areas: Arc<Vec<f32>>,
     /// The settings.
     pub settings: Settings,
 }
