@@ -1,7 +1,8 @@
 //! Files of light that a bake writes.
 
 use lumel_export::{
-    ExportError, Exposure, RadFile, Solution, SolutionError, write_glb, write_obj, write_ply,
+    ExportError, Exposure, RadFile, Solution, SolutionError, SolutionSelection, write_glb, write_obj,
+    write_ply,
 };
 use lumel_scene::Scene;
 use std::path::{Path, PathBuf};
@@ -60,13 +61,16 @@ impl FileFormat {
     /// # Errors
     /// See [`SaveError`].
     pub fn write(self, path: &Path, scene: &Scene, solution: &Solution) -> Result<(), SaveError> {
-        let light = solution.sum();
+        let lighting = || solution.lighting(scene, SolutionSelection::Sum);
         match self {
             Self::Npz => solution.save(path)?,
-            Self::Glb => drop(write_glb(path, scene, light, Exposure::Auto)?),
-            Self::Ply => drop(write_ply(path, scene, light, Exposure::Auto)?),
-            Self::Obj => drop(write_obj(path, scene, light, Exposure::Auto)?),
-            Self::Rad => RadFile::from_irradiance(scene, light).write(path)?,
+            Self::Glb => drop(write_glb(path, scene, &lighting()?, Exposure::Auto)?),
+            Self::Ply => drop(write_ply(path, scene, &lighting()?, Exposure::Auto)?),
+            Self::Obj => drop(write_obj(path, scene, &lighting()?, Exposure::Auto)?),
+            Self::Rad => {
+                let rad = RadFile::from_lighting(scene, &lighting()?).map_err(SolutionError::from)?;
+                rad.write(path)?;
+            }
         }
         Ok(())
     }

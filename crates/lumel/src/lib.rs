@@ -42,7 +42,9 @@ pub use file_format::{FileFormat, SaveError};
 pub use glam::{self, Vec3};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use lumel_accel::{Bvh, RayTracer};
-pub use lumel_basis::{Basis, Field, Lighting, PointReceivers};
+pub use lumel_basis::{
+    Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,
+};
 pub use lumel_export::{Checkpoint, RadFile, Saved, Solution, SolutionSelection};
 pub use lumel_import::PathPolicy;
 pub use lumel_sample::SamplerKind;

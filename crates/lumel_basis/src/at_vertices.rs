@@ -1,10 +1,31 @@
-//! Reading fields at the vertices of a scene.
+//! Reading light at the vertices of a scene.
 
-use crate::{Basis, Field, NodeWeights};
+use crate::{Basis, Field, Lighting, NodeWeights, VertexCountError};
 use glam::Vec3;
 use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use std::borrow::Cow;
 
-/// A surface point for each vertex of a scene: where fields of any basis are read for files of vertices.
+/// Irradiance at every vertex of a scene, W·m⁻²: what is stored there, or samples at [`VertexPoints`] with the normals
+/// of the vertices.
+///
+/// Light that is not linear over the triangles loses what lies between their vertices.
+///
+/// # Errors
+/// [`VertexCountError`] for light that is stored at the vertices of a different scene.
+pub fn irradiance_at_vertices<'a>(
+    scene: &Scene,
+    lighting: &'a dyn Lighting,
+) -> Result<Cow<'a, [Vec3]>, VertexCountError> {
+    if let Some(values) = lighting.vertex_values() {
+        VertexCountError::check(values.len(), scene.vertex_count())?;
+        return Ok(Cow::Borrowed(values));
+    }
+    let points = VertexPoints::new(scene);
+    let samples = points.points().iter().zip(scene.normals());
+    Ok(Cow::Owned(samples.map(|(&at, &normal)| lighting.irradiance(at, normal).0).collect()))
+}
+
+/// A surface point for each vertex of a scene: where light of any kind is read for files of vertices.
 ///
 /// Every vertex is a corner of some triangle. Where a basis is discontinuous between triangles, the first triangle
 /// around a vertex decides.

@@ -6,12 +6,28 @@ use lumel_scene::{Irradiance, SurfacePoint};
 
 /// Light on the surfaces of a scene, however it is stored.
 ///
-/// Renderers and writers read light through this and know no vertices, lumels or nodes.
+/// Renderers and writers read light through this and know no vertices, lumels or nodes. A closure
+/// `Fn(SurfacePoint, Vec3) -> Irradiance` is one, [`VertexLighting`](crate::VertexLighting) is what solutions and
+/// files hold, and [`FieldLighting`] reads a field of any basis.
 pub trait Lighting: Sync {
-    /// The light that arrives at a surface point with this unit normal.
+    /// The light that arrives on the lit side of a surface point with this unit normal.
     ///
-    /// The normal is that of the surface as it is to look; where only irradiance is stored it makes no difference.
+    /// Triangles are those of the scene, back sides included. The normal is the one that is shown, from vertex normals
+    /// and normal maps; where only irradiance is stored it makes no difference.
     fn irradiance(&self, at: SurfacePoint, normal: Vec3) -> Irradiance;
+
+    /// Irradiance at each vertex of the scene, W·m⁻², for light that is stored there and linear over the triangles.
+    ///
+    /// A fast path: [`irradiance_at_vertices`](crate::irradiance_at_vertices) samples all other light.
+    fn vertex_values(&self) -> Option<&[Vec3]> {
+        None
+    }
+}
+
+impl<F: Fn(SurfacePoint, Vec3) -> Irradiance + Sync> Lighting for F {
+    fn irradiance(&self, at: SurfacePoint, normal: Vec3) -> Irradiance {
+        self(at, normal)
+    }
 }
 
 /// A field in its basis.

@@ -3,7 +3,7 @@
 use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
-use lumel::{Baker, Solution};
+use lumel::{Baker, Solution, SolutionSelection};
 use lumel_export::{Exposure, RadFile, check_obj, write_glb, write_obj, write_ply};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -79,20 +79,21 @@ impl Output {
         solution: &Solution,
         cancel: &AtomicBool,
     ) -> anyhow::Result<u64> {
-        let (path, scene, light) = (&self.path, baker.scene(), solution.sum());
+        let (path, scene) = (&self.path, baker.scene());
+        let lighting = &solution.lighting(scene, SolutionSelection::Sum)?;
         match self.format {
             Format::Npz => solution.save(path)?,
             Format::Glb => {
-                write_glb(path, scene, light, Exposure::Auto)?;
+                write_glb(path, scene, lighting, Exposure::Auto)?;
             }
             Format::Ply => {
-                write_ply(path, scene, light, Exposure::Auto)?;
+                write_ply(path, scene, lighting, Exposure::Auto)?;
             }
             Format::Obj => {
-                write_obj(path, scene, light, Exposure::Auto)?;
+                write_obj(path, scene, lighting, Exposure::Auto)?;
             }
-            Format::Rad => RadFile::from_irradiance(scene, light).write(path)?,
-            Format::Png => picture::write_default(path, scene, &**baker.tracer(), light, cancel)?,
+            Format::Rad => RadFile::from_lighting(scene, lighting)?.write(path)?,
+            Format::Png => picture::write_default(path, scene, &**baker.tracer(), lighting, cancel)?,
         }
         Ok(fs::metadata(path).with_context(|| format!("cannot find {}", path.display()))?.len())
     }

@@ -1,10 +1,9 @@
 //! Images as PNG files.
 
 use anyhow::Context;
-use glam::Vec3;
-use lumel::{Camera, RayTracer, Scene};
+use lumel::{Camera, Lighting, RayTracer, Scene};
 use lumel_export::write_png;
-use lumel_render_cpu::{Display, Picture, Resolution, VertexLight, View, camera_for, draw};
+use lumel_render_cpu::{Display, Picture, Resolution, View, camera_for, draw};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -17,8 +16,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) scene: &'a Scene,
     /// A tracer over them.
     pub(crate) tracer: &'a dyn RayTracer,
-    /// Irradiance at the vertices, W·m⁻².
-    pub(crate) light: &'a [Vec3],
+    /// The light on them.
+    pub(crate) lighting: &'a dyn Lighting,
     /// The viewpoint.
     pub(crate) camera: &'a Camera,
 }
@@ -31,8 +30,7 @@ pub(crate) fn write(
     display: &Display,
     cancel: &AtomicBool,
 ) -> anyhow::Result<Picture> {
-    let light = VertexLight::new(subject.scene, subject.light)?;
-    let view = View::new(subject.scene, subject.tracer, &light);
+    let view = View::new(subject.scene, subject.tracer, subject.lighting);
     let picture = draw(&view, subject.camera, resolution, display, cancel)
         .with_context(|| format!("cannot draw {}", path.display()))?;
     let comment = describe(subject, display, &picture);
@@ -53,11 +51,11 @@ pub(crate) fn write_default(
     path: &Path,
     scene: &Scene,
     tracer: &dyn RayTracer,
-    light: &[Vec3],
+    lighting: &dyn Lighting,
     cancel: &AtomicBool,
 ) -> anyhow::Result<()> {
     let camera = camera_for(scene, tracer);
-    let subject = Subject { scene, tracer, light, camera: &camera };
+    let subject = Subject { scene, tracer, lighting, camera: &camera };
     let [width, height] = DEFAULT_SIZE;
     write(path, &subject, &Resolution::new(width, height), &Display::default(), cancel)?;
     Ok(())

@@ -2,7 +2,9 @@
 
 use crate::ExportError;
 use glam::Vec3;
-use lumel_scene::{Albedo, Barycentrics, Irradiance, Radiance, Scene, SurfacePoint, TriId};
+use lumel_basis::{Lighting, irradiance_at_vertices};
+use lumel_scene::{Albedo, Irradiance, Radiance, Scene, SurfacePoint};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// The fraction of lit vertices that an automatic exposure shows without clipping. The rest are highlights near lights.
@@ -55,17 +57,6 @@ pub(crate) fn seen_radiance(scene: &Scene, at: SurfacePoint, irradiance: Vec3) -
     scene.emission(at) + Irradiance(irradiance).reflected(scene.albedo(at)).radiance()
 }
 
-/// The position of each vertex on its first triangle.
-pub(crate) fn first_places(scene: &Scene) -> Vec<Option<SurfacePoint>> {
-    let mut places = vec![None; scene.vertex_count()];
-    for (tri, vertices) in scene.triangles().iter().enumerate() {
-        for (vertex, bary) in vertices.iter().zip(Barycentrics::CORNERS) {
-            places[*vertex as usize].get_or_insert(SurfacePoint { tri: TriId(tri as u32), bary });
-        }
-    }
-    places
-}
-
 /// A linear value, clamped to 0..=1, on the sRGB curve: 0..=1.
 pub(crate) fn srgb(linear: f32) -> f64 {
     let c = f64::from(linear.clamp(0.0, 1.0));
@@ -77,17 +68,21 @@ pub(crate) fn srgb_byte(linear: f32) -> u8 {
     (255.0 * srgb(linear)).round() as u8
 }
 
-/// Checks that there is a finite irradiance for every vertex.
-pub(crate) fn check_irradiance(path: &Path, scene: &Scene, irradiance: &[Vec3]) -> Result<(), ExportError> {
-    if irradiance.len() != scene.vertex_count() {
-        let (values, name, vertices) = (irradiance.len(), scene.name(), scene.vertex_count());
-        let problem =
-            format!("{values} irradiance values do not fit scene \"{name}\" with {vertices} vertices");
-        return Err(ExportError::content(path, problem));
+/// Irradiance at every vertex, W·m⁻², checked to be finite.
+pub(crate) fn finite_irradiance<'a>(
+    path: &Path,
+    scene: &Scene,
+    lighting: &'a dyn Lighting,
+) -> Result<Cow<'a, [Vec3]>, ExportError> {
+    let irradiance = irradiance_at_vertices(scene, lighting)
+        .map_err(|error| ExportError::content(path, error.to_string()))?;
+    match irradiance.iter().position(|e| !e.is_finite()) {
+        None => Ok(irradiance),
+        Some(vertex) => {
+            let problem = format!("the irradiance at vertex {vertex} is not a finite number");
+            Err(ExportError::content(path, problem))
+        }
     }
-    irradiance.iter().position(|e| !e.is_finite()).map_or(Ok(()), |vertex| {
-        Err(ExportError::content(path, format!("the irradiance at vertex {vertex} is not a finite number")))
-    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Errors of reading and writing files, with remedies.
 
+use lumel_basis::VertexCountError;
 use lumel_scene::Scene;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -155,6 +156,9 @@ pub enum SolutionError {
         /// The number of positions.
         vertices: usize,
     },
+    /// The light does not cover the vertices of the scene.
+    #[error(transparent)]
+    Vertices(#[from] VertexCountError),
     /// A value is infinite or not a number.
     #[error("the solution is not a finite number in \"{array}\" at vertex {vertex}")]
     NotFinite {

@@ -4,10 +4,10 @@ mod binary;
 mod material;
 mod primitive;
 
-use crate::display::check_irradiance;
+use crate::display::finite_irradiance;
 use crate::{ExportError, Exposure, write_atomically};
 use binary::Binary;
-use glam::Vec3;
+use lumel_basis::Lighting;
 use lumel_scene::Scene;
 use material::Materials;
 use primitive::Streams;
@@ -32,15 +32,15 @@ const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 /// and the hash of the geometry in those of `asset`. Normal maps are left out.
 ///
 /// # Errors
-/// Irradiance that does not match the scene or is not finite, an exposure that is not positive, a scene beyond the
-/// format's limit of 4 GiB, and the errors of [`write_atomically`].
+/// Light of a different scene or that is not finite, an exposure that is not positive, a scene beyond the format's limit
+/// of 4 GiB, and the errors of [`write_atomically`].
 pub fn write_glb(
     path: &Path,
     scene: &Scene,
-    irradiance: &[Vec3],
+    lighting: &dyn Lighting,
     exposure: Exposure,
 ) -> Result<f32, ExportError> {
-    check_irradiance(path, scene, irradiance)?;
+    let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;
     let materials = Materials::new(scene, exposure).map_err(|error| ExportError::io(path, error))?;
     let primitives = primitive::split(scene);

@@ -5,6 +5,10 @@
 //! - [`write_glb`], [`write_ply`] and [`write_obj`] write the lit mesh for other programs, [`RadFile`] the course's
 //!   format.
 //! - [`write_png`] writes pictures.
+//!
+//! Writers read light through [`Lighting`](lumel_basis::Lighting), at the vertices that these formats have; those of a
+//! solution come from [`Solution::lighting`].
+//!
 //! - [`write_npz`] and [`NpzReader`] are what solutions and checkpoints are made of.
 //!
 //! Every file appears whole or not at all: see [`write_atomically`]. Equal content gives equal bytes. Reading

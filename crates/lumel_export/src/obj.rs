@@ -3,9 +3,10 @@
 mod material;
 mod name;
 
-use crate::display::{check_irradiance, first_places, seen_radiance, srgb};
+use crate::display::{finite_irradiance, seen_radiance, srgb};
 use crate::{ExportError, Exposure, write_atomically};
 use glam::Vec3;
+use lumel_basis::{Lighting, VertexPoints};
 use lumel_scene::{MaterialId, ObjectId, Scene, TriId};
 use material::Materials;
 use name::printable;
@@ -33,17 +34,17 @@ const MARK: &str = "# lumel";
 /// Each file appears whole or not at all, the OBJ file last. Textures of an older export stay where they are.
 ///
 /// # Errors
-/// Irradiance that does not match the scene or is not finite, an exposure that is not positive, conflicting files (see
+/// Light of a different scene or that is not finite, an exposure that is not positive, conflicting files (see
 /// [`check_obj`]), and the errors of [`write_atomically`].
 ///
 /// [`write_ply`]: crate::write_ply
 pub fn write_obj(
     path: &Path,
     scene: &Scene,
-    irradiance: &[Vec3],
+    lighting: &dyn Lighting,
     exposure: Exposure,
 ) -> Result<f32, ExportError> {
-    check_irradiance(path, scene, irradiance)?;
+    let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;
     let files = Files::beside(path)?;
     files.check()?;
@@ -140,10 +141,11 @@ fn write_vertices(
     exposure: f32,
     with_uvs: bool,
 ) -> io::Result<()> {
-    let places = first_places(scene);
-    for (vertex, p) in scene.positions().iter().enumerate() {
-        let light = |at| seen_radiance(scene, at, irradiance[vertex]).0 * exposure;
-        let [r, g, b] = places[vertex].map_or(Vec3::ZERO, light).to_array().map(srgb);
+    let points = VertexPoints::new(scene);
+    let lit_points = points.points().iter().zip(irradiance);
+    for (p, (&at, &e)) in scene.positions().iter().zip(lit_points) {
+        let shown = seen_radiance(scene, at, e).0 * exposure;
+        let [r, g, b] = shown.to_array().map(srgb);
         writeln!(out, "v {} {} {} {r:.4} {g:.4} {b:.4}", p.x, p.y, p.z)?;
     }
     for n in scene.normals() {

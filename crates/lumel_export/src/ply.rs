@@ -1,8 +1,9 @@
 //! Lit meshes as PLY, for viewers of points and meshes.
 
-use crate::display::{check_irradiance, first_places, seen_radiance, srgb_byte};
+use crate::display::{finite_irradiance, seen_radiance, srgb_byte};
 use crate::{ExportError, Exposure, write_atomically};
 use glam::Vec3;
+use lumel_basis::{Lighting, VertexPoints};
 use lumel_scene::Scene;
 use std::io::{self, Write};
 use std::path::Path;
@@ -13,15 +14,15 @@ use std::path::Path;
 /// times exposure on the sRGB curve. Its albedo and emission are those of the first triangle it belongs to.
 ///
 /// # Errors
-/// Irradiance that does not match the scene or is not finite, an exposure that is not positive, and the errors of
+/// Light of a different scene or that is not finite, an exposure that is not positive, and the errors of
 /// [`write_atomically`].
 pub fn write_ply(
     path: &Path,
     scene: &Scene,
-    irradiance: &[Vec3],
+    lighting: &dyn Lighting,
     exposure: Exposure,
 ) -> Result<f32, ExportError> {
-    check_irradiance(path, scene, irradiance)?;
+    let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;
     write_atomically(path, |out| {
         out.write_all(header(scene, exposure).as_bytes())?;
@@ -55,14 +56,14 @@ fn header(scene: &Scene, exposure: f32) -> String {
 }
 
 fn write_vertices(out: &mut impl Write, scene: &Scene, irradiance: &[Vec3], exposure: f32) -> io::Result<()> {
-    let places = first_places(scene);
-    for (vertex, &e) in irradiance.iter().enumerate() {
+    let points = VertexPoints::new(scene);
+    for (vertex, (&e, &at)) in irradiance.iter().zip(points.points()).enumerate() {
         for value in [scene.positions()[vertex], scene.normals()[vertex], e] {
             for number in value.to_array() {
                 out.write_all(&number.to_le_bytes())?;
             }
         }
-        let shown = places[vertex].map_or(Vec3::ZERO, |at| seen_radiance(scene, at, e).0 * exposure);
+        let shown = seen_radiance(scene, at, e).0 * exposure;
         out.write_all(&shown.to_array().map(srgb_byte))?;
     }
     Ok(())

@@ -2,6 +2,7 @@
 
 use crate::{ExportError, ReadError, write_atomically};
 use glam::Vec3;
+use lumel_basis::{Lighting, VertexCountError, irradiance_at_vertices};
 use lumel_scene::{Irradiance, Radiance, Scene};
 use md5::{Digest, Md5};
 use std::fs::File;
@@ -35,10 +36,14 @@ pub fn position_md5(positions: &[Vec3]) -> String {
 }
 
 impl RadFile {
-    /// Light on a scene, from one irradiance (W·m⁻²) per vertex.
-    pub fn from_irradiance(scene: &Scene, irradiance: &[Vec3]) -> Self {
+    /// The light at the vertices of a scene.
+    ///
+    /// # Errors
+    /// [`VertexCountError`] for light of a different scene.
+    pub fn from_lighting(scene: &Scene, lighting: &dyn Lighting) -> Result<Self, VertexCountError> {
+        let irradiance = irradiance_at_vertices(scene, lighting)?;
         let values = irradiance.iter().map(|&e| crate::display::white_radiance(e)).collect();
-        Self { position_md5: position_md5(scene.positions()), values }
+        Ok(Self { position_md5: position_md5(scene.positions()), values })
     }
 
     /// Irradiance per vertex, W·m⁻².

@@ -4,6 +4,7 @@ use crate::error::SceneLabel;
 use crate::members::{Kind, check_members, read_bounces, read_flags, read_meta, read_optional, read_vectors};
 use crate::{Array, ArrayData, NpzReader, SolutionError, write_npz};
 use glam::Vec3;
+use lumel_basis::VertexLighting;
 use lumel_scene::Scene;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -121,6 +122,19 @@ impl Solution {
                 self.bounce(wanted).ok_or(SolutionError::NoSuchBounce { wanted, count: self.bounces.len() })
             }
         }
+    }
+
+    /// The chosen part of the light on a scene: what pictures and mesh files read.
+    ///
+    /// # Errors
+    /// A solution of a different scene, and a bounce that was not computed.
+    pub fn lighting<'a>(
+        &'a self,
+        scene: &'a Scene,
+        selection: SolutionSelection,
+    ) -> Result<VertexLighting<'a>, SolutionError> {
+        self.check_belongs_to(scene)?;
+        Ok(VertexLighting::new(scene, self.select(selection)?)?)
     }
 
     /// Checks that all arrays cover the same vertices with finite numbers.

@@ -4,9 +4,9 @@
 
 use glam::Vec3;
 use lumel_accel::{Bvh, Ray, RayTracer};
+use lumel_basis::VertexLighting;
 use lumel_render_cpu::{
-    Display, FalseColor, Legend, Picture, Resolution, Scale, Show, ToneMapper, VertexLight, View, camera_for,
-    draw,
+    Display, FalseColor, Legend, Picture, Resolution, Scale, Show, ToneMapper, View, camera_for, draw,
 };
 use lumel_scene::{Camera, Light, Scene, offset_along};
 use std::error::Error;
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (scene, _) = lumel_builtin::scene(&name, 0).ok_or("no such scene")?.build()?;
     let bvh = Bvh::build(&scene);
     let values = rough_light(&scene, &bvh);
-    let light = VertexLight::new(&scene, &values)?;
+    let light = VertexLighting::new(&scene, &values)?;
     let view = View::new(&scene, &bvh, &light);
     let save =
         |what: &str, picture: &Picture| save(&Path::new(&folder).join(format!("{name}-{what}.png")), picture);

@@ -34,14 +34,6 @@ pub enum PictureError {
         /// What is wrong with it.
         problem: &'static str,
     },
-    /// Light for another scene.
-    #[error("irradiance of {count} vertices does not belong to a scene of {vertices}")]
-    Irradiance {
-        /// Vertices with light.
-        count: usize,
-        /// Vertices of the scene.
-        vertices: usize,
-    },
     /// A display setting out of range.
     #[error("{what} must be {expected}, not {value}")]
     Setting {

@@ -46,5 +46,5 @@ pub use resolution::Resolution;
 pub use show::Show;
 pub use srgb::{srgb_byte, srgb_decode, srgb_encode, srgb_from_byte};
 pub use tone::ToneMapper;
-pub use view::{Backfaces, Lighting, VertexLight, View};
+pub use view::{Backfaces, View};
 pub use viewpoint::camera_for;

@@ -59,8 +59,8 @@ impl Show {
         }
         let (Sight::Surface(at), _) = view.sight(ray) else { return None };
         Some(match self {
-            Self::Irradiance | Self::Radiance => as_on_white(view.lighting.irradiance(at)),
-            Self::FalseColor => view.lighting.irradiance(at).0,
+            Self::Irradiance | Self::Radiance => as_on_white(view.irradiance(at)),
+            Self::FalseColor => view.irradiance(at).0,
             Self::Albedo => view.scene.albedo(at).0,
             Self::Normals => 0.5 * seen_normal(view.scene, at) + Vec3::splat(0.5),
         })

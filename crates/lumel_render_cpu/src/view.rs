@@ -1,57 +1,14 @@
 //! What a camera can see: lit surfaces, rectangle lights and the sky.
 
-use crate::PictureError;
 use crate::names::named;
+use crate::normal_map::seen_normal;
 use crate::rect_light::VisibleLight;
-use glam::Vec3;
 use lumel_accel::{Hit, Ray, RayTracer};
+use lumel_basis::Lighting;
 use lumel_scene::{FaceSide, Irradiance, Radiance, Scene, SurfacePoint, offset_along};
 
 /// How many back faces a ray passes through before it is considered to see nothing.
 const MAX_BACKS: u32 = 256;
-
-/// Light on the surfaces of a scene.
-///
-/// A closure `Fn(SurfacePoint) -> Irradiance` is one; [`VertexLight`] is the usual one.
-pub trait Lighting: Sync {
-    /// Irradiance on the lit side of a surface point; triangles are those of the scene, backs included.
-    fn irradiance(&self, at: SurfacePoint) -> Irradiance;
-}
-
-impl<F: Fn(SurfacePoint) -> Irradiance + Sync> Lighting for F {
-    fn irradiance(&self, at: SurfacePoint) -> Irradiance {
-        self(at)
-    }
-}
-
-/// Light at the vertices of a scene, linear over its triangles.
-#[derive(Clone, Copy, Debug)]
-pub struct VertexLight<'a> {
-    scene: &'a Scene,
-    values: &'a [Vec3],
-}
-
-impl<'a> VertexLight<'a> {
-    /// `values` is the irradiance of every vertex of the scene, W·m⁻².
-    ///
-    /// # Errors
-    /// [`PictureError::Irradiance`] unless there are as many values as vertices.
-    pub fn new(scene: &'a Scene, values: &'a [Vec3]) -> Result<Self, PictureError> {
-        if values.len() != scene.vertex_count() {
-            return Err(PictureError::Irradiance { count: values.len(), vertices: scene.vertex_count() });
-        }
-        Ok(Self { scene, values })
-    }
-}
-
-impl Lighting for VertexLight<'_> {
-    #[inline]
-    fn irradiance(&self, at: SurfacePoint) -> Irradiance {
-        let corners = self.scene.triangle(at.tri);
-        let weighted = corners.into_iter().zip(at.bary.weights());
-        weighted.map(|(vertex, weight)| Irradiance(self.values[vertex as usize]) * weight).sum()
-    }
-}
 
 /// How the back faces of one-sided surfaces appear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -152,8 +109,13 @@ impl<'a> View<'a> {
         }
     }
 
+    /// The light that arrives at a surface point whose normal is the one that is shown.
+    pub(crate) fn irradiance(&self, at: SurfacePoint) -> Irradiance {
+        self.lighting.irradiance(at, seen_normal(self.scene, at))
+    }
+
     fn surface_radiance(&self, at: SurfacePoint) -> Radiance {
-        let reflected = self.lighting.irradiance(at).reflected(self.scene.albedo(at));
+        let reflected = self.irradiance(at).reflected(self.scene.albedo(at));
         self.scene.emission(at) + reflected.radiance()
     }
 }

@@ -6,6 +6,7 @@ mod support;
 
 use glam::Vec3;
 use lumel_accel::BruteForce;
+use lumel_basis::VertexLighting;
 use lumel_render_cpu::*;
 use lumel_scene::{Irradiance, Radiance, SurfacePoint, luminance};
 use support::*;
@@ -14,7 +15,7 @@ use support::*;
 fn lit_square_pixel(display: &Display) -> [u8; 3] {
     let scene = built(scene(vec![square(0.0, 9.0, 0)], vec![grey(0.5)]));
     let light = vec![Radiance::splat(1.0).cosine_sample().0; scene.vertex_count()];
-    let light = VertexLight::new(&scene, &light).unwrap();
+    let light = VertexLighting::new(&scene, &light).unwrap();
     picture(&scene, &light, 5, display).pixel(2, 2).unwrap()
 }
 
@@ -72,7 +73,7 @@ fn half_picture(level: Irradiance, n: u32, display: &Display) -> Picture {
         p.x = p.x.min(0.0);
     }
     let scene = built(scene(vec![left], vec![grey(0.5)]));
-    picture(&scene, &move |_: SurfacePoint| level, n, display)
+    picture(&scene, &move |_: SurfacePoint, _: Vec3| level, n, display)
 }
 
 #[test]
@@ -100,7 +101,7 @@ fn a_picture_is_repeated_by_asking_for_its_exposure() {
 fn automatic_exposure_is_the_same_for_every_size_and_quantity() {
     let scene = lumel_builtin::scene("cornell-box", 0).unwrap().build().unwrap().0;
     let tracer = lumel_accel::Bvh::build(&scene);
-    let lighting = |at: SurfacePoint| Irradiance(Vec3::splat(scene.position(at).y));
+    let lighting = |at: SurfacePoint, _: Vec3| Irradiance(Vec3::splat(scene.position(at).y));
     let view = View::new(&scene, &tracer, &lighting);
     let stops = |n, show| shoot(&view, &scene.cameras()[0], n, &Display::of(show)).unwrap().stops().unwrap();
     let expected = stops(64, Show::Radiance);
@@ -137,7 +138,7 @@ fn false_colours_are_places_in_the_range() {
 fn light_that_is_no_number_is_black_and_disturbs_nothing() {
     let scene = built(scene(vec![square(0.0, 9.0, 0)], vec![grey(0.5)]));
     let tracer = BruteForce::new(&scene);
-    let lighting = |at: SurfacePoint| match scene.position(at).x {
+    let lighting = |at: SurfacePoint, _: Vec3| match scene.position(at).x {
         x if x < -2.0 => Irradiance::splat(f32::NAN),
         x if x < 0.0 => Irradiance::splat(f32::INFINITY),
         _ => Irradiance::splat(1.0),

@@ -6,18 +6,19 @@ mod support;
 
 use glam::{Vec2, Vec3};
 use lumel_accel::{BruteForce, Bvh};
+use lumel_basis::{Lighting, VertexLighting};
 use lumel_render_cpu::*;
 use lumel_scene::{
-    Barycentrics, Camera, Encoding, Irradiance, Light, Material, Radiance, Scene, SceneBuilder, Sides,
-    SurfacePoint, Texture, TextureId, TextureRef, TriId, UvTransform,
+    Camera, Encoding, Irradiance, Light, Material, Radiance, Scene, SceneBuilder, Sides, SurfacePoint,
+    Texture, TextureId, TextureRef, TriId, UvTransform,
 };
 use std::sync::atomic::AtomicBool;
 use support::*;
 
-const DARK: &dyn Lighting = &(|_: SurfacePoint| Irradiance::ZERO);
+const DARK: &dyn Lighting = &(|_: SurfacePoint, _: Vec3| Irradiance::ZERO);
 
 /// Irradiance that makes a white surface's radiance 1.
-fn bright(_: SurfacePoint) -> Irradiance {
+fn bright(_: SurfacePoint, _: Vec3) -> Irradiance {
     Radiance::splat(1.0).cosine_sample()
 }
 
@@ -75,7 +76,7 @@ fn irradiance_is_linear_over_a_big_triangle() {
     for (vertex, color) in scene.triangle(TriId(0)).into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z]) {
         light[vertex as usize] = Radiance(color).cosine_sample().0;
     }
-    let lighting = VertexLight::new(&scene, &light).unwrap();
+    let lighting = VertexLighting::new(&scene, &light).unwrap();
     let tracer = BruteForce::new(&scene);
     let display = Display { show: Show::Irradiance, ..plain() };
     let resolution = Resolution { samples_per_pixel: 1, ..Resolution::new(50, 50) };
@@ -97,10 +98,24 @@ fn irradiance_is_linear_over_a_big_triangle() {
 }
 
 #[test]
-fn light_for_another_scene_is_refused() {
-    let scene = built(scene(vec![square(0.0, 1.0, 0)], vec![grey(0.5)]));
-    let error = VertexLight::new(&scene, &[Vec3::ONE; 3]).unwrap_err();
-    assert_eq!(error.to_string(), "irradiance of 3 vertices does not belong to a scene of 4");
+fn light_that_changes_within_a_triangle_is_drawn_at_every_pixel() {
+    // Rings around the middle of two triangles whose corners all have the same light.
+    let rings = |p: Vec3| 0.5 + 0.5 * (3.0 * p.x.hypot(p.y)).sin();
+    let scene = built(scene(vec![square(0.0, 4.0, 0)], vec![grey(0.5)]));
+    let lighting = |at: SurfacePoint, _: Vec3| Radiance::splat(rings(scene.position(at))).cosine_sample();
+    let tracer = BruteForce::new(&scene);
+    let view = View::new(&scene, &tracer, &lighting);
+    let resolution = Resolution { samples_per_pixel: 1, ..Resolution::new(50, 50) };
+    let center = |pixel: u32| (pixel as f32 + 0.5) * 0.2 - 5.0;
+    for (show, albedo) in [(Show::Irradiance, 1.0), (Show::Radiance, 0.5)] {
+        let display = Display { show, ..plain() };
+        let picture = draw(&view, &camera(), &resolution, &display, &AtomicBool::new(false)).unwrap();
+        for (x, y) in (5..45).flat_map(|y| (5..45).map(move |x| (x, y))) {
+            let expected = srgb_byte(albedo * rings(Vec3::new(center(x), -center(y), 0.0)));
+            let pixel = picture.pixel(x, y).unwrap()[0];
+            assert!(pixel.abs_diff(expected) <= 1, "{show} {x} {y}: {pixel} instead of {expected}");
+        }
+    }
 }
 
 #[test]
@@ -136,7 +151,7 @@ fn both_sides_of_a_two_sided_square_show_their_own_light() {
         // Light on the side whose normal is +z, the one the camera sees.
         let lit = |n: &Vec3| if n.z > 0.0 { Radiance::splat(1.0).cosine_sample().0 } else { Vec3::ZERO };
         let light: Vec<Vec3> = scene.normals().iter().map(lit).collect();
-        let light = VertexLight::new(&scene, &light).unwrap();
+        let light = VertexLighting::new(&scene, &light).unwrap();
         assert_eq!(picture(&scene, &light, 3, &plain()).pixel(1, 1), Some([188; 3]));
     }
 }
@@ -282,6 +297,19 @@ fn normal_maps_turn_normals_in_the_frame_of_their_texture() {
 }
 
 #[test]
+fn light_is_read_with_the_normal_that_is_shown() {
+    let mut material = grey(0.5);
+    material.normal_texture = Some(TextureRef::plain(TextureId(0)));
+    let texture = Texture::from_floats("normals", 1, 1, vec![[9.0 / 13.0, 0.5, 12.5 / 13.0]]).unwrap();
+    let builder = scene(vec![square(0.0, 9.0, 0)], vec![material]);
+    let scene = built(SceneBuilder { textures: vec![texture], ..builder });
+    // As much as the normal is turned to +x.
+    let lighting = |_: SurfacePoint, normal: Vec3| Radiance::splat(normal.x).cosine_sample();
+    let display = Display { show: Show::Irradiance, ..plain() };
+    assert_eq!(picture(&scene, &lighting, 3, &display).pixel(1, 1), Some([srgb_byte(5.0 / 13.0); 3]));
+}
+
+#[test]
 fn normal_maps_without_texture_coordinates_are_left_out() {
     let mut material = grey(0.5);
     material.normal_texture = Some(TextureRef::plain(TextureId(0)));
@@ -296,7 +324,7 @@ fn normal_maps_without_texture_coordinates_are_left_out() {
 fn pictures_do_not_depend_on_the_number_of_threads() {
     let scene = lumel_builtin::scene("cornell-box", 0).unwrap().build().unwrap().0;
     let tracer = Bvh::build(&scene);
-    let lighting = |at: SurfacePoint| Irradiance(scene.position(at));
+    let lighting = |at: SurfacePoint, _: Vec3| Irradiance(scene.position(at));
     let view = View::new(&scene, &tracer, &lighting);
     for &show in Show::ALL {
         let with = |n_threads| {
@@ -322,16 +350,4 @@ fn cancelled_and_impossible_pictures_are_errors() {
     assert!(matches!(try_draw(&camera(), huge, false), Err(PictureError::Size { .. })));
     let nowhere = Camera { forward: Vec3::ZERO, ..camera() };
     assert!(matches!(try_draw(&nowhere, small, false), Err(PictureError::Camera { .. })));
-}
-
-#[test]
-fn corners_of_a_triangle_have_the_light_of_their_vertices() {
-    let scene = built(scene(vec![square(0.0, 9.0, 0)], vec![grey(0.5)]));
-    let values: Vec<Vec3> = (0..4).map(|i| Vec3::splat(i as f32)).collect();
-    let light = VertexLight::new(&scene, &values).unwrap();
-    for tri in [TriId(0), TriId(1)] {
-        for (vertex, bary) in scene.triangle(tri).into_iter().zip(Barycentrics::CORNERS) {
-            assert_eq!(light.irradiance(SurfacePoint { tri, bary }).0, Vec3::splat(vertex as f32));
-        }
-    }
 }

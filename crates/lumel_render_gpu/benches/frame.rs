@@ -7,6 +7,7 @@
 
 use cpu_time::ProcessTime;
 use glam::{Vec2, Vec3};
+use lumel_basis::VertexLighting;
 use lumel_render_cpu::{Scale, ToneMapper};
 use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples};
 use lumel_scene::{Camera, Encoding, Material, Radiance, Scene, Texture, TextureId, TextureRef, UvTransform};
@@ -41,7 +42,7 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
     let model = renderer.upload(scene).unwrap();
     let light = renderer.light(&model);
     let values: Vec<Vec3> = scene.positions().iter().map(|p| Vec3::splat(1.0 + p.y)).collect();
-    renderer.set_light(&light, &values).unwrap();
+    renderer.set_light(&light, scene, &VertexLighting::new(scene, &values).unwrap()).unwrap();
     for samples in [Samples::One, Samples::Four] {
         let target = renderer.target(SIZE, samples).unwrap();
         let draw = |frame: u32| {

@@ -1,5 +1,6 @@
 //! Why something cannot be drawn.
 
+use lumel_basis::VertexCountError;
 use lumel_render_cpu::PictureError;
 
 /// Why something cannot be drawn.
@@ -35,14 +36,9 @@ pub enum RenderError {
         /// The largest width or height.
         limit: u32,
     },
-    /// Light for another scene.
-    #[error("light of {count} vertices does not belong to a scene of {vertices}")]
-    Light {
-        /// Vertices with light.
-        count: usize,
-        /// Vertices of the scene.
-        vertices: usize,
-    },
+    /// Light of a different scene.
+    #[error(transparent)]
+    Light(#[from] VertexCountError),
     /// Pixels that do not form a picture.
     #[error(transparent)]
     Picture(#[from] PictureError),

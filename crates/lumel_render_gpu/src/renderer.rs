@@ -7,7 +7,7 @@ use crate::pipelines::Pipelines;
 use crate::read;
 use crate::texture::{self, Blank};
 use crate::{Frame, Gpu, LightBuffer, Model, RenderError, Samples, Target};
-use glam::Vec3;
+use lumel_basis::{Lighting, VertexCountError, irradiance_at_vertices};
 use lumel_render_cpu::{Picture, false_color_map};
 use lumel_scene::Scene;
 use std::sync::Arc;
@@ -52,15 +52,22 @@ impl Renderer {
         LightBuffer::new(self.gpu.device(), model.vertex_count())
     }
 
-    /// Replaces the light. NaN becomes zero.
+    /// Replaces the light by that at the vertices of the model's scene. NaN becomes zero.
+    ///
+    /// The device interpolates linearly between vertices. [`irradiance_at_vertices`] reads or samples the light on the
+    /// calling thread: call this when the light has changed, not for every frame.
     ///
     /// # Errors
-    /// [`RenderError::Light`] unless there is one value per vertex.
-    pub fn set_light(&self, light: &LightBuffer, values: &[Vec3]) -> Result<(), RenderError> {
-        if values.len() != light.len() {
-            return Err(RenderError::Light { count: values.len(), vertices: light.len() });
-        }
-        self.gpu.queue().write_buffer(&light.buffer, 0, bytemuck::cast_slice(&to_upload(values)));
+    /// [`RenderError::Light`] unless model, scene and light have the same number of vertices.
+    pub fn set_light(
+        &self,
+        light: &LightBuffer,
+        scene: &Scene,
+        lighting: &dyn Lighting,
+    ) -> Result<(), RenderError> {
+        let values = irradiance_at_vertices(scene, lighting)?;
+        VertexCountError::check(values.len(), light.len())?;
+        self.gpu.queue().write_buffer(&light.buffer, 0, bytemuck::cast_slice(&to_upload(&values)));
         Ok(())
     }
 

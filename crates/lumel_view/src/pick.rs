@@ -47,7 +47,7 @@ pub struct Pick {
 pub fn spot(scene: &Scene, tracer: &dyn RayTracer, camera: &Camera, aspect: f32, at: Vec2) -> Option<Spot> {
     let ray = Lens::new(camera, aspect).ok()?.ray(at);
     // As in the picture, one looks through the backs of one-sided faces.
-    let dark = |_: SurfacePoint| Irradiance::ZERO;
+    let dark = |_: SurfacePoint, _: Vec3| Irradiance::ZERO;
     View::new(scene, tracer, &dark).surface(ray).map(|at| spot_at(scene, at))
 }
 

@@ -9,9 +9,9 @@ use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::stage::Stage;
 use anyhow::Context;
-use lumel::LightFile;
+use lumel::{LightFile, VertexLighting};
 use lumel_export::write_png;
-use lumel_render_cpu::{Picture, VertexLight, View, meter};
+use lumel_render_cpu::{Picture, View, meter};
 use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -136,9 +136,9 @@ pub fn without_window(
     let renderer = Renderer::new(gpu);
     let model = renderer.upload(&document.scene)?;
     let buffer = renderer.light(&model);
-    renderer.set_light(&buffer, &values)?;
-    let lit = VertexLight::new(&document.scene, &values)?;
-    let view = View::new(&document.scene, &*document.tracer, &lit);
+    let lighting = VertexLighting::new(&document.scene, &values)?;
+    renderer.set_light(&buffer, &document.scene, &lighting)?;
+    let view = View::new(&document.scene, &*document.tracer, &lighting);
     let stops = match args.exposure {
         Some(stops) => stops,
         None => meter(&view, &camera, width as f32 / height as f32)?,

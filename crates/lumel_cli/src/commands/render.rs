@@ -12,7 +12,7 @@ use crate::picture::{self, Subject};
 use crate::report;
 use anyhow::Context;
 use glam::Vec3;
-use lumel::{Bvh, Camera, LightFile, RayTracer, Scene};
+use lumel::{Bvh, Camera, LightFile, RayTracer, Scene, VertexLighting};
 use lumel_render_cpu::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
 use std::sync::Arc;
 
@@ -65,7 +65,8 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
     let camera = camera(args.camera.as_ref(), &scene, &tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
-    let subject = Subject { scene: &scene, tracer: &tracer, light: &light, camera: &camera };
+    let lighting = VertexLighting::new(&scene, &light)?;
+    let subject = Subject { scene: &scene, tracer: &tracer, lighting: &lighting, camera: &camera };
     let _heeding = run.interrupt.heed();
     let result = picture::write(&args.output, &subject, &resolution, display, run.interrupt.picture());
     if result.is_err() && run.interrupt.is_requested() {

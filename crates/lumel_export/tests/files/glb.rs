@@ -1,4 +1,4 @@
-use crate::scenes::{colourful, light_on, plain};
+use crate::scenes::{AtVertices, colourful, light_on, plain};
 use crate::tools::run_if_installed;
 use glam::Vec3;
 use lumel_export::{ExportError, Exposure, write_glb};
@@ -88,7 +88,7 @@ fn number(value: &Value) -> usize {
 fn written(scene: &Scene, exposure: Exposure) -> (Glb, f32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
-    let exposure = write_glb(&path, scene, &light_on(scene), exposure).unwrap();
+    let exposure = write_glb(&path, scene, &AtVertices(light_on(scene)), exposure).unwrap();
     (Glb::read(&path), exposure)
 }
 
@@ -257,7 +257,7 @@ fn equal_scenes_are_equal_files() {
     let paths = ["a.glb", "b.glb"].map(|name| folder.path().join(name));
     for path in &paths {
         let scene = colourful();
-        write_glb(path, &scene, &light_on(&scene), Exposure::Auto).unwrap();
+        write_glb(path, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap();
     }
     assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap());
 }
@@ -267,15 +267,15 @@ fn light_that_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     let scene = plain("box");
-    let refused = |light: &[Vec3], exposure| {
-        let error = write_glb(&path, &scene, light, exposure).unwrap_err();
+    let refused = |light: Vec3, n, exposure| {
+        let error = write_glb(&path, &scene, &AtVertices(vec![light; n]), exposure).unwrap_err();
         assert!(matches!(error, ExportError::Content { .. }));
         error.to_string()
     };
-    let message = refused(&[Vec3::ONE; 5], Exposure::Auto);
-    assert!(message.starts_with("5 irradiance values do not fit scene \"box\" with 4 vertices: \""));
-    assert!(refused(&[Vec3::INFINITY; 4], Exposure::Auto).contains("at vertex 0 is not a finite number"));
-    assert!(refused(&[Vec3::ONE; 4], Exposure::Factor(0.0)).contains("exposure of 0"));
+    let message = refused(Vec3::ONE, 5, Exposure::Auto);
+    assert!(message.starts_with("light at 5 vertices does not belong to a scene with 4 vertices: \""));
+    assert!(refused(Vec3::INFINITY, 4, Exposure::Auto).contains("at vertex 0 is not a finite number"));
+    assert!(refused(Vec3::ONE, 4, Exposure::Factor(0.0)).contains("exposure of 0"));
     assert!(!path.exists());
 }
 
@@ -293,7 +293,7 @@ validateBytes(bytes).then((report) => {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     for scene in [plain("plain"), colourful()] {
-        write_glb(&path, &scene, &light_on(&scene), Exposure::Auto).unwrap();
+        write_glb(&path, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap();
         let probe = ["-e", "require.resolve('gltf-validator')"];
         if let Some(report) = run_if_installed("node", &probe, &["-e", script, path.to_str().unwrap()]) {
             println!("{report}");

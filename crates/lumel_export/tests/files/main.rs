@@ -5,6 +5,8 @@ mod damage;
 #[cfg(test)]
 mod glb;
 #[cfg(test)]
+mod lighting;
+#[cfg(test)]
 mod npz;
 #[cfg(test)]
 mod obj;

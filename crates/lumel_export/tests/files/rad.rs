@@ -1,4 +1,4 @@
-use crate::scenes::{light_on, plain};
+use crate::scenes::{AtVertices, light_on, plain};
 use glam::Vec3;
 use lumel_export::{RadFile, ReadError, position_md5};
 use lumel_testkit::shared;
@@ -12,7 +12,7 @@ fn light_on_a_scene_survives() {
     let path = folder.path().join("a.rad");
     let scene = plain("box");
     let light = light_on(&scene);
-    let rad = RadFile::from_irradiance(&scene, &light);
+    let rad = RadFile::from_lighting(&scene, &AtVertices(light.clone())).unwrap();
     rad.write(&path).unwrap();
     let read = RadFile::read(&path).unwrap();
     assert_eq!(read, rad);

@@ -1,9 +1,10 @@
 //! Small scenes.
 
 use glam::{Vec2, Vec3};
+use lumel_basis::Lighting;
 use lumel_scene::{
-    Encoding, Face, Material, MaterialId, ObjectMesh, Radiance, Scene, SceneBuilder, Sides, Smoothing,
-    Texture, TextureId, TextureRef, UvTransform, Wrap,
+    Encoding, Face, Irradiance, Material, MaterialId, ObjectMesh, Radiance, Scene, SceneBuilder, Sides,
+    Smoothing, SurfacePoint, Texture, TextureId, TextureRef, UvTransform, Wrap,
 };
 
 /// A unit square at height `y` that faces up, its two triangles with a material each.
@@ -86,4 +87,17 @@ pub(crate) fn colourful() -> Scene {
 pub(crate) fn light_on(scene: &Scene) -> Vec<Vec3> {
     let value = |vertex: usize| if vertex == 1 { 400.0 } else { 0.5 + (vertex % 7) as f32 };
     (0..scene.vertex_count()).map(|v| value(v) * Vec3::new(1.0, 0.75, 0.5)).collect()
+}
+
+/// Light at vertices, whether or not it fits a scene; nothing reads it elsewhere.
+pub(crate) struct AtVertices(pub(crate) Vec<Vec3>);
+
+impl Lighting for AtVertices {
+    fn irradiance(&self, at: SurfacePoint, _normal: Vec3) -> Irradiance {
+        panic!("{at:?} is read")
+    }
+
+    fn vertex_values(&self) -> Option<&[Vec3]> {
+        Some(&self.0)
+    }
 }

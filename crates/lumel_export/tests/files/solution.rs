@@ -2,10 +2,11 @@ use crate::damage::{flips, truncations};
 use crate::scenes::{light_on, plain};
 use crate::tools::numpy;
 use glam::Vec3;
+use lumel_basis::{Lighting, irradiance_at_vertices};
 use lumel_export::{
     Array, ArrayData, NpzReader, Solution, SolutionError, SolutionMeta, SolutionSelection, write_npz,
 };
-use lumel_scene::Scene;
+use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 use serde_json::json;
 use std::fs;
 use std::path::Path;
@@ -102,6 +103,26 @@ fn as_many_vertices_are_not_enough_to_belong_to_a_scene() {
         error.contains("scene \"box\" (4 vertices, 00000000..), not for \"box\" (4 vertices, "),
         "{error}"
     );
+}
+
+#[test]
+fn the_sum_and_each_bounce_are_lighting_on_the_scene_of_a_solution() {
+    let scene = plain("box");
+    let solution = solution(&scene);
+    let middle = SurfacePoint { tri: TriId(1), bary: Barycentrics { u: 0.25, v: 0.5 } };
+    for (selection, values) in
+        [(SolutionSelection::Sum, &solution.irradiance), (SolutionSelection::Bounce(1), &solution.bounces[1])]
+    {
+        let lighting = solution.lighting(&scene, selection).unwrap();
+        assert_eq!(*irradiance_at_vertices(&scene, &lighting).unwrap(), **values);
+        let [a, b, c] = scene.triangle(middle.tri).map(|v| values[v as usize]);
+        assert_eq!(lighting.irradiance(middle, Vec3::Y).0, a * 0.25 + b * 0.5 + c * 0.25);
+    }
+    let error = solution.lighting(&scene, SolutionSelection::Bounce(2)).unwrap_err();
+    assert!(matches!(error, SolutionError::NoSuchBounce { wanted: 2, count: 2 }));
+    let other = crate::scenes::colourful();
+    let error = solution.lighting(&other, SolutionSelection::Sum).unwrap_err();
+    assert!(matches!(error, SolutionError::OtherScene { .. }));
 }
 
 #[test]

@@ -5,9 +5,8 @@
 
 use glam::{Vec2, Vec3};
 use lumel_accel::BruteForce;
-use lumel_render_cpu::{
-    Display, Exposure, Lighting, Picture, PictureError, Resolution, ToneMapper, View, draw,
-};
+use lumel_basis::Lighting;
+use lumel_render_cpu::{Display, Exposure, Picture, PictureError, Resolution, ToneMapper, View, draw};
 use lumel_scene::{
     Camera, Face, Light, Material, MaterialId, ObjectMesh, Radiance, RectLight, Scene, SceneBuilder,
     Smoothing,

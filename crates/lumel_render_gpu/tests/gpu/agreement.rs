@@ -2,8 +2,10 @@
 
 use crate::common::{Subject, differences, keep, looks, renderer, share_beyond};
 use crate::scenes;
+use glam::Vec3;
 use lumel_render_cpu::Picture;
 use lumel_render_gpu::{Look, Samples};
+use lumel_scene::{Irradiance, SurfacePoint};
 
 /// Of the pixels; the rest are those whose centre lies on an edge.
 const EXCEPTIONS: f64 = 0.005;
@@ -55,4 +57,27 @@ fn bright_and_dim_light_look_as_on_the_cpu() {
         let range = [0.2 * power, 7.0 * power];
         agrees(&subject, &[Look::FalseColor { range, scale: lumel_render_cpu::Scale::Log }]);
     }
+}
+
+#[test]
+fn light_of_any_kind_is_drawn_as_it_is_at_the_vertices() {
+    let Some(renderer) = renderer() else { return };
+    let mut subject = scenes::everything();
+    let (scene, look, size) = (subject.scene.clone(), crate::common::irradiance(0.0), [173, 120]);
+    let rings = |position: Vec3, normal: Vec3| {
+        Vec3::splat(2.0 + (9.0 * position.length()).sin()) * (1.5 + 0.5 * normal)
+    };
+    let lighting = |at: SurfacePoint, normal: Vec3| Irradiance(rings(scene.position(at), normal));
+    let vertices = scene.positions().iter().zip(scene.normals());
+    subject.light = vertices.map(|(position, normal)| rings(*position, *normal)).collect();
+    let uploaded = subject.on(renderer);
+    let stored = uploaded.show(size, Samples::One, look);
+    renderer.set_light(&uploaded.light, &scene, &|_: SurfacePoint, _: Vec3| Irradiance::ZERO).unwrap();
+    renderer.set_light(&uploaded.light, &scene, &lighting).unwrap();
+    let sampled = uploaded.show(size, Samples::One, look);
+    assert_eq!(sampled, stored);
+    assert_same(&sampled, &subject.traced(size, look), "light at the vertices");
+    // What lies between the vertices is seen by the CPU alone.
+    let exact = subject.traced_under(&lighting, size, look);
+    assert!(share_beyond(&sampled, &exact, 8) > 0.1);
 }

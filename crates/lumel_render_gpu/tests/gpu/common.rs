@@ -2,9 +2,8 @@
 
 use glam::Vec3;
 use lumel::Bvh;
-use lumel_render_cpu::{
-    Display, FalseColor, Legend, Picture, Resolution, Scale, Show, ToneMapper, VertexLight, View,
-};
+use lumel_basis::{Lighting, VertexLighting};
+use lumel_render_cpu::{Display, FalseColor, Legend, Picture, Resolution, Scale, Show, ToneMapper, View};
 use lumel_render_gpu::{Frame, Gpu, LightBuffer, Lit, Look, Model, Renderer, Samples};
 use lumel_scene::{Camera, Light, RectLight, Scene};
 use std::sync::atomic::AtomicBool;
@@ -56,15 +55,29 @@ impl Subject {
     pub(crate) fn on<'a>(&'a self, renderer: &'a Renderer) -> Uploaded<'a> {
         let model = renderer.upload(&self.scene).unwrap();
         let light = renderer.light(&model);
-        renderer.set_light(&light, &self.light).unwrap();
+        renderer.set_light(&light, &self.scene, &self.lighting()).unwrap();
         Uploaded { renderer, subject: self, model, light, rect_lights: self.rect_lights() }
     }
 
+    /// The light as it lies at the vertices.
+    pub(crate) fn lighting(&self) -> VertexLighting<'_> {
+        VertexLighting::new(&self.scene, &self.light).unwrap()
+    }
+
     /// What the CPU draws with one sample per pixel.
-    pub(crate) fn traced(&self, [width, height]: [u32; 2], look: Look) -> Picture {
+    pub(crate) fn traced(&self, size: [u32; 2], look: Look) -> Picture {
+        self.traced_under(&self.lighting(), size, look)
+    }
+
+    /// The same under other light.
+    pub(crate) fn traced_under(
+        &self,
+        lighting: &dyn Lighting,
+        [width, height]: [u32; 2],
+        look: Look,
+    ) -> Picture {
         let tracer = Bvh::build(&self.scene);
-        let lighting = VertexLight::new(&self.scene, &self.light).unwrap();
-        let view = View::new(&self.scene, &tracer, &lighting);
+        let view = View::new(&self.scene, &tracer, lighting);
         let resolution = Resolution { width, height, samples_per_pixel: 1 };
         lumel_render_cpu::draw(&view, &self.camera, &resolution, &display(look), &AtomicBool::new(false))
             .unwrap()

@@ -3,6 +3,7 @@
 use crate::common::{another_renderer, differences, irradiance, radiance, renderer, share_beyond};
 use crate::scenes;
 use glam::Vec3;
+use lumel_basis::VertexLighting;
 use lumel_render_cpu::{Picture, ToneMapper};
 use lumel_render_gpu::{Frame, Lit, Look, Samples};
 use lumel_scene::{Camera, RectLight};
@@ -94,7 +95,8 @@ fn a_divider_shows_one_light_left_of_it_and_another_right_of_it() {
     let uploaded = subject.on(renderer);
     let dim = renderer.light(&uploaded.model);
     let values: Vec<Vec3> = subject.light.iter().map(|e| 0.2 * *e).collect();
-    renderer.set_light(&dim, &values).unwrap();
+    let dimmed = VertexLighting::new(&subject.scene, &values).unwrap();
+    renderer.set_light(&dim, &subject.scene, &dimmed).unwrap();
     let lit = uploaded.frame(irradiance(0.0));
     let at = |at| Frame { light: Lit::Split { left: &uploaded.light, right: &dim, at }, ..lit };
     let whole = uploaded.draw(SIZE, Samples::Four, &lit);

@@ -3,22 +3,24 @@
 use crate::common::{irradiance, looks, radiance, renderer};
 use crate::scenes;
 use glam::Vec3;
+use lumel_basis::VertexCountError;
 use lumel_render_cpu::ToneMapper;
 use lumel_render_gpu::{Frame, Look, RenderError, Samples};
-use lumel_scene::{Camera, Radiance};
+use lumel_scene::{Camera, Irradiance, Radiance, SurfacePoint};
 
 const SIZE: [u32; 2] = [64, 48];
 
 #[test]
-fn light_must_have_one_value_per_vertex() {
+fn light_must_be_that_of_the_model() {
     let Some(renderer) = renderer() else { return };
-    let subject = scenes::everything();
+    let (subject, other) = (scenes::everything(), scenes::cornell());
     let uploaded = subject.on(renderer);
-    let n = uploaded.model.vertex_count();
-    let error = renderer.set_light(&uploaded.light, &vec![Vec3::ONE; n - 1]).unwrap_err();
-    assert!(matches!(error, RenderError::Light { count, vertices } if (count, vertices) == (n - 1, n)));
-    assert_eq!(error.to_string(), format!("light of {} vertices does not belong to a scene of {n}", n - 1));
-    assert!(renderer.set_light(&uploaded.light, &[]).is_err());
+    let (values, vertices) = (other.scene.vertex_count(), subject.scene.vertex_count());
+    for scene in [&subject.scene, &other.scene] {
+        let error = renderer.set_light(&uploaded.light, scene, &other.lighting()).unwrap_err();
+        let expected = VertexCountError { values, vertices };
+        assert!(matches!(error, RenderError::Light(error) if error == expected), "{error}");
+    }
 }
 
 #[test]
@@ -70,7 +72,8 @@ fn a_scene_sent_twice_is_two_models() {
     let subject = scenes::everything();
     let (first, second) = (subject.on(renderer), subject.on(renderer));
     let before = first.show(SIZE, Samples::One, irradiance(0.0));
-    renderer.set_light(&second.light, &vec![Vec3::ZERO; subject.light.len()]).unwrap();
+    let dark = |_: SurfacePoint, _: Vec3| Irradiance::ZERO;
+    renderer.set_light(&second.light, &subject.scene, &dark).unwrap();
     drop(second);
     assert_eq!(first.show(SIZE, Samples::One, irradiance(0.0)), before);
 }

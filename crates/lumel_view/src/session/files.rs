@@ -8,7 +8,7 @@ use crate::lights::shining;
 use crate::notice::Level;
 use crate::selection::Selection;
 use crate::task::Background;
-use lumel::{CameraEntry, LightFile, Project, SettingsPatch};
+use lumel::{CameraEntry, LightFile, Project, SettingsPatch, SolutionSelection, VertexLighting};
 use lumel_export::{Exposure, RadFile, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -62,7 +62,10 @@ impl Session {
             if format == "npz" {
                 solution.save(path).map_err(|e| error_text(&e))
             } else {
-                RadFile::from_irradiance(&scene, solution.sum()).write(path).map_err(|e| error_text(&e))
+                let lighting =
+                    solution.lighting(&scene, SolutionSelection::Sum).map_err(|e| error_text(&e))?;
+                let rad = RadFile::from_lighting(&scene, &lighting).map_err(|e| error_text(&e))?;
+                rad.write(path).map_err(|e| error_text(&e))
             }
         });
         Ok(())
@@ -82,10 +85,11 @@ impl Session {
         let what =
             if lit { format!("the mesh with {selection}") } else { "the mesh without light".to_owned() };
         self.write(path, &what, None, move |path| {
+            let lighting = VertexLighting::new(&scene, &light).map_err(|e| error_text(&e))?;
             match format.as_str() {
-                "glb" => write_glb(path, &scene, &light, Exposure::Auto),
-                "ply" => write_ply(path, &scene, &light, Exposure::Auto),
-                _ => write_obj(path, &scene, &light, Exposure::Auto),
+                "glb" => write_glb(path, &scene, &lighting, Exposure::Auto),
+                "ply" => write_ply(path, &scene, &lighting, Exposure::Auto),
+                _ => write_obj(path, &scene, &lighting, Exposure::Auto),
             }
             .map(drop)
             .map_err(|e| error_text(&e))

@@ -3,8 +3,8 @@
 use super::content::Content;
 use super::showing::{Quality, Showing};
 use crate::camera::FlyCamera;
-use lumel::RectLight;
-use lumel_render_cpu::{VertexLight, View, meter};
+use lumel::{RectLight, VertexLighting};
+use lumel_render_cpu::{View, meter};
 use std::time::{Duration, Instant};
 
 /// While something moves or a solve runs, the exposure is read this often.
@@ -57,8 +57,8 @@ pub(super) fn stops_for(showing: &Showing<'_>, content: &Content, size: [u32; 2]
     let document = session.document.as_ref()?;
     let scene = document.relit(&session.lights).ok()?;
     let values = content.values(session)?;
-    let light = VertexLight::new(&scene, &values).ok()?;
-    let view = View::new(&scene, &*document.tracer, &light);
+    let lighting = VertexLighting::new(&scene, &values).ok()?;
+    let view = View::new(&scene, &*document.tracer, &lighting);
     let aspect = size[0] as f32 / size[1].max(1) as f32;
     meter(&view, &session.camera.camera(), aspect).ok()
 }

@@ -21,7 +21,7 @@ use crate::values;
 use blit::Blit;
 use content::Content;
 use eframe::egui_wgpu::RenderState;
-use lumel::{RectLight, Scene};
+use lumel::{RectLight, Scene, VertexLighting};
 use lumel_render_cpu::Scale;
 use lumel_render_gpu::{
     Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
@@ -266,8 +266,11 @@ impl Stage {
         if self.contents[buffer] == Some(*content) {
             return Ok(());
         }
-        let Some(values) = content.values(session) else { return Ok(()) };
-        self.renderer.set_light(&self.buffers[buffer], &values)?;
+        let (Some(document), Some(values)) = (&session.document, content.values(session)) else {
+            return Ok(());
+        };
+        let lighting = VertexLighting::new(&document.scene, &values)?;
+        self.renderer.set_light(&self.buffers[buffer], &document.scene, &lighting)?;
         self.contents[buffer] = Some(*content);
         Ok(())
     }

@@ -10,7 +10,7 @@ use crate::selection::Selection;
 use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::FilterMode;
-use lumel::{RectLight, Scene};
+use lumel::{RectLight, Scene, VertexLighting};
 use lumel_render_gpu::{Frame, LightBuffer, Lit, Look, Model, RenderError, Renderer, Samples, Target};
 
 /// What a small picture shows.
@@ -132,7 +132,9 @@ impl Strip {
             return Ok(ShownThumbnail { texture: cell.texture, brighter });
         }
         if cell.content != Some(content) {
-            canvas.renderer.set_light(&cell.buffer, &content.values(session).unwrap_or_default())?;
+            let values = content.values(session).unwrap_or_default();
+            let lighting = VertexLighting::new(canvas.scene, &values)?;
+            canvas.renderer.set_light(&cell.buffer, canvas.scene, &lighting)?;
             cell.content = Some(content);
         }
         let frame = Frame {
