@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lumel --example bake_file -- SCENE OUTPUT`
 
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example is a program")]
+
 use lumel::{Bake, FileFormat, OpenOptions};
 use std::path::PathBuf;
 

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lumel --example bake_in_memory`
 
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example is a program")]
+
 use lumel::{Bake, FaceSide, Light, Material, Preset, RectLight, SceneBuilder, SpotLight, Vec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

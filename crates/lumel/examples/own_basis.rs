@@ -5,6 +5,8 @@
 //!
 //! `cargo run --release -p lumel --example own_basis`
 
+#![allow(clippy::print_stdout, reason = "an example is a program")]
+
 use lumel_accel::Bvh;
 use lumel_basis::{
     Adjacency, Basis, ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site, reflecting_areas,

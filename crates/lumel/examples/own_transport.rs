@@ -5,6 +5,8 @@
 //!
 //! `cargo run --release -p lumel --example own_transport`
 
+#![allow(clippy::print_stdout, reason = "an example is a program")]
+
 use lumel_accel::Bvh;
 use lumel_basis::{Basis, Field, NodeId, VertexBasis, VertexReceivers, reflecting_areas};
 use lumel_solve::{Gather, Integrals, Operator, Silent, SolveState, Stop, solve};

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lumel --example relight_live`
 
+#![allow(clippy::print_stdout, reason = "an example is a program")]
+
 use lumel::{Baker, BounceLimit, Control, Light, OpenOptions, Preset, Settings, Silent, SolveState, Vec3};
 use std::sync::Arc;
 use std::time::Instant;

@@ -24,7 +24,7 @@ fn plan(seed: u64, n_rays: u32) -> Plan {
 fn converged(operator: &Operator, stage: &Stage) -> Field {
     let stop = Stop::Remainder { fraction: 0.02, at_most: 60 };
     let mut state: SolveState = solved_by(operator, stage, stop);
-    state.tail = integrals(&stage, &operator).tail(&state.bounces);
+    state.tail = integrals(stage, operator).tail(&state.bounces);
     state.total()
 }
 

@@ -98,10 +98,10 @@ impl Observer for Album {
 
 fn watched(operator: &Operator, stage: &Stage, bounces: u32) -> (SolveState, Album) {
     let (mut state, album) = (SolveState::new(), Album::default());
-    let integrals = integrals(&stage, &operator);
+    let integrals = integrals(stage, operator);
     let control = Control::default();
     let stop = Stop::Bounces(bounces);
-    solve(as_solved(&operator), &integrals, &Gather { stop }, &mut state, &control, &album)
+    solve(as_solved(operator), &integrals, &Gather { stop }, &mut state, &control, &album)
         .expect("nobody cancels");
     (state, album)
 }
