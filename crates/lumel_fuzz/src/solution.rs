@@ -1,8 +1,8 @@
-//! Archives of arrays, and the solutions in them.
+//! Archives of arrays, and the solutions and checkpoints in them.
 
 use crate::folder::with_files;
 use lumel::Solution;
-use lumel_export::{NpzReader, write_npz};
+use lumel_export::{Checkpoint, CheckpointMeta, NpzReader, write_npz};
 
 /// An archive as it is, or, as checksums are more than a fuzzer can guess, its members in the form
 /// `NAME\nCONTENT\n==\n`, which are put into an archive.
@@ -11,6 +11,7 @@ pub(crate) fn npz(input: &[u8]) {
         with_files(&[("a.npz", input)], |path| {
             read_members(path);
             read_solution(path);
+            read_checkpoint(path);
         });
         return;
     }
@@ -21,6 +22,7 @@ pub(crate) fn npz(input: &[u8]) {
         if written.is_ok() {
             read_members(path);
             read_solution(path);
+            read_checkpoint(path);
         }
     });
 }
@@ -67,5 +69,17 @@ fn read_solution(path: &std::path::Path) {
         let arrays = again.meta.arrays.clone();
         let meta = lumel_export::SolutionMeta { arrays, ..solution.meta.clone() };
         assert_eq!(again, Solution { meta, ..solution });
+    });
+}
+
+/// A checkpoint that can be read is written and read again as it is.
+fn read_checkpoint(path: &std::path::Path) {
+    let Ok(checkpoint) = Checkpoint::load(path) else { return };
+    with_files(&[("b.npz", b"")], |path| {
+        checkpoint.save(path).expect("a valid checkpoint can be written");
+        let again = Checkpoint::load(path).expect("a written checkpoint can be read");
+        let arrays = again.meta.arrays.clone();
+        let meta = CheckpointMeta { arrays, ..checkpoint.meta.clone() };
+        assert_eq!(again, Checkpoint { meta, ..checkpoint });
     });
 }

@@ -1,4 +1,4 @@
-//! Colours that files store with the sRGB transfer curve.
+//! Colours stored with the sRGB transfer curve.
 
 use glam::Vec3;
 

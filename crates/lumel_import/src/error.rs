@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// File formats [`load`](crate::load) understands, for messages.
 pub(crate) const SUPPORTED: &str = "obj, gltf, glb and ply";
 
-/// Why a scene file cannot be imported. What lumel can go on without is a warning instead.
+/// Why a scene file cannot be imported. What is not essential causes a warning instead.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
@@ -16,7 +16,7 @@ pub enum ImportError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         #[source]
         source: io::Error,
     },
@@ -27,27 +27,27 @@ pub enum ImportError {
         path: PathBuf,
         /// The line, counted from 1, in formats that have lines.
         line: Option<usize>,
-        /// What is wrong, in which object, and what to do about it.
+        /// The problem, the object and the remedy.
         message: String,
     },
-    /// The file is well-formed as far as we can tell, but asks for something lumel does not do.
+    /// The file appears well-formed but requires something that lumel does not support.
     #[error("{}: {what}", path.display())]
     Unsupported {
         /// The file.
         path: PathBuf,
-        /// What is not supported, and what to do about it.
+        /// What is not supported, and the remedy.
         what: String,
     },
-    /// A file that the scene cannot do without may not or cannot be used.
-    #[error("{}: the scene needs a file that cannot be used", path.display())]
+    /// A file that the scene depends on may not or cannot be read.
+    #[error("{}: the scene depends on a file that cannot be used", path.display())]
     Reference {
         /// The scene file.
         path: PathBuf,
-        /// Which file, and why.
+        /// The file and the reason.
         #[source]
         source: PathError,
     },
-    /// The file holds no surfaces.
+    /// The file contains no surfaces.
     #[error("{}: no triangles; a scene needs surfaces to light", path.display())]
     Empty {
         /// The file.

@@ -1,4 +1,4 @@
-//! Which reader a file needs.
+//! Detection of file formats.
 
 use crate::ImportError;
 use crate::error::SUPPORTED;
@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// How much of a file is looked at to find out its format, bytes.
+/// How much of a file is read to detect its format, bytes.
 const SAMPLE: u64 = 4096;
 
 /// Formats of scene files.
@@ -22,10 +22,10 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    /// The format of a file by its extension, else by its content.
+    /// The format of a file by its extension, otherwise by its content.
     ///
     /// # Errors
-    /// The file cannot be read or is in no format we know.
+    /// The file cannot be read or is in an unknown format.
     pub(crate) fn of(path: &Path) -> Result<Self, ImportError> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         match extension.as_deref() {

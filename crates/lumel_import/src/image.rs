@@ -8,7 +8,7 @@ use std::io::Cursor;
 use std::mem::discriminant;
 use std::path::{Path, PathBuf};
 
-/// The widest and highest image that is accepted, texels.
+/// The largest width and height of an image, texels.
 const MAX_SIDE: u32 = 32_768;
 /// The most memory an image may take while it is decoded and as a texture, bytes: 16,384² texels of RGBA.
 const MAX_BYTES: u64 = 1 << 30;
@@ -24,21 +24,21 @@ pub enum TextureError {
     Read {
         /// The image.
         name: String,
-        /// What the operating system says.
+        /// The error of the operating system.
         problem: String,
     },
-    /// It is not in a format that we read.
+    /// Its format is not supported.
     #[error("image {name} is in no known format; convert it to {FORMATS}")]
     UnknownFormat {
         /// The image.
         name: String,
     },
-    /// It is damaged, or uses a variant of its format that we do not read.
+    /// It is damaged or uses an unsupported variant of its format.
     #[error("cannot decode image {name}: {problem}")]
     Decode {
         /// The image.
         name: String,
-        /// What the decoder says.
+        /// The error of the decoder.
         problem: String,
     },
     /// It would take too much memory.
@@ -55,7 +55,7 @@ pub enum TextureError {
 
 /// Reads an image file.
 ///
-/// `encoding` says what integer images hold: [`Encoding::Srgb`] for colours, [`Encoding::Linear`] for normals and
+/// `encoding` applies to integer images: [`Encoding::Srgb`] for colours, [`Encoding::Linear`] for normals and
 /// other data. Floating-point images (HDR, float TIFF) are always linear. Channels of 16 bits are rounded to 8.
 ///
 /// # Errors
@@ -68,8 +68,8 @@ pub fn load_texture(path: &Path, encoding: Encoding) -> Result<Texture, TextureE
     decode(&bytes, &name, extension, encoding)
 }
 
-/// Decodes an image in memory; `name` is for messages and becomes the texture's name, `extension` helps where the
-/// content does not tell the format.
+/// Decodes an image in memory; `name` is for messages and becomes the texture's name, `extension` is used
+/// if the content does not determine the format.
 ///
 /// # Errors
 /// See [`TextureError`].
@@ -114,7 +114,7 @@ fn decode_as(bytes: &[u8], name: &str, format: ImageFormat) -> Result<DynamicIma
     DynamicImage::from_decoder(decoder).map_err(failed)
 }
 
-/// What a texel takes in a [`Texture`].
+/// Memory of a texel in a [`Texture`], bytes.
 fn bytes_per_texel(color: image::ColorType) -> u64 {
     if matches!(color, image::ColorType::Rgb32F | image::ColorType::Rgba32F) { 12 } else { 4 }
 }
@@ -134,7 +134,7 @@ fn into_texture(image: DynamicImage, name: &str, encoding: Encoding) -> Result<T
     texture.ok_or_else(|| TextureError::Decode { name: name.to_owned(), problem: "it has no texels".into() })
 }
 
-/// What makes two uses of an image the same texture.
+/// Two uses of an image with equal keys share a texture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TextureKey {
     /// The file, in canonical form, or any name that is unique to the image.
@@ -162,10 +162,10 @@ pub(crate) struct TextureCache {
 }
 
 impl TextureCache {
-    /// The texture for `key`; calls `load` the first time. Failures are remembered too.
+    /// The texture for `key`; calls `load` the first time. Failures are cached as well.
     ///
     /// # Errors
-    /// What `load` returned.
+    /// The error of `load`.
     pub(crate) fn get_or_load(
         &mut self,
         key: TextureKey,

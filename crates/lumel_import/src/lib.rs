@@ -1,9 +1,9 @@
 //! Reads OBJ, glTF, PLY and textures into lumel scenes.
 //!
-//! [`load`] picks the reader and returns a [`SceneBuilder`](lumel_scene::SceneBuilder) with what the file holds, together with warnings about
-//! what it went on without: missing textures, unknown materials, polygons without area. Malformed files are errors
-//! that name file, line and object; no input makes this crate panic, wait for ever or allocate much more than the
-//! file's own size.
+//! [`load`] chooses the reader and returns a [`SceneBuilder`](lumel_scene::SceneBuilder) with the content of the file,
+//! and warnings about missing textures, unknown materials, polygons without area and the like. Malformed files are
+//! errors that name file, line and object. No input makes this crate panic, hang or allocate much more than the size
+//! of the file.
 
 mod color;
 mod error;
@@ -29,7 +29,7 @@ pub use imported::{ImportOptions, Imported};
 pub use paths::{PathError, PathPolicy};
 use std::path::{Path, PathBuf};
 
-/// Reads a scene file. Its extension tells the format; where it tells nothing, the content does.
+/// Reads a scene file. The format is determined by the extension, otherwise by the content.
 ///
 /// # Errors
 /// See [`ImportError`].

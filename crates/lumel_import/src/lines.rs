@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-/// The longest line that is read, with its continuations; longer ones are binary data or an attack.
+/// The longest line that is read, with its continuations; longer ones are binary data or hostile.
 const MAX_LINE: usize = 1 << 24;
 
 /// Reads a text file line by line.
@@ -23,7 +23,7 @@ pub(crate) struct Lines {
 pub(crate) struct Line<'a> {
     /// Where it starts, counted from 1.
     pub(crate) number: usize,
-    /// What it says.
+    /// Its text.
     pub(crate) text: &'a [u8],
 }
 

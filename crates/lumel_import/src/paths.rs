@@ -1,12 +1,12 @@
-//! Which files a scene file may make us read.
+//! Which files a scene file may refer to.
 
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
 /// Where the files that a scene file refers to may lie.
 ///
-/// Scene files come from strangers: with [`WithinFolder`](Self::WithinFolder), loading one never reads, nor even
-/// looks for, anything outside its own folder, whether by `..`, an absolute path or a symbolic link.
+/// Scene files are untrusted: with [`WithinFolder`](Self::WithinFolder), loading one neither reads nor looks for
+/// anything outside its own folder, whether through `..`, an absolute path or a symbolic link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathPolicy {
     /// In the folder of the scene file or below it.
@@ -34,18 +34,18 @@ pub enum PathError {
         /// Where it was looked for.
         folder: PathBuf,
     },
-    /// It is a folder, a device or something else that holds no data for us.
+    /// It is a folder, a device or another file without readable content.
     #[error("\"{reference}\" is not a regular file")]
     NotAFile {
         /// The path in the scene file.
         reference: String,
     },
-    /// The operating system refuses.
+    /// The operating system denies access.
     #[error("\"{reference}\" cannot be reached: {source}")]
     Io {
         /// The path in the scene file.
         reference: String,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
 }
@@ -124,8 +124,7 @@ fn folder_of(file: &Path) -> &Path {
     }
 }
 
-/// The path with `.` and `..` taken out by their spelling alone, so that nothing outside the fence is touched to
-/// find out where a path leads.
+/// The path with `.` and `..` resolved lexically, so that nothing outside the fence is accessed to resolve a path.
 fn without_dots(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for component in path.components() {
@@ -140,12 +139,12 @@ fn without_dots(path: &Path) -> PathBuf {
     plain
 }
 
-/// Whether a path starts with a Windows drive (`C:\textures`), which other systems take for a file name.
+/// Whether a path starts with a Windows drive (`C:\textures`), which other systems treat as a file name.
 fn has_drive(reference: &str) -> bool {
     matches!(reference.as_bytes(), [letter, b':', b'/' | b'\\', ..] if letter.is_ascii_alphabetic())
 }
 
-/// Names that are too long or hold a zero byte cannot name anything either.
+/// Names that are too long or contain a zero byte cannot exist either.
 fn is_absence(error: &io::Error) -> bool {
     use io::ErrorKind::{InvalidFilename, InvalidInput, NotADirectory, NotFound};
     matches!(error.kind(), NotFound | NotADirectory | InvalidFilename | InvalidInput)

@@ -1,9 +1,10 @@
-//! Polygons into triangles.
+//! Triangulation of polygons.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
-/// The most corners a polygon may have. Ear clipping is quadratic on hostile outlines; this bounds it to seconds.
+/// The largest number of corners of a polygon. Ear clipping is quadratic on hostile outlines; this limits it to
+/// seconds.
 pub(crate) const MAX_CORNERS: usize = 1 << 14;
 
 /// What [`Tally`](crate::tally::Tally) calls polygons that [`Triangulator::triangulate`] refuses.
@@ -15,7 +16,7 @@ pub(crate) const NO_AREA: &str = "faces dropped: no area";
 /// positions of 24 bits can express, so only exactly collinear or cancelling outlines fall under it.
 const SMALLEST_AREA: f64 = 1e-14;
 
-/// Splits polygons into triangles; keeps its memory from one to the next.
+/// Splits polygons into triangles; reuses its memory.
 pub(crate) struct Triangulator {
     earcut: Earcut<f64>,
     plane: Vec<[f64; 2]>,
@@ -31,8 +32,8 @@ impl Triangulator {
 
     /// Triangles that cover the polygon, as indices into `corners`, wound like it.
     ///
-    /// Concave outlines and collinear corners are fine; outlines that cross themselves give some cover of what they
-    /// enclose. `None` for a polygon without area or with fewer than three corners. A single triangle is returned
+    /// Concave outlines and collinear corners are fine; self-intersecting outlines give some cover of the area
+    /// they enclose. `None` for a polygon without area or with fewer than three corners. A single triangle is returned
     /// as it is, and so is the fan of a polygon whose corners are not all finite: whoever checks triangles drops it.
     /// The caller makes sure of at most [`MAX_CORNERS`] corners.
     pub(crate) fn triangulate(&mut self, corners: &[Vec3]) -> Option<&[[u32; 3]]> {

@@ -1,10 +1,10 @@
-//! Warnings that may arise a million times, said once.
+//! Warnings that may occur a million times, reported once.
 
 use lumel_scene::Warnings;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Counts what is left out, by kind, and keeps the place of the first of each.
+/// Counts what is skipped, by kind, with the position of the first of each.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     kinds: BTreeMap<&'static str, (u64, String)>,

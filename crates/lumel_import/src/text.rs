@@ -3,9 +3,9 @@
 /// The longest piece of a file that a message quotes, characters.
 const QUOTE_LENGTH: usize = 60;
 
-/// Text as UTF-8 or, where it is none, as Latin-1, so that every name can be read and compared.
+/// Text as UTF-8 or, if it is invalid, as Latin-1, so that every name can be displayed and compared.
 ///
-/// Control characters become blanks: names end up in messages and terminals.
+/// Control characters become spaces, because names are printed to terminals.
 pub(crate) fn decode(bytes: &[u8]) -> String {
     let clean = |c: char| if c.is_control() { ' ' } else { c };
     match std::str::from_utf8(bytes) {

@@ -275,7 +275,7 @@ fn light_that_does_not_fit_is_refused() {
     let message = refused(Vec3::ONE, 5, Exposure::Auto);
     assert!(message.starts_with("light at 5 vertices does not belong to a scene with 4 vertices: \""));
     assert!(refused(Vec3::INFINITY, 4, Exposure::Auto).contains("at vertex 0 is not a finite number"));
-    assert!(refused(Vec3::ONE, 4, Exposure::Factor(0.0)).contains("exposure of 0"));
+    assert!(refused(Vec3::ONE, 4, Exposure::Factor(0.0)).contains("exposure is 0"));
     assert!(!path.exists());
 }
 

@@ -232,7 +232,7 @@ fn files_of_others_are_not_replaced() {
     let write = |name: &str| write_obj(&file(name), &scene, &AtVertices(light_on(&scene)), Exposure::Auto);
     fs::write(file("room.mtl"), "newmtl wood\n").unwrap();
     fs::write(file("b_textures"), "a file").unwrap();
-    for (name, problem) in [("room.obj", "not of lumel"), ("b.obj", "folder"), ("c.mtl", "use .obj")] {
+    for (name, problem) in [("room.obj", "not from lumel"), ("b.obj", "folder"), ("c.mtl", "use .obj")] {
         let error = check_obj(&file(name)).unwrap_err();
         assert!(error.to_string().contains(problem), "{error}");
         assert!(matches!(write(name), Err(ExportError::Content { .. })), "{name}");

@@ -1,7 +1,7 @@
 //! Typed, checked access to vertex data and indices.
 //!
-//! Every accessor is checked once, in 64 bits and before anything is allocated; reading elements cannot fail after
-//! that. Elements are read where they lie, so that a small primitive of a huge accessor costs little.
+//! Every accessor is checked once, in 64 bits and before anything is allocated; afterwards, reading elements cannot
+//! fail. Elements are read in place, so that a small primitive in a huge accessor costs little.
 //!
 //! Khronos Group, *glTF 2.0 Specification*, 3.6.2.
 
@@ -13,8 +13,8 @@ use gltf_json::accessor::{Accessor, ComponentType, Type};
 use gltf_json::validation::Checked;
 use std::cell::OnceCell;
 
-/// The most elements an accessor may have of which the file holds none: nothing but zeros, or zeros with a few sparse
-/// values. Real files have them for a morph target's few moved vertices.
+/// The largest number of elements of an accessor without a buffer view: zeros, or zeros with a few sparse values. Real
+/// files use them for morph targets that move few vertices.
 const MAX_UNSTORED: u64 = 1 << 22;
 
 /// The accessors of a document.
@@ -30,7 +30,7 @@ impl<'a> Accessors<'a> {
         Self { document, buffers, checked }
     }
 
-    /// The elements of an accessor; `user` is who asks.
+    /// The elements of an accessor; `user` names the referring item in messages.
     pub(super) fn elements(&self, index: usize, user: &str) -> Result<Elements<'a>, Fault> {
         let absent = || Fault::absent(user, "accessor", index, self.checked.len());
         let cell = self.checked.get(index).ok_or_else(absent)?;
@@ -167,10 +167,10 @@ impl<'a> Array<'a> {
     }
 }
 
-/// Values that replace a few of the others.
+/// Sparse values, which replace a few of the others.
 #[derive(Clone, Copy, Debug)]
 struct Overlay<'a> {
-    /// Which elements, in rising order.
+    /// The indices of the elements, in increasing order.
     indices: Array<'a>,
     component: ComponentType,
     values: Array<'a>,
@@ -201,13 +201,13 @@ impl<'a> Overlay<'a> {
 pub(super) struct Elements<'a> {
     layout: Layout,
     count: usize,
-    /// `None` stands for zeros.
+    /// `None` means zeros.
     stored: Option<Array<'a>>,
     sparse: Option<Overlay<'a>>,
 }
 
 impl Elements<'_> {
-    /// How many.
+    /// The number of elements.
     pub(super) fn count(&self) -> usize {
         self.count
     }

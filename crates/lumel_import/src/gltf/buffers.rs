@@ -1,4 +1,4 @@
-//! Buffers and the parts of them that the document names.
+//! Buffers and buffer views.
 
 use super::document::Document;
 use super::fault::Fault;
@@ -12,14 +12,14 @@ use std::rc::Rc;
 
 /// The buffers of a document, each loaded when it is first used.
 ///
-/// What is never used may be missing.
+/// Unused buffers may be missing.
 pub(super) struct Buffers<'a> {
     document: &'a Document,
     /// The binary chunk of a GLB.
     bin: Option<&'a [u8]>,
     resolver: &'a Resolver,
     loaded: Vec<OnceCell<Bytes<'a>>>,
-    /// Many buffers may be of one file.
+    /// Several buffers may share a file.
     files: RefCell<BTreeMap<PathBuf, Rc<[u8]>>>,
 }
 
@@ -30,9 +30,9 @@ enum Bytes<'a> {
 }
 
 impl Bytes<'_> {
-    /// At most `length` bytes: GLB chunks are padded, and what a buffer does not claim is not its own.
+    /// At most `length` bytes: GLB chunks are padded, and bytes beyond a buffer's length do not belong to it.
     ///
-    /// Fewer are accepted: what does not reach the missing end can be read.
+    /// Fewer are accepted: data before the missing end can be read.
     fn first(&self, length: u64) -> &[u8] {
         let all = match self {
             Self::Chunk(bytes) => bytes,
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn files_that_are_missing_or_outside_are_refused() {
         for buffer in [2, 3] {
-            assert!(view(0, 1, buffer).unwrap_err().contains("needs a file that cannot be used"));
+            assert!(view(0, 1, buffer).unwrap_err().contains("depends on a file that cannot be used"));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Telling GLB from plain JSON and taking GLB apart.
+//! Detection and parsing of the GLB container.
 //!
 //! Khronos Group, *glTF 2.0 Specification*, chapter 4.
 
@@ -15,12 +15,12 @@ const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 pub(super) struct Container<'a> {
     /// The document.
     pub(super) json: &'a [u8],
-    /// What a GLB carries for its first buffer.
+    /// The binary chunk of a GLB: its first buffer.
     pub(super) bin: Option<&'a [u8]>,
 }
 
 impl<'a> Container<'a> {
-    /// Takes a file apart. Content decides, not the file's extension: either kind is found under either name.
+    /// Parses a file. The content decides, not the extension: both kinds occur under both names.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
         let parts = if bytes.starts_with(MAGIC) { open_glb(bytes)? } else { Self { json: bytes, bin: None } };
         Ok(Self { json: without_padding(parts.json), ..parts })

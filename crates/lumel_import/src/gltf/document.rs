@@ -1,4 +1,4 @@
-//! From JSON to the schema's types.
+//! From JSON to the types of the schema.
 
 use super::fault::Fault;
 use super::{extensions, specular_glossiness};
@@ -9,12 +9,12 @@ use lumel_scene::Warnings;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Number, Value};
 
-/// Longer names are cut off: instances and messages repeat them.
+/// Longer names are truncated, because instances and messages repeat them.
 const MAX_NAME: usize = 200;
 
-/// A glTF document: well-typed, but with indices and sizes that nobody has checked yet.
+/// A glTF document: well-typed, but with unchecked indices and sizes.
 ///
-/// Geometry has to have the right types. Of what only gives it its looks, wrongly typed items are `None`, with a
+/// Geometry must have the right types. Items that only affect appearance are `None` if their type is wrong, with a
 /// warning.
 #[derive(Debug, Default)]
 pub(super) struct Document {
@@ -29,12 +29,12 @@ pub(super) struct Document {
     pub(super) samplers: Vec<Option<Sampler>>,
     pub(super) cameras: Vec<Option<Camera>>,
     pub(super) lights: Vec<Option<Light>>,
-    /// The nodes of the scene to show; `None` where the file has no scenes.
+    /// The root nodes of the scene; `None` where the file has no scenes.
     pub(super) roots: Option<Vec<usize>>,
 }
 
 impl Document {
-    /// Reads a document of a version and with extensions that we can read.
+    /// Reads a document whose version and extensions are supported.
     pub(super) fn parse(json: &[u8], warnings: &mut Warnings) -> Result<Self, Fault> {
         let mut root: Value = serde_json::from_slice(json)
             .map_err(|error| Fault::Malformed(format!("not a glTF document: {error}")))?;
@@ -80,7 +80,7 @@ impl Document {
     }
 }
 
-/// `what "name"`, or `what index` for want of a name.
+/// `what "name"`, or `what index` if it has no name.
 pub(super) fn label(what: &str, index: usize, name: Option<&str>) -> String {
     match name.filter(|name| !name.is_empty()) {
         Some(name) => format!("{what} \"{name}\""),
@@ -88,7 +88,7 @@ pub(super) fn label(what: &str, index: usize, name: Option<&str>) -> String {
     }
 }
 
-/// Evens out what the schema's types are too strict or too lax about.
+/// Corrects cases in which the types of the schema are too strict or too lax.
 ///
 /// - `extras` are dropped and names that are not text too; very long ones are cut.
 /// - Whole numbers may be written `3.0`.

@@ -1,4 +1,4 @@
-//! Which extensions we know.
+//! Known extensions.
 
 use super::fault::Fault;
 use lumel_scene::Warnings;
@@ -46,7 +46,7 @@ const HARMLESS: &[&str] = &[
     "MOZ_lightmap",
 ];
 
-/// Refuses what a document requires and we do not have; warns about what it uses and we do not know.
+/// Refuses required extensions that are not supported; warns about unknown extensions in use.
 pub(super) fn check(root: &Map<String, Value>, warnings: &mut Warnings) -> Result<(), Fault> {
     let names = |key| root.get(key).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
     let missing: Vec<_> = names("extensionsRequired").filter(|name| !SUPPORTED.contains(name)).collect();

@@ -9,9 +9,9 @@ use std::path::Path;
 pub(super) enum Fault {
     /// The document breaks the rules of glTF.
     Malformed(String),
-    /// The document asks for something lumel does not do.
+    /// The document requires something that lumel does not support.
     Unsupported(String),
-    /// A buffer's file may not or cannot be used.
+    /// A buffer's file may not or cannot be accessed.
     Reference(PathError),
     /// A buffer's file cannot be read.
     File(ImportError),
@@ -23,7 +23,7 @@ impl Fault {
         Self::Malformed(format!("{place}: {problem}"))
     }
 
-    /// `place` refers to an item of a list that ends before it.
+    /// `place` refers to an item beyond the end of a list.
     pub(super) fn absent(place: impl Display, what: &str, index: usize, count: usize) -> Self {
         Self::at(place, format_args!("refers to {what} {index} of {count}"))
     }

@@ -1,4 +1,4 @@
-//! Lights and cameras that nodes carry.
+//! Lights and cameras of nodes.
 
 use super::document::{Document, label};
 use super::fault::Fault;
@@ -12,10 +12,10 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// The narrowest difference between a spot's cones, radians: less is an edge no baked light can show.
 const LEAST_PENUMBRA: f32 = 1e-3;
 
-/// The light at a node, if it has one that shines.
+/// The light of a node, if it has one that emits.
 ///
-/// KHR_lights_punctual: it shines along the node's -Z, scale does not change its brightness. Intensities are taken one
-/// to one: candela give lux where watts per steradian give W·m⁻².
+/// KHR_lights_punctual: it shines along the node's -Z, scale does not change its brightness. Intensities are used
+/// unconverted: candela give lux, watts per steradian give W·m⁻².
 pub(super) fn light_at(
     document: &Document,
     placed: Placed,

@@ -1,4 +1,4 @@
-//! What the surfaces look like to diffuse light.
+//! Diffuse materials.
 
 use super::document::{Document, label};
 use super::fault::Fault;
@@ -18,11 +18,11 @@ pub(super) struct Materials<'a> {
     textures: Textures<'a>,
     converted: Vec<Material>,
     known: Vec<Option<Used>>,
-    /// What primitives without material get.
+    /// The material of primitives without one.
     default: Option<Used>,
 }
 
-/// A material as a mesh needs to know it.
+/// What a mesh needs to know about its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Used {
     pub(super) id: MaterialId,
@@ -69,9 +69,9 @@ impl<'a> Materials<'a> {
         (self.converted, self.textures.into_textures())
     }
 
-    /// - The base colour of metals is taken for their albedo. A metal reflects that share of the light, if in other
-    ///   directions than we can follow; a black surface would swallow it.
-    /// - Emission is taken one to one as radiance: cd/m² give lux where W·m⁻²·sr⁻¹ give W·m⁻².
+    /// - The base colour of metals is used as albedo. A metal reflects that fraction of the light, although not
+    ///   diffusely; a black surface would absorb it.
+    /// - Emission is used as radiance, unconverted: cd/m² give lux, W·m⁻²·sr⁻¹ give W·m⁻².
     /// - Alpha is ignored, and so is the base colour's fourth channel.
     fn convert(
         &mut self,
@@ -131,7 +131,7 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// What is lost when a material becomes a diffuse one.
+/// What is lost when a material is treated as diffuse.
 fn limitations(material: &gltf_json::Material) -> Vec<String> {
     let mut messages = Vec::new();
     let pbr = &material.pbr_metallic_roughness;

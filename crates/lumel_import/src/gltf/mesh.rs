@@ -1,4 +1,4 @@
-//! Meshes in the world.
+//! Meshes in world space.
 
 use super::accessor::{Accessors, Elements};
 use super::document::Document;
@@ -11,24 +11,25 @@ use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use lumel_scene::{Face, ObjectMesh, Smoothing, Warnings};
 
-/// The most triangles one file may make. Many nodes may show one mesh, so a few kilobytes can ask for any number.
+/// The largest number of triangles of a file. Many nodes may instance one mesh, so a few kilobytes can describe any
+/// number.
 const MAX_TRIANGLES: u64 = 1 << 27;
 
-/// A primitive counts as this many triangles more: it takes time even if it has none.
+/// Each primitive counts as this many additional triangles: it takes time even if it has none.
 const PRIMITIVE_COST: u64 = 64;
 
-/// Puts meshes where their nodes are.
+/// Places meshes at their nodes.
 pub(super) struct MeshReader<'a> {
     document: &'a Document,
     accessors: Accessors<'a>,
     materials: Materials<'a>,
 }
 
-/// What a primitive is made of.
+/// The data of a primitive.
 struct Corners<'a> {
     mode: Mode,
     positions: Elements<'a>,
-    /// `None` stands for all vertices in their order.
+    /// `None` means all vertices in order.
     indices: Option<Elements<'a>>,
 }
 
@@ -46,7 +47,7 @@ impl<'a> MeshReader<'a> {
         Self { document, accessors, materials }
     }
 
-    /// The materials that meshes turned out to use.
+    /// The materials in use.
     pub(super) fn into_materials(self) -> Materials<'a> {
         self.materials
     }
@@ -89,7 +90,7 @@ impl<'a> MeshReader<'a> {
         Ok(Some(object).filter(|object| !object.faces.is_empty()))
     }
 
-    /// Refuses scenes of absurd size before anything is allocated for them.
+    /// Refuses scenes of excessive size before anything is allocated.
     pub(super) fn check_size(&self, placed: &[Placed]) -> Result<(), Fault> {
         let mut costs = vec![None; self.document.meshes.len()];
         let mut total = 0_u64;
@@ -289,7 +290,7 @@ fn fill<T: Copy>(
     }
 }
 
-/// What takes normals to the world: the inverse transpose, but for a positive factor.
+/// The transform of normals to world space: the inverse transpose up to a positive factor.
 ///
 /// The matrix of cofactors is the inverse transpose times the determinant; it exists for flat shapes too, where one
 /// scale is zero. Its largest element is made 1, so that tiny and huge scales stay within f32.

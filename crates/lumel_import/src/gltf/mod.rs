@@ -1,10 +1,10 @@
 //! glTF 2.0 and GLB.
 //!
 //! Bytes become parts ([`container`]), a typed document ([`document`]) and checked data ([`buffers`], [`accessor`]);
-//! from there on, everything works on nodes in the world: [`nodes`], [`mesh`], [`materials`], [`lights`].
+//! everything else works on nodes in world space: [`nodes`], [`mesh`], [`materials`], [`lights`].
 //!
-//! What a document promises is checked when it is used, not before: a broken part that nobody shows does no harm.
-//! Broken geometry is an error, a broken look is a warning.
+//! Parts of a document are checked when they are used: a broken part that is not used does no harm. Broken geometry is
+//! an error; broken appearance is a warning.
 //!
 //! Khronos Group, *glTF 2.0 Specification*, version 2.0.1.
 
@@ -43,8 +43,7 @@ use textures::Textures;
 
 /// Reads a glTF 2.0 file, text or binary.
 ///
-/// Units are taken as they are: metres, and watts where glTF has photometric units. So candela, lux and cd/m² in the
-/// file give lux in the result.
+/// Units are not converted: candela, lux and cd/m² in the file give lux in the result.
 pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     let bytes = std::fs::read(path).map_err(ImportError::io(path))?;
     let resolver = Resolver::new(path, options.paths).map_err(ImportError::io(path))?;

@@ -1,4 +1,4 @@
-//! Where the nodes of the scene are.
+//! World transforms of nodes.
 
 use super::document::Document;
 use super::fault::Fault;
@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf_json::Node;
 use lumel_scene::Warnings;
 
-/// A node of the scene in the world.
+/// A node of the scene in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     /// Index of the node.
@@ -64,7 +64,7 @@ fn parents(document: &Document) -> Result<Vec<Option<usize>>, Fault> {
     Ok(parents)
 }
 
-/// With one parent each, nodes form a cycle exactly where going up never ends.
+/// With one parent each, nodes form a cycle exactly if following parents never ends.
 fn refuse_cycles(document: &Document, parents: &[Option<usize>]) -> Result<(), Fault> {
     // The walk in which a node was first met; meeting it again in the same walk closes a circle.
     let mut walk_of = vec![usize::MAX; parents.len()];

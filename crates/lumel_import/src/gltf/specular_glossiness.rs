@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 /// Rewrites a material of the old KHR_materials_pbrSpecularGlossiness as one of metal and roughness, unless it is both.
 ///
-/// Its diffuse colour is just what we want; the specular one is dropped.
+/// Its diffuse colour is the albedo; the specular colour is ignored.
 pub(super) fn to_metallic_roughness(material: &mut Value) {
     let Some(material) = material.as_object_mut().filter(|m| !m.contains_key("pbrMetallicRoughness")) else {
         return;

@@ -26,7 +26,7 @@ impl<'a> Textures<'a> {
         Self { document, buffers, resolver, cache: TextureCache::default() }
     }
 
-    /// The scene's texture for one of the document's, or why it cannot be had.
+    /// The scene's texture for one of the document's, or why it is unavailable.
     ///
     /// Uses of the same image with the same wrapping and encoding share a texture.
     pub(super) fn get(&mut self, index: usize, encoding: Encoding) -> Result<TextureId, String> {
@@ -61,7 +61,7 @@ impl<'a> Textures<'a> {
 
 /// Where an image comes from.
 struct Source {
-    /// What to call it.
+    /// Its name in messages.
     name: String,
     /// Its file; `None` if it is inside the document.
     file: Option<PathBuf>,
@@ -93,7 +93,7 @@ impl Source {
         bytes.map_err(|fault| failed(fault.to_string()))
     }
 
-    /// What the name or the MIME type says about the format; only a hint.
+    /// The format according to the name or the MIME type; only a hint.
     fn extension<'b>(&'b self, image: &'b Image) -> Option<&'b str> {
         let of_file = self.file.as_ref().and_then(|file| file.extension()?.to_str());
         of_file.or_else(|| image.mime_type.as_ref()?.0.strip_prefix("image/"))

@@ -13,7 +13,7 @@ pub(super) fn triangle_count(mode: Mode, n: usize) -> Option<usize> {
 
 /// The corners of triangle `i`, counter-clockwise seen from the front.
 ///
-/// Khronos Group, *glTF 2.0 Specification*, 3.7.2.1. Every second triangle of a strip is turned round.
+/// Khronos Group, *glTF 2.0 Specification*, 3.7.2.1. Every second triangle of a strip is reversed.
 pub(super) fn corners(mode: Mode, i: usize) -> [usize; 3] {
     match mode {
         Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],

@@ -1,4 +1,4 @@
-//! References to data: files beside the document, or the data themselves.
+//! References to data: files beside the document, or inline data.
 
 use super::fault::Fault;
 use crate::PathError;
@@ -18,7 +18,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// Whether a URI holds the data themselves.
+/// Whether a URI contains the data itself.
 pub(super) fn is_inline(uri: &str) -> bool {
     uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
 }
@@ -41,8 +41,8 @@ pub(super) fn inline_data(uri: &str, place: &str) -> Option<Result<Vec<u8>, Faul
 
 /// The file that a URI names.
 ///
-/// URIs should be percent-encoded, but blanks and Unicode are often written as they are, and names that happen to
-/// hold a `%` too: the decoded name is tried first, then the literal one.
+/// URIs should be percent-encoded, but spaces, Unicode and names that contain `%` are often written literally: the
+/// decoded name is tried first, then the literal one.
 pub(super) fn find_file(uri: &str, resolver: &Resolver) -> Result<PathBuf, PathError> {
     let decoded = percent_decode_str(uri).decode_utf8().unwrap_or(Cow::Borrowed(uri));
     match resolver.resolve(&decoded) {

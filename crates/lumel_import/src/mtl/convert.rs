@@ -9,11 +9,11 @@ use glam::Vec3;
 use lumel_scene::{Encoding, Material, Radiance, TextureRef, Warnings};
 use std::path::Path;
 
-/// Warnings about single materials beyond this number are only counted: a scene that has lost its textures has lost
-/// them all, and nobody reads thousands of lines.
+/// Warnings about single materials beyond this number are only counted: a scene without its textures would
+/// cause thousands.
 const MOST_WARNINGS: usize = 100;
 
-/// Converts materials one by one; says at the end what a diffuse solver makes of the rest.
+/// Converts materials one by one; reports at the end what a diffuse solver ignores.
 pub(super) struct Converter<'a> {
     textures: &'a mut TextureCache,
     warnings: &'a mut Warnings,
@@ -31,9 +31,8 @@ impl<'a> Converter<'a> {
 
     /// The diffuse part of a material.
     ///
-    /// A colour multiplies its map. Without the colour the map counts alone, and so it does where the colour is
-    /// black: many exporters write zero beside a map and mean the map. Without either, a material is half-grey and
-    /// does not emit.
+    /// A colour multiplies its map. Without a colour, or if it is black, the map is used alone: many
+    /// exporters write zero beside a map. Without either, the albedo is 0.5 and there is no emission.
     pub(super) fn material(&mut self, mtl: &MtlMaterial, resolver: &Resolver) -> Material {
         let name = &mtl.name;
         let mut material = Material { name: name.clone(), ..Material::default() };

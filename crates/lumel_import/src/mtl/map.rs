@@ -1,9 +1,9 @@
-//! What follows `map_Kd` and its like: options and a file name.
+//! The arguments of `map_Kd` and similar statements: options and a file name.
 
 use glam::Vec2;
 use lumel_scene::{UvTransform, Wrap};
 
-/// An image and how it lies on the surface.
+/// An image and its mapping.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MapStatement {
     /// The file name as written; it may contain blanks.
@@ -14,7 +14,7 @@ pub(super) struct MapStatement {
     pub(super) scale: Vec2,
     /// `-clamp`.
     pub(super) wrap: Wrap,
-    /// Whether `-mm` changes the values, which we do not do.
+    /// Whether `-mm` changes the values, which is not supported.
     pub(super) changes_values: bool,
 }
 
@@ -78,7 +78,7 @@ impl MapStatement {
 
     /// The map from mesh coordinates, which have `v` down, to the image's.
     ///
-    /// The file's rule, for `v` up, is `scale * v + offset`. With both sides turned over it becomes
+    /// The file's rule, for `v` up, is `scale * v + offset`. With both sides flipped it becomes
     /// `scale * v + (1 - scale - offset)`.
     pub(super) fn transform(&self) -> UvTransform {
         let offset = Vec2::new(self.offset.x, 1.0 - self.scale.y - self.offset.y);
@@ -86,7 +86,7 @@ impl MapStatement {
     }
 }
 
-/// What follows an option.
+/// The arguments of an option.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// One word.

@@ -1,6 +1,6 @@
 //! MTL material libraries: diffuse albedo, emission and normal maps, and warnings about the rest.
 //!
-//! A library is an aid: whatever is wrong with one is a warning, and half-grey stands in for what is missing.
+//! Libraries are optional: problems are warnings, and missing materials have an albedo of 0.5.
 
 mod convert;
 mod map;
@@ -19,7 +19,7 @@ const MAX_JOINED: usize = 16;
 
 /// Materials and the textures they use.
 pub(crate) struct Palette {
-    /// One for each name that was asked for.
+    /// One for each requested name.
     pub(crate) materials: Vec<Material>,
     /// What the materials refer to.
     pub(crate) textures: Vec<Texture>,
@@ -27,7 +27,7 @@ pub(crate) struct Palette {
 
 /// The materials of the given names, from the libraries that the statements at `(line, arguments)` name.
 ///
-/// Of materials that several libraries define, the first definition counts.
+/// If several libraries define a material, the first definition is used.
 pub(crate) fn palette(
     obj: &Path,
     resolver: &Resolver,

@@ -36,7 +36,7 @@ pub(super) struct MtlMaterial {
 /// Reads the materials of a library in order; several may have the same name.
 ///
 /// # Errors
-/// The file cannot be read. What is wrong inside it is a warning.
+/// The file cannot be read. Problems in its content are warnings.
 pub(super) fn read(path: &Path, warnings: &mut Warnings) -> Result<Vec<MtlMaterial>, ImportError> {
     let mut lines = Lines::open(path)?;
     let mut reader = Reader::default();
@@ -97,7 +97,7 @@ impl Reader {
 }
 
 impl MtlMaterial {
-    /// Takes a statement in; `false` for those that mean nothing to us.
+    /// Applies a statement; `false` if it is unknown.
     fn statement(&mut self, keyword: &[u8], arguments: &[u8]) -> Result<bool, Problem> {
         match keyword {
             b"kd" => self.albedo = Some(color(arguments)?),

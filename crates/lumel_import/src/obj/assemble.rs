@@ -34,7 +34,7 @@ pub(super) fn objects(
     objects
 }
 
-/// An object in the making.
+/// An object under construction.
 struct Part<'a> {
     name: &'a str,
     sections: Vec<(Section, Range<usize>)>,

@@ -1,6 +1,6 @@
-//! Wavefront OBJ, read by a reader of our own: no library gets all of its corners right.
+//! Wavefront OBJ, by a reader of our own; docs/decisions/0009 says why.
 //!
-//! Data flows through three files: [`statements`] turns lines into flat arrays, [`assemble`] turns those into
+//! Data flows through three modules: [`statements`] turns lines into flat arrays, [`assemble`] turns those into
 //! objects, and [`crate::mtl`] finds the materials they name.
 
 mod assemble;
@@ -18,11 +18,11 @@ use std::path::Path;
 /// - Each `o` becomes an object, or each `g` in files without `o`; parts of one name are one object. Inside an
 ///   object, vertices keep the order of the file's `v`.
 /// - Faces of files without any `s` are smoothed by angle; elsewhere by their group.
-/// - Texture coordinates are turned over, because ours have `v` down. Vertex colours are sRGB.
+/// - Texture coordinates are flipped, because lumel's have `v` down. Vertex colours are sRGB.
 /// - Lines and points are not surfaces and are skipped.
 ///
 /// # Errors
-/// Words where numbers belong, indices that point nowhere, or no face at all.
+/// Invalid numbers, indices out of range, or no faces.
 pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     let resolver = Resolver::new(path, options.paths).map_err(ImportError::io(path))?;
     let mut warnings = Warnings::default();

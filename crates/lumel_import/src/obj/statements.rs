@@ -30,7 +30,7 @@ pub(super) struct ObjFile {
     /// Names of objects and groups.
     pub(super) names: Names,
     pub(super) materials: Names,
-    /// What `mtllib` statements name, each with its line.
+    /// The arguments of `mtllib` statements, each with its line.
     pub(super) libraries: Vec<(usize, Vec<u8>)>,
     /// Whether any `s` occurs.
     pub(super) has_smoothing: bool,
@@ -229,7 +229,7 @@ fn absolute_index(field: &[u8], what: &str, count: usize) -> Result<u32, String>
     })
 }
 
-/// The smoothing group that an `s` statement begins; `None` if it makes no sense.
+/// The smoothing group that an `s` statement begins; `None` if it is invalid.
 fn smoothing(arguments: &[u8]) -> Option<Smoothing> {
     match words(arguments).next() {
         None | Some(b"off" | b"null") => Some(Smoothing::Flat),

@@ -1,6 +1,6 @@
 //! The elements of a text PLY.
 //!
-//! The library's own reader refuses `.5`, `2.` and `nan`, and elements that run over several lines.
+//! The reader of the library refuses `.5`, `2.`, `nan` and elements that span several lines.
 
 use crate::ImportError;
 use crate::lines::Lines;
@@ -27,7 +27,7 @@ impl<'a> Words<'a> {
     /// All elements of one kind.
     ///
     /// # Errors
-    /// Words that are no numbers of the declared type, or the end of the file.
+    /// Words that are not numbers of the declared type, or the end of the file.
     pub(super) fn elements<E: PropertyAccess>(&mut self, def: &ElementDef) -> Result<Vec<E>, ImportError> {
         let mut elements = Vec::new();
         for number in 0..def.count {
@@ -81,7 +81,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Grows with what is there, whatever the count promises.
+    /// Grows with the data, not with the declared count.
     fn list<T>(
         &mut self,
         count: u64,

@@ -1,14 +1,14 @@
-//! The elements of a PLY file that we use.
+//! The elements of a PLY file that are used.
 
 use crate::color::linear_from_srgb;
 use glam::{Vec2, Vec3};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
-/// What texture coordinates are called.
+/// Names of texture coordinates.
 pub(super) const UV_NAMES: [[&str; 2]; 4] =
     [["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 
-/// What lists of indices are called.
+/// Names of lists of indices.
 pub(super) const INDEX_NAMES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// A vertex.
@@ -108,7 +108,7 @@ impl PropertyAccess for IndexList {
     }
 }
 
-/// An element that is read over.
+/// An element that is skipped.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Skipped;
 

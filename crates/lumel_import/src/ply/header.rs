@@ -1,11 +1,11 @@
-//! Checks of a PLY header, before anything is allocated for what it announces.
+//! Checks of a PLY header, before anything is allocated.
 
 use super::elements::INDEX_NAMES;
 use crate::ImportError;
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use std::path::Path;
 
-/// Refuses headers that announce more than the file can hold.
+/// Refuses headers that declare more data than the file can contain.
 pub(super) fn check_counts(path: &Path, header: &Header, length: u64) -> Result<(), ImportError> {
     let mut needed = 0_u64;
     for element in header.elements.values() {

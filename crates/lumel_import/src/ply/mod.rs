@@ -21,10 +21,10 @@ const RESTART: u32 = u32::MAX;
 /// Reads a PLY file as one object of the default material.
 ///
 /// Vertices keep their order. Colours of integer type are taken as sRGB, floating-point ones as linear; texture
-/// coordinates are turned over, because ours have `v` down.
+/// coordinates are flipped, because lumel's have `v` down.
 ///
 /// # Errors
-/// A damaged file, indices that point nowhere, or no face at all.
+/// A damaged file, indices out of range, or no faces.
 pub(crate) fn load(path: &Path) -> Result<Imported, ImportError> {
     let file = PlyFile::read(path)?;
     let mut dropped = Tally::default();
@@ -43,7 +43,7 @@ pub(crate) fn load(path: &Path) -> Result<Imported, ImportError> {
     Ok(Imported { scene, warnings })
 }
 
-/// The elements of a file that we know.
+/// The known elements of a file.
 #[derive(Default)]
 struct PlyFile {
     vertices: Vec<PlyVertex>,

@@ -11,7 +11,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// What follows the header.
+/// The data after the header.
 pub(super) enum Source<'a> {
     Text(Words<'a>),
     Binary { path: &'a Path, reader: Reader<BufReader<File>>, header: Header },
