@@ -54,7 +54,10 @@ impl NodeWeights {
 /// - The weights at a point sum to 1, so constants are reproduced.
 /// - `node_areas` is the integral of each basis function, so they sum to the area of the surfaces.
 /// - `corner_nodes`, if there are any, agree with `weights_at` everywhere.
-/// - `adjacency` is symmetric and has `node_count` nodes.
+/// - `adjacency` is symmetric and has `node_count` nodes; the nodes of a triangle in `corner_nodes` are adjacent.
+/// - `identity` is the same for the same geometry and construction and another one for any other.
+///
+/// `lumel_testkit::laws` checks them.
 pub trait Basis: Send + Sync {
     /// What decides its nodes.
     fn identity(&self) -> Identity;

@@ -40,7 +40,13 @@ pub enum Sampling {
 /// Where light is measured, and which nodes a measurement counts towards.
 ///
 /// The nodes are those of a basis where light is carried from bounce to bounce; they are nobody's where light is only
-/// asked for, as at [points](crate::PointReceivers).
+/// asked for, as at [points](crate::PointReceivers). Every implementation keeps these laws, which `lumel_testkit::laws`
+/// checks:
+///
+/// - `nodes_of` covers all nodes that a site of the element counts towards, and every node is measured by some element.
+/// - Weights are not negative, and every site has one that is greater than zero.
+/// - Elements that are sampled at a [point](Sampling::Point) have the same site for every `u`.
+/// - `identity` is the same for the same geometry and construction and another one for any other.
 pub trait Receivers: Send + Sync {
     /// What decides its elements, their sites and the nodes they count towards.
     fn identity(&self) -> Identity;

@@ -20,7 +20,7 @@ pub fn hat_average(
         let corners = scene.triangle_positions(tri).map(|p| p.as_dvec3());
         let normal = scene.geometric_normal(tri).as_dvec3();
         let area = f64::from(scene.area(tri));
-        for ([u, v], share) in points(pieces) {
+        for ([u, v], share) in triangle_points(pieces) {
             let point = corners[0] * u + corners[1] * v + corners[2] * (1.0 - u - v);
             let value = f(point, normal);
             nodes.clear();
@@ -38,11 +38,11 @@ pub fn hat_average(
 
 /// The mean of `f` over the barycentrics `u, v` of a triangle; times its area it is the integral.
 pub fn triangle_integral(pieces: u32, f: impl Fn(f64, f64) -> f64) -> f64 {
-    points(pieces).map(|([u, v], share)| share * f(u, v)).sum()
+    triangle_points(pieces).map(|([u, v], share)| share * f(u, v)).sum()
 }
 
 /// Barycentrics and shares of the area: three points in each of `pieces²` triangles.
-fn points(pieces: u32) -> impl Iterator<Item = ([f64; 2], f64)> {
+pub(crate) fn triangle_points(pieces: u32) -> impl Iterator<Item = ([f64; 2], f64)> {
     let n = f64::from(pieces);
     let share = 1.0 / (3.0 * n * n);
     (0..pieces).flat_map(move |i| {
