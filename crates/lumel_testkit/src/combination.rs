@@ -22,6 +22,17 @@ pub enum Solver {
     Traced,
 }
 
+impl Solver {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Stored, Self::Traced];
+}
+
+impl fmt::Display for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self:?} rays")
+    }
+}
+
 /// How an operator measures: all that is not an estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {
@@ -34,6 +45,12 @@ pub struct Method {
 impl Method {
     /// Every storage with every solver.
     pub const ALL: [Self; 4] = [Self::VERTEX, Self::AREA, Self::VERTEX.traced(), Self::AREA.traced()];
+
+    /// At vertices, with every solver.
+    pub const AT_VERTICES: [Self; 2] = [Self::VERTEX, Self::VERTEX.traced()];
+
+    /// Over areas, with every solver.
+    pub const OVER_AREAS: [Self; 2] = [Self::AREA, Self::AREA.traced()];
 
     /// At vertices, on stored rays.
     pub const VERTEX: Self = Self { storage: Storage::Vertex, solver: Solver::Stored };
@@ -50,11 +67,11 @@ impl Method {
 
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} storage, {:?} rays", self.storage, self.solver)
+        write!(f, "{:?} storage, {}", self.storage, self.solver)
     }
 }
 
-/// A sampler and an estimator of lights: all that matters for point receivers.
+/// A sampler and an estimator of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Estimator {
     /// Where sample points come from.
@@ -87,6 +104,29 @@ impl Estimator {
 impl fmt::Display for Estimator {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} sampler, {:?} light", self.sampler, self.light)
+    }
+}
+
+/// How light is measured at points, which have no storage of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtPoints {
+    /// With which rays.
+    pub solver: Solver,
+    /// How light is estimated.
+    pub estimator: Estimator,
+}
+
+impl AtPoints {
+    /// Every solver with every sampler and every estimator.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let with = |solver| Estimator::all().map(move |estimator| Self { solver, estimator });
+        Solver::ALL.into_iter().flat_map(with)
+    }
+}
+
+impl fmt::Display for AtPoints {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "points, {}, {}", self.solver, self.estimator)
     }
 }
 

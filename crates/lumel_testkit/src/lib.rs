@@ -23,7 +23,7 @@ mod stored;
 mod surface_error;
 mod surface_points;
 
-pub use combination::{Combination, Estimator, Method, Solver, Storage};
+pub use combination::{AtPoints, Combination, Estimator, Method, Solver, Storage};
 pub use quadrature::{hat_average, triangle_integral};
 pub use stage::{Operator, Stage, measure, replicates, tracer};
 pub use statistics::{Estimate, ROUNDING, assert_nodes_near, correlation, fitted_slope, ratio_bias, rms};

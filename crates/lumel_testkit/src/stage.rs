@@ -89,9 +89,9 @@ impl Stage {
     }
 
     /// The operator from the vertices to points with normals.
-    pub fn points(&self, points: &[(Vec3, Vec3)], plan: Plan) -> Box<dyn Transport> {
+    pub fn points(&self, solver: Solver, points: &[(Vec3, Vec3)], plan: Plan) -> Box<dyn Transport> {
         let receivers = PointReceivers::new(points.iter().copied()).expect("points have normals");
-        self.towards(Solver::Traced, receivers, plan)
+        self.towards(solver, receivers, plan)
     }
 
     /// The integral of albedo times each basis function, m².

@@ -7,7 +7,7 @@ use lumel_scene::SceneBuilder;
 use lumel_solve::{SolveState, Stop};
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::scene::{bulb, cube, grey, scene};
-use lumel_testkit::{Estimate, Method, ROUNDING, Stage, measure, ratio_bias, replicates};
+use lumel_testkit::{Estimate, Method, ROUNDING, Solver, Stage, measure, ratio_bias, replicates};
 use lumel_transport::{EmitterSampling, Plan, Source};
 
 fn plan(sampler: SamplerKind, n_rays: u32) -> Plan {
@@ -34,31 +34,36 @@ fn a_closed_scene_receives_all_that_it_reflects() {
     let stage = Stage::new(cluttered());
     // A steep field, at its highest in one corner of the room.
     let source = stage.field(|p, _| (-6.0 * p.length()).exp() * 100.0);
-    for sampler in SamplerKind::ALL {
-        let operator = stage.operator(Method::AREA, plan(sampler, 128));
-        let integrals = integrals(&stage, &operator);
-        let sent = integrals.reflected(&source).x;
-        let fields = replicates(&*operator.transport, Source::Field(&source), 48);
-        // Every node has at least 64 samples; light changes by half of itself under a hat.
-        let bound = ratio_bias(64, 0.5) * sent;
-        Estimate::new(fields.iter().map(|f| integrals.incident(f).x)).assert_near(sent, bound, sampler);
+    for method in Method::OVER_AREAS {
+        for sampler in SamplerKind::ALL {
+            let operator = stage.operator(method, plan(sampler, 128));
+            let integrals = integrals(&stage, &operator);
+            let sent = integrals.reflected(&source).x;
+            let fields = replicates(&*operator.transport, Source::Field(&source), 48);
+            // Every node has at least 64 samples; light changes by half of itself under a hat.
+            let bound = ratio_bias(64, 0.5) * sent;
+            let label = format!("{method}, {sampler}");
+            Estimate::new(fields.iter().map(|f| integrals.incident(f).x)).assert_near(sent, bound, label);
+        }
     }
 }
 
 #[test]
 fn a_bounce_carries_on_the_last_one_and_not_the_running_sum() {
     let stage = Stage::new(cluttered());
-    let energy_of = |seed| {
-        let operator = stage.operator(Method::AREA, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
+    let energy_of = |method, seed| {
+        let operator = stage.operator(method, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
         let state = solved_by(&operator, &stage, Stop::Bounces(4));
         let integrals = integrals(&stage, &operator);
         let pair = |w: &[lumel_basis::Field]| integrals.incident(&w[1]).x / integrals.reflected(&w[0]).x;
         state.bounces.windows(2).map(pair).collect::<Vec<f64>>()
     };
-    let runs: Vec<Vec<f64>> = (0..24).map(energy_of).collect();
-    for bounce in 0..4 {
-        let estimate = Estimate::new(runs.iter().map(|ratios| ratios[bounce]));
-        estimate.assert_near(1.0, ratio_bias(64, 0.3), format!("bounce {}", bounce + 1));
+    for method in Method::OVER_AREAS {
+        let runs: Vec<Vec<f64>> = (0..24).map(|seed| energy_of(method, seed)).collect();
+        for bounce in 0..4 {
+            let estimate = Estimate::new(runs.iter().map(|ratios| ratios[bounce]));
+            estimate.assert_near(1.0, ratio_bias(64, 0.3), format!("{method}, bounce {}", bounce + 1));
+        }
     }
 }
 
@@ -92,7 +97,7 @@ fn mean_indirect_light_of_a_closed_room_is_that_of_its_albedo() {
         });
         // The direct light's share of the bias is carried through all bounces; it varies by its own size.
         let bound = ratio_bias(3 * 32, 0.5) * lux;
-        Estimate::new(indirect).assert_near(lux, bound, format!("albedo {albedo}"));
+        Estimate::new(indirect).assert_near(lux, bound, format!("{}, albedo {albedo}", Method::AREA));
     }
 }
 
@@ -101,15 +106,21 @@ fn direct_light_of_a_bulb_in_a_cube_has_its_closed_form() {
     let room = cuboid(Vec3::ZERO, Vec3::splat(4.0), 4, Facing::Inward, [0; 6]);
     let stage = Stage::new(scene(room, vec![grey(0.0, 0.0)], vec![bulb(Vec3::splat(2.0), 10_000.0)]));
     let points = [(Vec3::new(2.0, 2.0, 0.0), Vec3::Z), (Vec3::ZERO, Vec3::Z)];
-    let field = measure(&*stage.points(&points, Plan::default()), Source::Emitters(None), 0).field;
-    for (e, lux) in field.values().iter().zip([198.943679, 38.286729]) {
-        assert!((f64::from(e.x) / lux - 1.0).abs() < 1e-4, "{e} {lux}");
+    for solver in Solver::ALL {
+        let transport = stage.points(solver, &points, Plan::default());
+        let field = measure(&*transport, Source::Emitters(None), 0).field;
+        for (e, lux) in field.values().iter().zip([198.943679, 38.286729]) {
+            assert!((f64::from(e.x) / lux - 1.0).abs() < 1e-4, "{solver}: {e} {lux}");
+        }
     }
-    let means = (0..16).map(|seed| {
-        let operator = stage.operator(Method::AREA, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
-        mean(&operator, &measure(&*operator.transport, Source::Emitters(None), 0).field)
-    });
-    Estimate::new(means).assert_near(104.166667, ratio_bias(64, 0.3) * 104.2, "mean over the walls");
+    for method in Method::OVER_AREAS {
+        let means = (0..16).map(|seed| {
+            let operator = stage.operator(method, Plan { seed, ..plan(SamplerKind::Sobol, 128) });
+            mean(&operator, &measure(&*operator.transport, Source::Emitters(None), 0).field)
+        });
+        let label = format!("{method}, mean over the walls");
+        Estimate::new(means).assert_near(104.166667, ratio_bias(64, 0.3) * 104.2, label);
+    }
 }
 
 /// A furnace: bounce n brings exactly ρⁿ.

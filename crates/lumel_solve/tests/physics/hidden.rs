@@ -72,12 +72,14 @@ fn runs(stage: &Stage, method: Method, n: u64) -> Vec<SolveState> {
 #[test]
 fn exactly_the_vertices_under_a_box_are_hidden() {
     let stage = Stage::new(floor_with_box());
-    let state = &runs(&stage, Method::VERTEX, 1)[0];
     let hidden = stage.nodes().iter().filter(|node| is_floor(node) && covered(node.0.as_dvec3())).count();
     assert_eq!(hidden, 5);
-    for (node, valid) in stage.nodes().iter().zip(&state.valid) {
-        let expected = !is_floor(node) || !covered(node.0.as_dvec3());
-        assert_eq!(*valid, expected, "{}", node.0);
+    for method in Method::AT_VERTICES {
+        let state = &runs(&stage, method, 1)[0];
+        for (node, valid) in stage.nodes().iter().zip(&state.valid) {
+            let expected = !is_floor(node) || !covered(node.0.as_dvec3());
+            assert_eq!(*valid, expected, "{method} at {}", node.0);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Mistakes that a radiosity solver invites, each with a coarse scene that shows it.
 
+use crate::gather::gathers;
 use glam::Vec3;
-use lumel_sample::SamplerKind;
 use lumel_scene::{Light, ObjectMesh, Radiance, RectLight};
 use lumel_testkit::mesh::quad;
 use lumel_testkit::scene::{bulb, ceiling_light, cube, grey, scene};
@@ -116,28 +116,28 @@ fn quantities_have_their_factor_of_pi_and_no_other() {
     let black = vec![grey(0.0, 0.0)];
     let up = (Vec3::Z, Vec3::Z);
     let plan = |sampler| Plan { sampler, light_sampling: LightSampling::Area, ..Plan::default() };
-    for sampler in SamplerKind::ALL {
+    for (solver, sampler) in gathers() {
         let e = |builder, n| {
             let stage = Stage::new(builder);
-            let fields = replicates(&*stage.points(&[up], plan(sampler)), Source::Emitters(None), n);
-            Estimate::of_node(&fields, 0)
+            let transport = stage.points(solver, &[up], plan(sampler));
+            Estimate::of_node(&replicates(&*transport, Source::Emitters(None), n), 0)
         };
         let mut sky = scene(vec![floor()], black.clone(), vec![]);
         sky.sky = Radiance::splat(1.0);
-        e(sky, 2).assert_near(PI, ROUNDING * PI, format!("sky, {sampler}"));
+        e(sky, 2).assert_near(PI, ROUNDING * PI, format!("sky, {solver}, {sampler}"));
         let point = scene(vec![floor()], black.clone(), vec![bulb(Vec3::Z * 2.0, (4.0 * PI) as f32)]);
-        e(point, 2).assert_near(1.0, 1e-4, format!("point, {sampler}"));
+        e(point, 2).assert_near(1.0, 1e-4, format!("point, {solver}, {sampler}"));
         let rect = scene(
             vec![floor()],
             black.clone(),
             vec![Light::Rect(ceiling_light(Vec3::Z * 2.0, 2.0, 2.0, 1.0))],
         );
-        e(rect, 64).assert_near(PI * 0.554126423980, 2e-4, format!("rectangle, {sampler}"));
+        e(rect, 64).assert_near(PI * 0.554126423980, 2e-4, format!("rectangle, {solver}, {sampler}"));
         let room = Stage::new(cube(1, [(); 6].map(|()| grey(0.5, 0.0))));
         let ones = room.field(|_, _| 1.0);
         let inside = [(Vec3::splat(0.5), Vec3::Z)];
-        let field = measure(&*room.points(&inside, plan(sampler)), Source::Field(&ones), 0).field;
-        assert!((f64::from(field.values()[0].x) - 0.5).abs() < ROUNDING, "room, {sampler}");
+        let field = measure(&*room.points(solver, &inside, plan(sampler)), Source::Field(&ones), 0).field;
+        assert!((f64::from(field.values()[0].x) - 0.5).abs() < ROUNDING, "room, {solver}, {sampler}");
     }
 }
 
@@ -160,14 +160,12 @@ fn light_at_a_hit_weighs_the_right_corners() {
             let (to, distance) = ((y - at).normalize(), y.distance(at));
             weights[k] * normal.dot(to).max(0.0) * -to.z / (PI * distance * distance)
         });
-        for sampler in SamplerKind::ALL {
-            let fields = replicates(
-                &*stage.points(&[point], Plan { sampler, ..Plan::default() }),
-                Source::Field(&source),
-                64,
-            );
+        for (solver, sampler) in gathers() {
+            let transport = stage.points(solver, &[point], Plan { sampler, ..Plan::default() });
+            let fields = replicates(&*transport, Source::Field(&source), 64);
             // The integrand's kink at the horizon does not cross the triangle; quadrature errs by 1e-6.
-            Estimate::of_node(&fields, 0).assert_near(truth, 1e-4 * truth, format!("corner {k}, {sampler}"));
+            let label = format!("corner {k}, {solver}, {sampler}");
+            Estimate::of_node(&fields, 0).assert_near(truth, 1e-4 * truth, label);
         }
     }
 }

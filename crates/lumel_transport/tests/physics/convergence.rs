@@ -6,7 +6,7 @@ use lumel_sample::SamplerKind;
 use lumel_scene::Light;
 use lumel_testkit::mesh::quad;
 use lumel_testkit::scene::{ceiling_light, cube, grey, scene};
-use lumel_testkit::{Method, Stage, fitted_slope, measure, rms};
+use lumel_testkit::{Method, Solver, Stage, fitted_slope, measure, rms};
 use lumel_transport::{LightSampling, Plan, Source, Transport};
 
 /// Receivers at one point times passes: independent replicates.
@@ -47,16 +47,18 @@ fn gathering_in_a_cube_converges_faster_than_random() {
     let radiance = |n: Vec3| walls.iter().find(|(wall, _)| wall.dot(n) > 0.9).map_or(0.0, |(_, l)| *l);
     let source: Field = stage.field(|_, n| 2.0 * std::f32::consts::PI * radiance(n));
     let points = [(Vec3::new(0.3, 0.2, 0.0), Vec3::Z); AT_ONCE];
-    let of = |sampler| {
-        let at = |n| stage.points(&points, Plan { sampler, indirect_samples: n, ..Plan::default() });
-        errors(at, Source::Field(&source), 1.545682021)
-    };
-    let [(random, _), .., (sobol, _)] = SamplerKind::ALL.map(|sampler| {
-        let (errors, slope) = of(sampler);
-        assert_slope(sampler, errors, slope, "gather");
-        (errors, slope)
-    });
-    assert!(sobol[2] * 4.0 <= random[2], "at 256 rays Sobol is four times better: {sobol:?} {random:?}");
+    for solver in Solver::ALL {
+        let of = |sampler| {
+            let plan = |n| Plan { sampler, indirect_samples: n, ..Plan::default() };
+            let (errors, slope) =
+                errors(|n| stage.points(solver, &points, plan(n)), Source::Field(&source), 1.545682021);
+            assert_slope(sampler, errors, slope, &format!("gather, {solver}"));
+            errors
+        };
+        let [random, .., sobol] = SamplerKind::ALL.map(of);
+        let better = sobol[2] * 4.0 <= random[2];
+        assert!(better, "{solver}: at 256 rays Sobol is four times better: {sobol:?} {random:?}");
+    }
 }
 
 #[test]
@@ -69,7 +71,9 @@ fn direct_light_in_a_penumbra_converges_faster_than_random() {
     let points = [(Vec3::ZERO, Vec3::Z); AT_ONCE];
     for light_sampling in [LightSampling::Area, LightSampling::Analytic] {
         let at = |sampler, n| {
-            stage.points(&points, Plan { sampler, light_sampling, direct_samples: n, ..Plan::default() })
+            // Shadow rays are the same for every solver.
+            let plan = Plan { sampler, light_sampling, direct_samples: n, ..Plan::default() };
+            stage.points(Solver::Stored, &points, plan)
         };
         let best = at(SamplerKind::Sobol, 1 << 15);
         let values = measure(&*best, Source::Emitters(None), 99).field;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use lumel_scene::{Light, Radiance, RectLight};
 use lumel_testkit::scene::{backdrop, bulb, ceiling_light, grey, lights_only, scene};
-use lumel_testkit::{Estimate, Estimator, ROUNDING, Stage, form_factor, measure, mesh, replicates};
+use lumel_testkit::{AtPoints, Estimate, ROUNDING, Solver, Stage, form_factor, measure, mesh, replicates};
 use lumel_transport::{EmitterSampling, LightSampling, Plan, Source};
 use std::f64::consts::PI;
 
@@ -15,15 +15,16 @@ const ORIGIN_SHIFT: f64 = 1e-4;
 #[track_caller]
 fn assert_form_factor(light: RectLight, normal: Vec3, factor: f64, what: &str) {
     let stage = Stage::new(lights_only(vec![Light::Rect(light)]));
-    for estimator in Estimator::all() {
-        let transport = stage.points(&[(Vec3::ZERO, normal)], estimator.plan(16, 1));
+    for combination in AtPoints::all() {
+        let AtPoints { solver, estimator } = combination;
+        let transport = stage.points(solver, &[(Vec3::ZERO, normal)], estimator.plan(16, 1));
         let fields = replicates(&*transport, Source::Emitters(None), 64);
         let estimate = Estimate::of_node(&fields, 0);
-        estimate.assert_near(PI * factor, ORIGIN_SHIFT * PI * factor, format!("{what}, {estimator}"));
+        estimate.assert_near(PI * factor, ORIGIN_SHIFT * PI * factor, format!("{what}, {combination}"));
         if estimator.light == LightSampling::Analytic {
             assert_eq!(
                 estimate.error, 0.0,
-                "{what}, {estimator}: nothing is in the way, so there is no noise"
+                "{what}, {combination}: nothing is in the way, so there is no noise"
             );
         }
     }
@@ -101,11 +102,12 @@ fn assert_glow(mesh: lumel_scene::ObjectMesh, points: &[(Vec3, Vec3)], truth: &[
     let materials = vec![grey(0.0, 0.0), grey(0.0, 1.0)];
     let stage = Stage::new(scene(vec![backdrop(), mesh], materials, Vec::new()));
     for emitters in [EmitterSampling::Lights, EmitterSampling::Rays] {
-        for estimator in Estimator::all() {
-            let plan = Plan { emitters, ..estimator.plan(64, 64) };
-            let fields = replicates(&*stage.points(points, plan), Source::Emitters(None), 64);
+        for combination in AtPoints::all() {
+            let plan = Plan { emitters, ..combination.estimator.plan(64, 64) };
+            let transport = stage.points(combination.solver, points, plan);
+            let fields = replicates(&*transport, Source::Emitters(None), 64);
             for (point, &truth) in truth.iter().enumerate() {
-                let label = format!("{what}, point {point}, {emitters:?}, {estimator}");
+                let label = format!("{what}, point {point}, {emitters:?}, {combination}");
                 Estimate::of_node(&fields, point).assert_near(truth, ORIGIN_SHIFT * truth, label);
             }
         }
@@ -156,9 +158,11 @@ fn point_lights_follow_the_inverse_square_and_the_cosine() {
         (3.0, 31.260983),
     ];
     for (x, lux) in known {
-        let transport = stage.points(&[(Vec3::X * x, Vec3::Z)], Plan::default());
-        let e = f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x);
-        assert!((e / lux - 1.0).abs() < ORIGIN_SHIFT, "x = {x}: {e}");
+        for solver in Solver::ALL {
+            let transport = stage.points(solver, &[(Vec3::X * x, Vec3::Z)], Plan::default());
+            let e = f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x);
+            assert!((e / lux - 1.0).abs() < ORIGIN_SHIFT, "x = {x}, {solver}: {e}");
+        }
     }
 }
 
@@ -172,11 +176,12 @@ fn an_area_source_lights_floor_and_wall_as_the_polygon_formula_says() {
     let on_floor = floor.map(|(x, lux)| ((Vec3::X * x, Vec3::Z), lux));
     let on_wall = wall.map(|(z, lux)| ((Vec3::new(2.0, 0.0, z), -Vec3::X), lux));
     for (point, lux) in on_floor.into_iter().chain(on_wall) {
-        for estimator in Estimator::all() {
-            let fields =
-                replicates(&*stage.points(&[point], estimator.plan(16, 1)), Source::Emitters(None), 64);
+        for combination in AtPoints::all() {
+            let plan = combination.estimator.plan(16, 1);
+            let transport = stage.points(combination.solver, &[point], plan);
+            let fields = replicates(&*transport, Source::Emitters(None), 64);
             // Half a metre below the light the wall's origin is pushed by up to 3.1e-5 of its coordinate.
-            let label = format!("{point:?}, {estimator}");
+            let label = format!("{point:?}, {combination}");
             Estimate::of_node(&fields, 0).assert_near(lux, 2.0 * ORIGIN_SHIFT * lux, label);
         }
     }
@@ -188,9 +193,10 @@ fn sky_of_radiance_one_lights_an_open_element_with_pi() {
     builder.objects[0].positions.iter_mut().for_each(|p| *p *= 1e-3);
     builder.sky = Radiance::splat(1.0);
     let stage = Stage::new(builder);
-    for estimator in Estimator::all() {
-        let transport = stage.points(&[(Vec3::Z, Vec3::new(0.2, 0.3, 1.0))], estimator.plan(1, 1));
+    for combination in AtPoints::all() {
+        let point = (Vec3::Z, Vec3::new(0.2, 0.3, 1.0));
+        let transport = stage.points(combination.solver, &[point], combination.estimator.plan(1, 1));
         let e = f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x);
-        assert!((e / PI - 1.0).abs() < ROUNDING, "{estimator}: {e}");
+        assert!((e / PI - 1.0).abs() < ROUNDING, "{combination}: {e}");
     }
 }

@@ -5,7 +5,7 @@ use lumel_sample::SamplerKind;
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{backdrop, cube, grey, scene};
 use lumel_testkit::{
-    Estimate, Estimator, Method, ROUNDING, Stage, Storage, assert_nodes_near, form_factor, measure,
+    AtPoints, Estimate, Method, ROUNDING, Solver, Stage, Storage, assert_nodes_near, form_factor, measure,
     ratio_bias, replicates,
 };
 use lumel_transport::{EmitterSampling, Plan, Source};
@@ -29,6 +29,11 @@ fn wall(normal: Vec3) -> Option<usize> {
     [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, -Vec3::Z].iter().position(|n| n.dot(normal) > 0.9)
 }
 
+/// Every solver with every sampler: what matters for the gather at a point.
+pub(crate) fn gathers() -> impl Iterator<Item = (Solver, SamplerKind)> {
+    Solver::ALL.into_iter().flat_map(|solver| SamplerKind::ALL.map(|sampler| (solver, sampler)))
+}
+
 fn plan(sampler: SamplerKind, samples: u32) -> Plan {
     Plan { sampler, indirect_samples: samples, direct_samples: samples, ..Plan::default() }
 }
@@ -40,9 +45,10 @@ fn each_wall_of_a_cube_is_seen_by_its_form_factor() {
     for (n, factor) in FACTORS.into_iter().enumerate() {
         // Irradiance 2 on one wall of albedo 0.5: its radiosity is one.
         let source = stage.field(|_, normal| if wall(normal) == Some(n) { 2.0 } else { 0.0 });
-        for sampler in SamplerKind::ALL {
-            let fields = replicates(&*stage.points(&[POINT], plan(sampler, 64)), Source::Field(&source), 64);
-            let label = format!("wall {n}, {sampler}");
+        for (solver, sampler) in gathers() {
+            let transport = stage.points(solver, &[POINT], plan(sampler, 64));
+            let fields = replicates(&*transport, Source::Field(&source), 64);
+            let label = format!("wall {n}, {solver}, {sampler}");
             Estimate::of_node(&fields, 0).assert_near(factor, ORIGIN_SHIFT * factor, label);
         }
     }
@@ -55,9 +61,11 @@ fn reflected_light_of_a_cube_with_constant_walls_is_the_sum_over_its_walls() {
     let stage = Stage::new(cube(2, albedos.map(|albedo| grey(albedo, 0.0))));
     let albedo_of = [0.2f32, 0.4, 0.5, 0.7, 0.9];
     let source = stage.field(|_, n| wall(n).map_or(0.0, |w| (RADIANCES[w] * PI) as f32 / albedo_of[w]));
-    for sampler in SamplerKind::ALL {
-        let fields = replicates(&*stage.points(&[POINT], plan(sampler, 64)), Source::Field(&source), 64);
-        Estimate::of_node(&fields, 0).assert_near(IRRADIANCE, ORIGIN_SHIFT * IRRADIANCE, sampler);
+    for (solver, sampler) in gathers() {
+        let transport = stage.points(solver, &[POINT], plan(sampler, 64));
+        let fields = replicates(&*transport, Source::Field(&source), 64);
+        let label = format!("{solver}, {sampler}");
+        Estimate::of_node(&fields, 0).assert_near(IRRADIANCE, ORIGIN_SHIFT * IRRADIANCE, label);
     }
 }
 
@@ -66,10 +74,11 @@ fn glowing_walls_light_the_same_by_rays_and_as_lights() {
     let glow = |w: usize| grey(0.0, (RADIANCES[w] * PI) as f32);
     let stage = Stage::new(cube(1, [glow(0), glow(1), glow(2), glow(3), grey(0.0, 0.0), glow(4)]));
     for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
-        for estimator in Estimator::all() {
-            let plan = Plan { emitters, ..estimator.plan(64, 64) };
-            let fields = replicates(&*stage.points(&[POINT], plan), Source::Emitters(None), 64);
-            let label = format!("{emitters:?}, {estimator}");
+        for combination in AtPoints::all() {
+            let plan = Plan { emitters, ..combination.estimator.plan(64, 64) };
+            let transport = stage.points(combination.solver, &[POINT], plan);
+            let fields = replicates(&*transport, Source::Emitters(None), 64);
+            let label = format!("{emitters:?}, {combination}");
             Estimate::of_node(&fields, 0).assert_near(IRRADIANCE, ORIGIN_SHIFT * IRRADIANCE, label);
         }
     }
@@ -92,7 +101,9 @@ fn every_node_of_a_cube_gathers_the_opposite_wall_by_its_form_factor() {
             assert_nodes_near(&fields, &expected, bound, format!("{method}, {sampler}"));
             let on_ceiling =
                 stage.nodes().into_iter().zip(fields[0].values()).filter(|((_, n), _)| n.z < -0.9);
-            on_ceiling.for_each(|(_, e)| assert_eq!(*e, Vec3::ZERO, "a wall does not see itself"));
+            on_ceiling.for_each(|(_, e)| {
+                assert_eq!(*e, Vec3::ZERO, "{method}, {sampler}: a wall does not see itself")
+            });
         }
     }
 }
@@ -109,12 +120,13 @@ fn assert_reflected(
     objects.extend(screens);
     let stage = Stage::new(scene(objects, vec![grey(0.5, 0.0), grey(0.0, 0.0)], vec![]));
     let source = stage.field(|_, _| 2.0);
-    for sampler in SamplerKind::ALL {
-        let fields = replicates(&*stage.points(&[point], plan(sampler, 256)), Source::Field(&source), 64);
+    for (solver, sampler) in gathers() {
+        let transport = stage.points(solver, &[point], plan(sampler, 256));
+        let fields = replicates(&*transport, Source::Field(&source), 64);
         Estimate::of_node(&fields, 0).assert_near(
             truth,
             ORIGIN_SHIFT * truth,
-            format!("{point:?}, {sampler}"),
+            format!("{point:?}, {solver}, {sampler}"),
         );
     }
 }
@@ -183,13 +195,13 @@ fn the_back_of_a_one_sided_wall_is_black_and_both_sides_of_a_two_sided_one_shine
     {
         let stage = Stage::new(scene(vec![backdrop(), wall.clone()], vec![grey(0.0, 0.0), material], vec![]));
         let source = stage.field(|_, _| 2.0);
-        let fields = replicates(
-            &*stage.points(&[above, below], plan(SamplerKind::Sobol, 256)),
-            Source::Field(&source),
-            32,
-        );
-        for (side, truth) in shining.into_iter().enumerate() {
-            Estimate::of_node(&fields, side).assert_near(truth, ORIGIN_SHIFT * truth, format!("side {side}"));
+        for solver in Solver::ALL {
+            let transport = stage.points(solver, &[above, below], plan(SamplerKind::Sobol, 256));
+            let fields = replicates(&*transport, Source::Field(&source), 32);
+            for (side, truth) in shining.into_iter().enumerate() {
+                let label = format!("side {side}, {solver}");
+                Estimate::of_node(&fields, side).assert_near(truth, ORIGIN_SHIFT * truth, label);
+            }
         }
     }
 }

@@ -8,8 +8,8 @@ use lumel_scene::{
 use lumel_testkit::mesh::quad;
 use lumel_testkit::scene::{ceiling_light, grey, lights_only, scene};
 use lumel_testkit::{
-    Combination, Estimate, Estimator, Method, ROUNDING, Stage, Storage, assert_nodes_near, form_factor,
-    measure, ratio_bias, replicates,
+    AtPoints, Combination, Estimate, Method, ROUNDING, Solver, Stage, Storage, assert_nodes_near,
+    form_factor, measure, ratio_bias, replicates,
 };
 use lumel_transport::{EmitterSampling, Plan, Source};
 use std::f64::consts::PI;
@@ -17,8 +17,12 @@ use std::f64::consts::PI;
 /// Irradiance at a point for lights that need no random numbers.
 fn lit(light: Light, point: Vec3, normal: Vec3) -> f64 {
     let stage = Stage::new(lights_only(vec![light]));
-    let transport = stage.points(&[(point, normal)], Plan::default());
-    f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x)
+    let [stored, traced] = Solver::ALL.map(|solver| {
+        let transport = stage.points(solver, &[(point, normal)], Plan::default());
+        f64::from(measure(&*transport, Source::Emitters(None), 0).field.values()[0].x)
+    });
+    assert_eq!(stored, traced, "every solver traces shadow rays, {light:?}");
+    stored
 }
 
 /// `[0, 1]²` in the xy plane, facing up.
@@ -196,11 +200,16 @@ fn a_textured_light_equals_the_sum_of_its_constant_pieces() {
         [(Vec3::ZERO, Vec3::Z), (Vec3::new(1.0, 0.5, 0.0), Vec3::Z), (Vec3::new(0.0, 1.0, 0.1), Vec3::X)];
     let lights = vec![Light::Rect(rect)];
     let stage = Stage::new(SceneBuilder { textures: vec![picture()], ..lights_only(lights) });
-    for estimator in Estimator::all() {
-        let fields = replicates(&*stage.points(&points, estimator.plan(256, 1)), Source::Emitters(None), 64);
+    for combination in AtPoints::all() {
+        let transport = stage.points(combination.solver, &points, combination.estimator.plan(256, 1));
+        let fields = replicates(&*transport, Source::Emitters(None), 64);
         for (i, (point, normal)) in points.into_iter().enumerate() {
             let truth = picture_truth(&rect, &picture(), point.as_dvec3(), normal.as_dvec3());
-            Estimate::of_node(&fields, i).assert_near(truth, 1e-3 * truth, format!("point {i}, {estimator}"));
+            Estimate::of_node(&fields, i).assert_near(
+                truth,
+                1e-3 * truth,
+                format!("point {i}, {combination}"),
+            );
         }
     }
 }
@@ -216,13 +225,14 @@ fn a_textured_mesh_light_equals_the_textured_rectangle() {
     let point = (Vec3::new(0.2, 0.1, 0.0), Vec3::Z);
     let truth = picture_truth(&rect, &picture(), point.0.as_dvec3(), DVec3::Z);
     for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
-        for estimator in Estimator::all() {
-            let plan = Plan { emitters, ..estimator.plan(256, 256) };
-            let fields = replicates(&*stage.points(&[point], plan), Source::Emitters(None), 64);
+        for combination in AtPoints::all() {
+            let plan = Plan { emitters, ..combination.estimator.plan(256, 256) };
+            let transport = stage.points(combination.solver, &[point], plan);
+            let fields = replicates(&*transport, Source::Emitters(None), 64);
             Estimate::of_node(&fields, 0).assert_near(
                 truth,
                 1e-3 * truth,
-                format!("{emitters:?}, {estimator}"),
+                format!("{emitters:?}, {combination}"),
             );
         }
     }
@@ -248,9 +258,11 @@ fn textured_triangles_are_chosen_without_bias_though_a_texel_hides_between_their
     let stage = Stage::new(SceneBuilder { textures: vec![picture.clone()], ..builder });
     let point = (Vec3::new(0.2, 0.1, 0.0), Vec3::Z);
     let truth = truth_in_pieces(&rect, &picture, point.0.as_dvec3(), DVec3::Z, 16 * SIDE as u32);
-    for estimator in Estimator::all() {
-        let plan = Plan { emitters: EmitterSampling::Lights, ..estimator.plan(4096, 1) };
-        let fields = replicates(&*stage.points(&[point], plan), Source::Emitters(None), 64);
-        Estimate::of_node(&fields, 0).assert_near(truth, 1e-3 * truth, estimator.to_string());
+    // Lights are sampled alone, the same with every solver.
+    for combination in AtPoints::all().filter(|c| c.solver == Solver::Stored) {
+        let plan = Plan { emitters: EmitterSampling::Lights, ..combination.estimator.plan(4096, 1) };
+        let transport = stage.points(combination.solver, &[point], plan);
+        let fields = replicates(&*transport, Source::Emitters(None), 64);
+        Estimate::of_node(&fields, 0).assert_near(truth, 1e-3 * truth, combination);
     }
 }

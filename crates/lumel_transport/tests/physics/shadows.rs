@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use lumel_scene::{Light, SceneBuilder};
 use lumel_testkit::scene::{ceiling_light, grey, scene};
 use lumel_testkit::{
-    Combination, Estimate, Estimator, Stage, Storage, form_factor, measure, mesh, ratio_bias, replicates,
+    AtPoints, Combination, Estimate, Stage, Storage, form_factor, measure, mesh, ratio_bias, replicates,
 };
 use lumel_transport::{LightSampling, Source};
 use std::f64::consts::PI;
@@ -50,13 +50,14 @@ fn penumbra_is_light_minus_the_projected_screen() {
     for (x, e) in known {
         // The table has nine digits.
         assert!((truth(DVec3::X * x) - e).abs() < 1e-9, "{x}: {}", truth(DVec3::X * x));
-        for estimator in Estimator::all() {
+        for combination in AtPoints::all() {
             let point = (Vec3::X * x as f32, Vec3::Z);
-            let fields =
-                replicates(&*stage.points(&[point], estimator.plan(64, 1)), Source::Emitters(None), 64);
+            let plan = combination.estimator.plan(64, 1);
+            let transport = stage.points(combination.solver, &[point], plan);
+            let fields = replicates(&*transport, Source::Emitters(None), 64);
             // Origins are pushed up by 1.5e-5: the shadow moves by as much, the light comes closer by less.
             let shift = 5e-5 * e;
-            Estimate::of_node(&fields, 0).assert_near(e, shift, format!("x = {x}, {estimator}"));
+            Estimate::of_node(&fields, 0).assert_near(e, shift, format!("x = {x}, {combination}"));
         }
     }
 }
@@ -64,21 +65,22 @@ fn penumbra_is_light_minus_the_projected_screen() {
 #[test]
 fn umbra_is_black_and_full_light_has_no_noise_with_analytic_lights() {
     let stage = Stage::new(screened(None));
-    for estimator in Estimator::all().filter(|e| e.light == LightSampling::Analytic) {
+    for combination in AtPoints::all().filter(|c| c.estimator.light == LightSampling::Analytic) {
         let at = |x: f32| {
-            let transport = stage.points(&[(Vec3::X * x, Vec3::Z)], estimator.plan(16, 1));
+            let plan = combination.estimator.plan(16, 1);
+            let transport = stage.points(combination.solver, &[(Vec3::X * x, Vec3::Z)], plan);
             let fields = replicates(&*transport, Source::Emitters(None), 16);
             Estimate::of_node(&fields, 0)
         };
         for x in [0.6, 1.0, 1.4] {
             let dark = at(x);
-            assert_eq!((dark.mean, dark.error), (0.0, 0.0), "{estimator}, x = {x}");
+            assert_eq!((dark.mean, dark.error), (0.0, 0.0), "{combination}, x = {x}");
         }
         for x in [-0.75f32, -0.6, 2.6] {
             let lit = at(x);
-            assert_eq!(lit.error, 0.0, "{estimator}, x = {x}");
+            assert_eq!(lit.error, 0.0, "{combination}, x = {x}");
             let e = truth(DVec3::X * f64::from(x));
-            assert!((lit.mean / e - 1.0).abs() < 5e-5, "{estimator}, x = {x}: {} {e}", lit.mean);
+            assert!((lit.mean / e - 1.0).abs() < 5e-5, "{combination}, x = {x}: {} {e}", lit.mean);
         }
     }
 }
