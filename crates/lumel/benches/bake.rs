@@ -8,8 +8,10 @@ use lumel::{
     Baker, BounceLimit, Bvh, Control, Light, Observer, RayTracer, Scene, Settings, Silent, SolveState, Step,
 };
 use lumel_accel::{Bundle, SHADOW_END};
-use lumel_basis::{ElementId, Receivers, Site, VertexBasis, VertexReceivers};
+use lumel_basis::{ElementId, Field, Receivers, Site, VertexBasis, VertexReceivers};
 use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
+use lumel_testkit::Reference;
+use lumel_transport::{CpuTransport, Plan};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -20,6 +22,9 @@ usage: cargo x bench [--quick] [--json FILE]
 Traces hemisphere gathers (256 rays from one origin) and shadow rays (64 to one light) on one core, and bakes the
 Cornell box (4 bounces) and the atrium (2 bounces) with 64, 256 and 1024 hemisphere rays on all cores. The error is
 the noise of one bake, relative to the root mean square of the light: the difference of two seeds over the root of 2.
+The error over surfaces is that of the interpolated light of one bake at random points of all surfaces, against a
+measurement of many samples there: its root mean square and the difference that 95 % of the points stay below, relative
+to the root mean square of the light, and the relative difference of the means, with standard errors.
 Then a light is moved, and all is solved again on the rays that are stored.
 
   --quick       64 rays only
@@ -28,6 +33,12 @@ Then a light is moved, and all is solved again on the rays that are stored.
 
 /// Receivers that rays are traced from.
 const RECEIVERS: usize = 512;
+/// Random points of all surfaces at which light is compared with a reference.
+const SURFACE_POINTS: u32 = 4000;
+/// Hemisphere rays per vertex of the solve that the reference gathers, and per point and pass of the reference.
+const REFERENCE_RAYS: u32 = 1024;
+/// Independent measurements of the reference.
+const REFERENCE_PASSES: u32 = 4;
 /// Each timing is the median of this many.
 const REPEATS: usize = 5;
 
@@ -63,14 +74,19 @@ fn measure(name: &str, bounces: u32, samples: &[u32]) -> Value {
     println!("  build                {:>8.1} ms   {:.1} MB", build_seconds * 1e3, bvh.memory() as f64 / 1e6);
     println!("  hemisphere gather    {gather:>8.2} Mrays/s per core");
     println!("  shadow rays          {shadow:>8.2} Mrays/s per core");
-    println!("  bounces   rays per vertex    solve s   Mrays/s   error %   error² · s");
     let tracer: Arc<dyn RayTracer> = Arc::new(bvh);
-    let solves: Vec<Value> = samples.iter().map(|&n| solve_row(&scene, &tracer, bounces, n)).collect();
+    let reference = reference(&scene, &tracer, bounces);
+    println!("  reference: {} points, noise {:.3} %", reference.points().len(), reference.noise() * 100.0);
+    println!(
+        "  bounces   rays per vertex    solve s   Mrays/s   error %   error² · s   over surfaces %          bias %          95 % below"
+    );
+    let solves: Vec<Value> =
+        samples.iter().map(|&n| solve_row(&scene, &tracer, bounces, n, &reference)).collect();
     let relight = relight_row(&scene, &tracer);
     json!({
         "scene": name, "vertices": scene.vertex_count(), "triangles": scene.triangle_count(),
         "build_seconds": build_seconds, "gather_mrays_per_core": gather, "shadow_mrays_per_core": shadow,
-        "solves": solves, "relight": relight,
+        "reference_noise": reference.noise(), "solves": solves, "relight": relight,
     })
 }
 
@@ -188,7 +204,49 @@ fn relight_row(scene: &Arc<Scene>, tracer: &Arc<dyn RayTracer>) -> Value {
     json!({"n_bounces": runs[0].2, "bounces_seconds": bounces, "seconds": all})
 }
 
-fn solve_row(scene: &Arc<Scene>, tracer: &Arc<dyn RayTracer>, bounces: u32, samples: u32) -> Value {
+fn baked(scene: &Arc<Scene>, tracer: &Arc<dyn RayTracer>, settings: Settings) -> Baked {
+    let baker = Baker::with_tracer(Arc::clone(scene), Arc::clone(tracer), settings);
+    let (mut state, control) = (SolveState::new(), Control::default());
+    let ((), seconds) = timed(|| baker.run(&mut state, &control, &Silent).unwrap());
+    Baked { baker, state, seconds, rays: control.rays() }
+}
+
+/// A bake with what it took.
+struct Baked {
+    baker: Baker,
+    state: SolveState,
+    seconds: f64,
+    rays: u64,
+}
+
+/// Light at random points of all surfaces: direct light, and a gather of all but the last bounce of a long solve.
+///
+/// The gathered bounces are interpolated on the same mesh, whose error there is in the reference as well, smoothed.
+fn reference<'a>(scene: &'a Arc<Scene>, tracer: &Arc<dyn RayTracer>, bounces: u32) -> Reference<'a> {
+    let settings = Settings {
+        bounces: BounceLimit::Count(bounces - 1),
+        direct_samples: 256,
+        indirect_samples: REFERENCE_RAYS,
+        seed: 100,
+        ..Settings::default()
+    };
+    let plan = Plan { seed: 200, ..settings.plan() };
+    let Baked { baker, state, .. } = baked(scene, tracer, settings);
+    let towards = |receivers| -> Box<dyn lumel_transport::Transport> {
+        let (scene, basis) = (Arc::clone(scene), Arc::clone(baker.basis()));
+        Box::new(CpuTransport::new(scene, Arc::clone(tracer), basis, Arc::new(receivers), plan))
+    };
+    let field: Field = state.total();
+    Reference::measured(scene, SURFACE_POINTS, 1, towards, Some(&field), REFERENCE_PASSES)
+}
+
+fn solve_row(
+    scene: &Arc<Scene>,
+    tracer: &Arc<dyn RayTracer>,
+    bounces: u32,
+    samples: u32,
+    reference: &Reference<'_>,
+) -> Value {
     let bake = |seed| {
         let settings = Settings {
             bounces: BounceLimit::Count(bounces),
@@ -196,14 +254,12 @@ fn solve_row(scene: &Arc<Scene>, tracer: &Arc<dyn RayTracer>, bounces: u32, samp
             seed,
             ..Settings::default()
         };
-        let baker = Baker::with_tracer(Arc::clone(scene), Arc::clone(tracer), settings);
-        let (mut state, control) = (SolveState::new(), Control::default());
-        let ((), seconds) = timed(|| baker.run(&mut state, &control, &Silent).unwrap());
-        (baker.solution(&state), seconds, control.rays())
+        baked(scene, tracer, settings)
     };
-    let (a, seconds_a, rays) = bake(1);
-    let (b, seconds_b, _) = bake(2);
-    let seconds = 0.5 * (seconds_a + seconds_b);
+    let (first, second) = (bake(1), bake(2));
+    let over_surfaces = reference.error_of_field(&**first.baker.basis(), &first.state.total());
+    let [a, b] = [&first, &second].map(|baked| baked.baker.solution(&baked.state));
+    let (seconds, rays) = (0.5 * (first.seconds + second.seconds), first.rays);
     let squared = |values: &mut dyn Iterator<Item = DVec3>| values.map(|v| v.length_squared()).sum::<f64>();
     let valid = || a.valid.iter().zip(&b.valid).map(|(a, b)| *a && *b);
     let pairs = || {
@@ -214,9 +270,19 @@ fn solve_row(scene: &Arc<Scene>, tracer: &Arc<dyn RayTracer>, bounces: u32, samp
     let error = (noise / power).sqrt();
     let mrays = rays as f64 / seconds / 1e6;
     println!(
-        "  {bounces:>7}   {samples:>15}   {seconds:>8.2}   {mrays:>7.2}   {:>7.3}   {:>10.3e}",
+        "  {bounces:>7}   {samples:>15}   {seconds:>8.2}   {mrays:>7.2}   {:>7.3}   {:>10.3e}   {:>6.2} ± {:<6.2}   {:>6.2} ± {:<6.2}   {:>7.2}",
         error * 100.0,
-        error * error * seconds
+        error * error * seconds,
+        over_surfaces.rms * 100.0,
+        over_surfaces.rms_error * 100.0,
+        over_surfaces.bias * 100.0,
+        over_surfaces.bias_error * 100.0,
+        over_surfaces.percentile_95 * 100.0,
     );
-    json!({"bounces": bounces, "samples": samples, "seconds": seconds, "mrays_per_second": mrays, "relative_error": error})
+    json!({
+        "bounces": bounces, "samples": samples, "seconds": seconds, "mrays_per_second": mrays,
+        "relative_error": error, "surface_error": over_surfaces.rms, "surface_error_error": over_surfaces.rms_error,
+        "surface_bias": over_surfaces.bias, "surface_bias_error": over_surfaces.bias_error,
+        "surface_percentile_95": over_surfaces.percentile_95,
+    })
 }

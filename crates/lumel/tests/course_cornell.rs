@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
 use glam::{DVec3, Vec3};
-use lumel::{Baker, BounceLimit, Control, Light, RectLight, Scene, Settings, Silent, SolveState};
+use lumel::{Baker, BounceLimit, Control, Light, Method, RectLight, Scene, Settings, Silent, SolveState};
 use lumel_export::RadFile;
 use lumel_scene::Radiance;
 use lumel_testkit::shared;
@@ -59,6 +59,7 @@ fn two_bounces_agree_with_the_solution_of_the_course() {
         ..Settings::default()
     };
     let baker = Baker::new(Arc::clone(&scene), settings);
+    assert!(matches!(baker.method(), Method::Cached { .. }), "the default: {}", baker.method());
     let mut state = SolveState::new();
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
     // Vertices under the boxes see nothing and are dark in the course's solution; ours have the light of their

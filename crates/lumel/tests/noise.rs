@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
 use glam::{DVec3, Vec3};
-use lumel::{Baker, BounceLimit, Control, Settings, Silent, SolveState};
+use lumel::{Baker, BounceLimit, Control, Method, Settings, Silent, SolveState};
 use std::sync::Arc;
 
 const SEEDS: u64 = 4;
@@ -22,6 +22,7 @@ fn bakes(baker_of: &dyn Fn(Settings) -> Baker, indirect_samples: u32) -> Vec<Vec
             ..Settings::default()
         };
         let baker = baker_of(settings);
+        assert!(matches!(baker.method(), Method::Cached { .. }), "the default: {}", baker.method());
         let mut state = SolveState::new();
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
         let solution = baker.solution(&state);
