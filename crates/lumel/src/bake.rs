@@ -1,7 +1,9 @@
 //! Baking in a few lines.
 
 use crate::file_format::FileFormat;
-use crate::settings::{BounceLimit, Preset, Settings, SettingsError, SettingsPatch, Share, TargetError};
+use crate::settings::{
+    BounceLimit, Layers, Preset, Settings, SettingsError, SettingsPatch, Share, TargetError,
+};
 use crate::{Baker, PointMeasurement, measure_points};
 use glam::Vec3;
 use lumel_basis::PointReceivers;
@@ -111,6 +113,11 @@ impl Bake {
     pub fn target_error(self, error: Share) -> Self {
         let target_error = Some(TargetError::At(error));
         self.settings(SettingsPatch { target_error, ..SettingsPatch::default() })
+    }
+
+    /// Also finds the light of each light by itself: see [`Solution::layers`] and [`Baker::mixed`].
+    pub fn layers(self) -> Self {
+        self.settings(SettingsPatch { layers: Some(Layers::Lights), ..SettingsPatch::default() })
     }
 
     /// Calls this when a step begins and for every hundredth of it, from the threads that solve.

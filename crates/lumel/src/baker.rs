@@ -1,17 +1,18 @@
 //! From a scene and settings to a solution.
 
 use crate::assembly::{Assembly, Rest};
+use crate::layers;
 use crate::method::Method;
-use crate::settings::{BasisKind, Settings, Tail};
+use crate::settings::{BasisKind, Layers, Settings, Tail};
 use crate::surfaces::Surfaces;
 use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
 use lumel_basis::{Basis, Field, Receivers, VertexBasis, reflecting_areas};
-use lumel_export::{Solution, SolutionMeta};
+use lumel_export::{Solution, SolutionLayer, SolutionMeta};
 use lumel_scene::Scene;
 use lumel_solve::{
-    Gather, Integrals, Observer, Operator, Problem, SolveError, SolveState, final_gather, solve,
-    solve_to_error,
+    Gather, Integrals, Observer, Operator, Problem, SolveError, SolveState, final_gather, mix, solve,
+    solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Transport};
 use std::sync::Arc;
@@ -169,12 +170,36 @@ impl Baker {
         if self.settings.tail == Tail::Geometric {
             state.tail = self.integrals.tail(&state.bounces);
         }
-        if let Rest::Gather(finisher) = &self.assembly.rest
+        let finisher = match &self.assembly.rest {
+            Rest::Gather(finisher) => Some(self.operator(&**finisher)),
+            Rest::Nothing | Rest::Replicates(..) => None,
+        };
+        if let Some(finisher) = finisher
             && state.bounces.len() > 1
         {
-            final_gather(self.operator(&**finisher), state, control, observer)?;
+            final_gather(finisher, state, control, observer)?;
+        }
+        if self.settings.layers == Layers::Lights {
+            let masks = layers::masks(&self.scene, &self.settings);
+            solve_layers(operator, finisher, &self.integrals, &masks, state, control, observer)?;
         }
         Ok(())
+    }
+
+    /// The layers of a state at all vertices.
+    fn layers(&self, state: &SolveState) -> Vec<SolutionLayer> {
+        let names = layers::light_layers(&self.scene, &self.settings).into_iter().map(|layer| layer.name);
+        let layer = |(name, field)| SolutionLayer { name, irradiance: self.at_vertices(field) };
+        names.zip(&state.layers).map(layer).collect()
+    }
+
+    /// All light at every vertex of the scene, W·m⁻², with each layer dimmed to a share: no ray is traced.
+    ///
+    /// `share` is told the name of a layer; 1 leaves it as it was solved. `None` if `state` has no layers.
+    pub fn mixed(&self, state: &SolveState, share: impl Fn(&str) -> Vec3) -> Option<Vec<Vec3>> {
+        let names = layers::light_layers(&self.scene, &self.settings);
+        let shares: Vec<Vec3> = names.iter().map(|layer| share(&layer.name)).collect();
+        (!state.layers.is_empty()).then(|| self.at_vertices(&mix(&state.layers, &shares)))
     }
 
     fn operator<'a>(&'a self, transport: &'a dyn Transport) -> Operator<'a> {
@@ -205,6 +230,7 @@ impl Baker {
             tail: state.tail.as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
             standard_error: state.errors.as_ref().map(|errors| at_vertices(&errors.standard_error)),
+            layers: self.layers(state),
         }
     }
 }

@@ -20,6 +20,7 @@ mod baker;
 mod dark;
 mod difference;
 mod file_format;
+mod layers;
 mod light_file;
 mod measure;
 mod method;
@@ -40,12 +41,13 @@ pub use baker::Baker;
 pub use difference::{Difference, Percentiles};
 pub use file_format::{FileFormat, SaveError};
 pub use glam::{self, Vec3};
+pub use layers::{LightLayer, light_layers};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use lumel_accel::{Bvh, RayTracer};
 pub use lumel_basis::{
     Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,
 };
-pub use lumel_export::{Checkpoint, RadFile, Saved, Solution, SolutionSelection};
+pub use lumel_export::{Checkpoint, RadFile, Saved, Solution, SolutionLayer, SolutionSelection};
 pub use lumel_import::PathPolicy;
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
@@ -54,8 +56,8 @@ pub use lumel_scene::{
     TextureId, TextureRef, Warnings,
 };
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
-pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step};
-pub use lumel_transport::{Control, EmitterSampling, LightSampling, TransportError};
+pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
+pub use lumel_transport::{Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError};
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
 pub use open::{OpenError, OpenOptions, Opened, open};
@@ -64,8 +66,8 @@ pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError,
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{
-    BasisKind, BounceLimit, Memory, Preset, Settings, SettingsError, SettingsPatch, Share, SolverKind, Tail,
-    TargetError,
+    BasisKind, BounceLimit, Layers, Memory, Preset, Settings, SettingsError, SettingsPatch, Share,
+    SolverKind, Tail, TargetError,
 };
 pub use workload::Remainder;
 

@@ -17,7 +17,7 @@ pub enum LightFile {
 /// Why light from a file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LightFileError {
-    /// A solution that cannot be read, or that has no such bounce.
+    /// A solution that cannot be read, or that has no such bounce or layer.
     #[error(transparent)]
     Solution(#[from] SolutionError),
     /// A `.rad` file that cannot be read.
@@ -46,7 +46,7 @@ pub enum LightFileError {
         /// How many vertices that has.
         vertices: usize,
     },
-    /// One bounce of a format that has only their sum.
+    /// A part of the light from a format that has only the sum.
     #[error("a .rad file holds the sum of all bounces only: {}", path.display())]
     SumOnly {
         /// The file.
@@ -92,11 +92,11 @@ impl LightFile {
     /// Irradiance at the vertices of a scene that the file must belong to, W·m⁻².
     ///
     /// # Errors
-    /// As [`Self::load_for`], and a bounce that the file does not have.
+    /// As [`Self::load_for`], and a bounce or a layer that the file does not have.
     pub fn irradiance_for(
         path: &Path,
         scene: &Scene,
-        selection: SolutionSelection,
+        selection: &SolutionSelection,
     ) -> Result<Fitting, LightFileError> {
         match Self::load_for(path, scene)? {
             Self::Solution(solution) => Ok(Fitting {
@@ -104,7 +104,7 @@ impl LightFile {
                 same_lighting: solution.has_lighting_of(scene),
                 complete: solution.meta.complete,
             }),
-            Self::Rad(_) if selection != SolutionSelection::Sum => {
+            Self::Rad(_) if *selection != SolutionSelection::Sum => {
                 Err(LightFileError::SumOnly { path: path.to_owned() })
             }
             Self::Rad(rad) => {
@@ -208,7 +208,7 @@ mod tests {
     fn both_formats_give_the_light_of_their_scene() {
         let (scene, folder, solution) = files();
         let [npz, rad] = ["a.npz", "a.rad"].map(|name| folder.path().join(name));
-        let sum = |path| LightFile::irradiance_for(path, &scene, SolutionSelection::Sum).unwrap().irradiance;
+        let sum = |path| LightFile::irradiance_for(path, &scene, &SolutionSelection::Sum).unwrap().irradiance;
         assert_eq!(sum(&npz), solution.irradiance);
         let worst =
             sum(&rad).iter().zip(&solution.irradiance).map(|(a, b)| (*a - *b).length()).fold(0.0, f32::max);
@@ -237,7 +237,7 @@ mod tests {
         let (scene, folder, solution) = files();
         let bounce = |name: &str, k| {
             let path = folder.path().join(name);
-            LightFile::irradiance_for(&path, &scene, SolutionSelection::Bounce(k)).map(|f| f.irradiance)
+            LightFile::irradiance_for(&path, &scene, &SolutionSelection::Bounce(k)).map(|f| f.irradiance)
         };
         assert_eq!(bounce("a.npz", 1).unwrap(), solution.bounces[1]);
         assert!(bounce("a.npz", 2).unwrap_err().to_string().contains("no bounce 2"));

@@ -3,7 +3,7 @@
 use crate::project::{MaterialEntry, Project, ProjectError};
 use crate::settings::SettingsPatch;
 use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy};
-use lumel_scene::{Light, Material, Radiance, SceneBuilder, SceneError, Sides, Warnings};
+use lumel_scene::{Material, Radiance, SceneBuilder, SceneError, Sides, Warnings};
 use std::path::{Path, PathBuf};
 
 /// How to open a scene.
@@ -137,7 +137,7 @@ fn apply(
     warnings: &mut Warnings,
 ) -> Result<(), OpenError> {
     if !project.lights.is_empty() {
-        builder.lights.clear();
+        builder.clear_lights();
     }
     for entry in project.lights.iter().filter(|entry| !entry.off) {
         let mut light = entry.light();
@@ -153,7 +153,7 @@ fn apply(
                 }
             }
         }
-        builder.lights.push(Light::Rect(light));
+        builder.add_named_light(entry.name.clone().unwrap_or_default(), light);
     }
     builder.cameras.splice(0..0, project.cameras.iter().map(|camera| camera.camera()));
     if let Some(sky) = project.sky {
@@ -182,7 +182,7 @@ fn apply(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LightEntry, MaterialEntry};
+    use crate::{Light, LightEntry, MaterialEntry};
     use glam::Vec3;
 
     fn open_with(lights: Vec<LightEntry>) -> Opened {
@@ -216,6 +216,8 @@ mod tests {
         let off = LightEntry { off: true, ..on.clone() };
         assert_eq!(open_with(Vec::new()).builder.lights.len(), 1, "the light of the Cornell box");
         assert_eq!(open_with(vec![off.clone(), on.clone()]).builder.lights, [Light::Rect(on.light())]);
+        let named = LightEntry { name: Some("lamp".into()), ..on.clone() };
+        assert_eq!(open_with(vec![off.clone(), on, named]).builder.light_names, ["", "lamp"]);
         assert!(open_with(vec![off]).builder.lights.is_empty(), "nor does that of the mesh come back");
     }
 }

@@ -14,26 +14,36 @@ const RIGHT_ANGLE_COS: f32 = 1e-3;
 #[error("{0}")]
 pub struct SpecError(String);
 
-/// A rectangle light: `rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b`, in any order after the shape.
+/// A light as a text describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightSpec {
+    /// What it is called, if the text says that.
+    pub name: Option<String>,
+    /// The light.
+    pub light: RectLight,
+}
+
+/// A rectangle light: `rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b name=text`, in any order after the shape, the
+/// last optional.
 ///
 /// `u` and `v` are half of its edges, metres; light leaves on the `u × v` side. `radiance` is in W·m⁻²·sr⁻¹.
 ///
 /// ```
-/// let light = lumel::spec::light("rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10")?;
-/// assert_eq!(light.area(), 1.0);
+/// let spec = lumel::spec::light("rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10 name=ceiling")?;
+/// assert_eq!((spec.light.area(), spec.name.as_deref()), (1.0, Some("ceiling")));
 /// # Ok::<(), lumel::spec::SpecError>(())
 /// ```
 ///
 /// # Errors
 /// Another shape, an unknown, missing or repeated key, a value of the wrong kind, and half-edges that are not
 /// perpendicular.
-pub fn light(text: &str) -> Result<RectLight, SpecError> {
+pub fn light(text: &str) -> Result<LightSpec, SpecError> {
     let text = text.trim();
     let (shape, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     if shape != "rect" {
         return problem(format!("the first word must be the shape of the light, \"rect\", not \"{shape}\""));
     }
-    let words = Words::parse(rest, &["center", "u", "v", "radiance"])?;
+    let words = Words::parse(rest, &["center", "u", "v", "radiance", "name"])?;
     let light = RectLight {
         center: words.require("center", vector)?,
         u: words.require("u", direction)?,
@@ -43,7 +53,8 @@ pub fn light(text: &str) -> Result<RectLight, SpecError> {
     };
     // Not `a > b`: overflowing lengths give NaN, and such edges are no better.
     let perpendicular = light.u.dot(light.v).abs() <= RIGHT_ANGLE_COS * light.u.length() * light.v.length();
-    if perpendicular { Ok(light) } else { problem("u and v must be perpendicular") }
+    let name = words.optional("name", word)?;
+    if perpendicular { Ok(LightSpec { name, light }) } else { problem("u and v must be perpendicular") }
 }
 
 /// A camera: `position=x,y,z target=x,y,z fov=deg up=x,y,z`, in any order, the last two optional.
@@ -98,6 +109,11 @@ pub fn vector(text: &str) -> Result<Vec3, SpecError> {
 pub fn color(text: &str) -> Result<Vec3, SpecError> {
     let color = vector(text)?;
     if color.min_element() < 0.0 { problem("light cannot be negative") } else { Ok(color) }
+}
+
+/// A word, which is not empty.
+fn word(text: &str) -> Result<String, SpecError> {
+    if text.is_empty() { problem("it is empty") } else { Ok(text.to_owned()) }
 }
 
 /// A vector that has a direction; it need not be a unit vector.
@@ -173,7 +189,9 @@ mod tests {
     #[test]
     fn lights_say_which_key_is_wrong() {
         let good = light(LIGHT).unwrap();
-        assert_eq!((good.center, good.area()), (Vec3::new(0.0, 2.0, 0.0), 1.0));
+        assert_eq!((good.light.center, good.light.area()), (Vec3::new(0.0, 2.0, 0.0), 1.0));
+        let named = light(&format!("{LIGHT} name=left")).unwrap();
+        assert_eq!((good.name, named.name.as_deref()), (None, Some("left")));
         let problem = |text: &str| light(text).unwrap_err().to_string();
         assert!(problem("disk center=0,0,0").contains("\"disk\""));
         assert!(
@@ -182,6 +200,7 @@ mod tests {
         assert!(problem("rect center=0,0,0 u=1,0,0 v=0,0,1").starts_with("radiance is missing"));
         assert!(problem("rect centre=0,0,0").starts_with("there is no key \"centre\""));
         assert!(problem("rect u=1,0,0 u=1,0,0").starts_with("u is given twice"));
+        assert!(problem(&format!("{LIGHT} name=")).starts_with("name: it is empty"));
         assert!(problem("rect center=0, 0,0").contains("without spaces"));
         assert!(problem("rect center=0,0,0 u=1,0,0 v=1,0,1 radiance=1,1,1").starts_with("u and v must"));
         assert!(problem("rect center=0,0,0 u=1,0,0 v=0,0,1 radiance=-1,1,1").starts_with("radiance: light"));

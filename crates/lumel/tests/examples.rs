@@ -50,6 +50,14 @@ fn relight_live_traces_hemisphere_rays_in_the_first_frame_only() {
 }
 
 #[test]
+fn layers_add_up_and_are_dimmed_without_a_solve() {
+    let text = run("layers");
+    let [ceiling, bulb, all, dimmed] = ["ceiling", "bulb", "all", "dimmed"].map(|line| number(&text, line));
+    assert!((ceiling + bulb - all).abs() < 2e-4 && (0.5 * ceiling + bulb - dimmed).abs() < 2e-4, "{text}");
+    assert!(ceiling > 0.1 && bulb > 0.1, "{text}");
+}
+
+#[test]
 fn measure_points_tells_seven_values_with_their_errors() {
     assert_eq!(run("measure_points").lines().filter(|line| line.contains('±')).count(), 7);
 }

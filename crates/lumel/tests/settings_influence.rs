@@ -4,8 +4,8 @@
 
 use lumel::setting::{self, Influence};
 use lumel::{
-    Baker, BasisKind, BounceLimit, Control, EmitterSampling, LightSampling, Memory, SamplerKind, Scene,
-    Settings, Silent, SolveState, SolverKind, Tail,
+    Baker, BasisKind, BounceLimit, Control, EmitterSampling, Layers, LightSampling, Memory, SamplerKind,
+    Scene, Settings, Silent, SolveState, SolverKind, Tail,
 };
 use std::sync::Arc;
 
@@ -20,6 +20,7 @@ fn unusual() -> Settings {
         bounces: BounceLimit::Count(3),
         remainder: 0.25,
         tail: Tail::Geometric,
+        layers: Layers::Lights,
         direct_samples: 5,
         indirect_samples: 16,
         sampler: SamplerKind::Halton,

@@ -73,6 +73,7 @@ pub(crate) fn cornell_box(subdivide: u32) -> SceneBuilder {
         objects,
         materials: MATERIALS.iter().map(|(name, albedo)| Material::diffuse(name, *albedo)).collect(),
         lights: vec![Light::Rect(ceiling_light())],
+        light_names: vec!["ceiling".to_owned()],
         cameras: vec![front_camera()],
         ..SceneBuilder::default()
     }

@@ -3,7 +3,9 @@
 use crate::args::{SceneArgs, SettingsArgs};
 use crate::console::Console;
 use crate::failure::{hinted, with_hint};
+use crate::parse::LightChoice;
 use glam::Vec3;
+use lumel::spec::LightSpec;
 use lumel::{
     EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings, SettingsError,
     SettingsPatch, Warnings,
@@ -28,8 +30,12 @@ pub(crate) struct Loaded {
 /// Opens and builds the scene.
 pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
     let Opened { mut builder, mut warnings, settings: patch, .. } = open(args)?;
-    if !args.lights.is_empty() {
-        builder.lights = args.lights.iter().copied().map(Light::Rect).collect();
+    let new_lights = || args.lights.iter().filter_map(LightChoice::as_new);
+    if new_lights().next().is_some() {
+        builder.clear_lights();
+    }
+    for LightSpec { name, light } in new_lights() {
+        builder.add_named_light(name.clone().unwrap_or_default(), *light);
     }
     if let Some(sky) = args.sky {
         builder.sky = Radiance(sky);

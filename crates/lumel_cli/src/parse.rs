@@ -1,7 +1,7 @@
 //! Values on the command line. Every number is finite.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumel::{Camera, RectLight, spec};
+use lumel::{Camera, spec};
 use lumel_render_cpu::{MAX_PIXELS, Show, ToneMapper};
 use std::ops::RangeInclusive;
 
@@ -59,9 +59,43 @@ pub(crate) fn count(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, 
     }
 }
 
-/// A rectangle light: `rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b`.
-pub(crate) fn light(text: &str) -> Result<RectLight, String> {
-    spec::light(text).map_err(|error| format!("{error}\n  hint: for example --light '{LIGHT_EXAMPLE}'"))
+/// A light: a new one, or a layer of a solution.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum LightChoice {
+    /// A new light.
+    New(spec::LightSpec),
+    /// The light of a layer, by its name.
+    Layer(String),
+}
+
+impl LightChoice {
+    /// The new light.
+    pub(crate) fn as_new(&self) -> Option<&spec::LightSpec> {
+        match self {
+            Self::New(spec) => Some(spec),
+            Self::Layer(_) => None,
+        }
+    }
+
+    /// The name of the layer.
+    pub(crate) fn as_layer(&self) -> Option<&str> {
+        match self {
+            Self::New(_) => None,
+            Self::Layer(name) => Some(name),
+        }
+    }
+}
+
+/// A rectangle light: `rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b name=text`, the last optional.
+pub(crate) fn light(text: &str) -> Result<LightChoice, String> {
+    spec::light(text)
+        .map(LightChoice::New)
+        .map_err(|error| format!("{error}\n  hint: for example --light '{LIGHT_EXAMPLE}'"))
+}
+
+/// A rectangle light, or the name of a layer.
+pub(crate) fn light_or_layer(text: &str) -> Result<LightChoice, String> {
+    if text.contains('=') { light(text) } else { Ok(LightChoice::Layer(text.to_owned())) }
 }
 
 /// A viewpoint: a camera of the scene by name, or an explicit camera.
@@ -114,6 +148,13 @@ mod tests {
     fn bad_lights_are_answered_with_an_example_that_is_right() {
         assert!(light(LIGHT_EXAMPLE).is_ok());
         assert!(light("rect").unwrap_err().contains("--light 'rect center="));
+    }
+
+    #[test]
+    fn a_light_without_an_equals_sign_is_a_layer() {
+        assert_eq!(light_or_layer("light 1"), Ok(LightChoice::Layer("light 1".to_owned())));
+        assert!(light_or_layer(LIGHT_EXAMPLE).unwrap().as_new().is_some());
+        assert!(light_or_layer("rect center=1").is_err());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A solve that can be continued.
 
 use crate::members::{
-    Kind, check_members, read_bounces, read_flags, read_format, read_meta, read_optional, read_rounds,
+    Kind, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_stacked,
 };
 use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
 use glam::Vec3;
@@ -175,7 +175,7 @@ impl Checkpoint {
         let valid = read_flags(npz, "valid")?;
         let checkpoint = Self {
             meta,
-            bounces: read_bounces(npz, valid.len())?,
+            bounces: read_stacked(npz, "bounces", valid.len())?,
             tail: read_optional(npz, "tail")?,
             standard_error: read_optional(npz, "standard_error")?,
             rounds: if npz.has_array("rounds") { read_rounds(npz, valid.len())? } else { Vec::new() },

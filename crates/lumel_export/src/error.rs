@@ -175,6 +175,14 @@ pub enum SolutionError {
         /// How many it has.
         count: usize,
     },
+    /// The solution has no layer of that name.
+    #[error("the solution has no layer \"{wanted}\"; {}", layers_text(names))]
+    NoSuchLayer {
+        /// The layer asked for.
+        wanted: String,
+        /// Those it has.
+        names: Vec<String>,
+    },
     /// The solution was computed for different geometry.
     #[error(
         "{} was computed for scene \"{}\" ({}), not for \"{}\" ({}): \
@@ -225,6 +233,13 @@ impl SceneLabel {
     fn size(&self) -> String {
         let prefix: String = self.geometry_hash.chars().take(8).collect();
         format!("{} vertices, {prefix}..", self.vertices)
+    }
+}
+
+fn layers_text(names: &[String]) -> String {
+    match names {
+        [] => "it has no layers, which a bake with --layers lights makes".to_owned(),
+        names => format!("its layers are {}", names.join(", ")),
     }
 }
 

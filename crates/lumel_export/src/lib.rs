@@ -40,4 +40,4 @@ pub use obj::{check_obj, write_obj};
 pub use ply::write_ply;
 pub use png::write_png;
 pub use rad::{RadFile, position_md5};
-pub use solution::{Solution, SolutionMeta, SolutionSelection};
+pub use solution::{Solution, SolutionLayer, SolutionMeta, SolutionSelection};

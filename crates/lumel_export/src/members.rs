@@ -80,15 +80,20 @@ pub(crate) fn read_vectors(npz: &mut NpzReader, name: &str) -> Result<Vec<Vec3>,
     }
 }
 
-pub(crate) fn read_bounces(npz: &mut NpzReader, n: usize) -> Result<Vec<Vec<Vec3>>, SolutionError> {
-    let array = npz.array("bounces")?;
+/// Parts of the light, over `n` vertices or nodes each: bounces or layers.
+pub(crate) fn read_stacked(
+    npz: &mut NpzReader,
+    name: &str,
+    n: usize,
+) -> Result<Vec<Vec<Vec3>>, SolutionError> {
+    let array = npz.array(name)?;
     match (array.shape.as_slice(), &array.data) {
-        // A scene has vertices, so a size bounds the number of bounces.
+        // A scene has vertices, so a size bounds the number of parts.
         ([_, vertices, 3], ArrayData::F32(values)) if *vertices == n && n > 0 => {
             Ok(values.chunks(3 * n).map(vectors).collect())
         }
         ([0, ..], _) => Ok(Vec::new()),
-        _ => Err(wrong_shape(npz, "bounces", &format!("(bounces, {n}, 3) of <f4"), &array)),
+        _ => Err(wrong_shape(npz, name, &format!("({name}, {n}, 3) of <f4"), &array)),
     }
 }
 

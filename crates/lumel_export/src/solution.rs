@@ -1,8 +1,8 @@
 //! The result of a bake: light at the vertices of a scene.
 
 use crate::error::SceneLabel;
-use crate::members::{Kind, check_members, read_bounces, read_flags, read_meta, read_optional, read_vectors};
-use crate::{Array, ArrayData, NpzReader, SolutionError, write_npz};
+use crate::members::{Kind, check_members, read_flags, read_meta, read_optional, read_stacked, read_vectors};
+use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
 use glam::Vec3;
 use lumel_basis::VertexLighting;
 use lumel_scene::Scene;
@@ -18,7 +18,8 @@ pub(crate) const KIND: Kind =
 /// Irradiance at the vertices of a scene, W·m⁻² (lux where the scene's lights are photometric), linear Rec. 709.
 ///
 /// As a file it is a NumPy archive of the arrays `positions`, `normals`, `irradiance`, `tail` and `standard_error`
-/// (n, 3), `bounces` (bounces, n, 3) and `valid` (n), and of `meta.json`. `tail` and `standard_error` may be absent.
+/// (n, 3), `bounces` (bounces, n, 3), `layers` (layers, n, 3) and `valid` (n), and of `meta.json`, which has the names of
+/// the layers. `tail`, `standard_error` and `layers` may be absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Where it comes from.
@@ -37,6 +38,17 @@ pub struct Solution {
     pub valid: Vec<bool>,
     /// Standard error of `irradiance` from the sampling at each vertex, where it was measured.
     pub standard_error: Option<Vec<Vec3>>,
+    /// The parts of `irradiance` that single lights or groups of them cause; they add up to it. Often there are none.
+    pub layers: Vec<SolutionLayer>,
+}
+
+/// The part of a solution's light that a light, or all that share a name, cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolutionLayer {
+    /// The name of the light, the emissive material or the sky; no two layers share one.
+    pub name: String,
+    /// Their part of the irradiance at each vertex, W·m⁻².
+    pub irradiance: Vec<Vec3>,
 }
 
 /// Where a solution comes from: the member `meta.json` of its file.
@@ -61,19 +73,24 @@ pub struct SolutionMeta {
     /// What each array holds, and in which unit; filled in on saving.
     #[serde(default)]
     pub arrays: BTreeMap<String, String>,
+    /// The names of the layers, in their order; filled in on saving.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<String>,
     /// Times, ray counts, errors. Times make files of equal light differ.
     #[serde(default)]
     pub statistics: Value,
 }
 
 /// A part of a solution's light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum SolutionSelection {
     /// All light.
     #[default]
     Sum,
     /// Light after so many reflections; 0 is direct light.
     Bounce(usize),
+    /// The light of the layer of this name.
+    Layer(String),
 }
 
 impl SolutionMeta {
@@ -90,6 +107,7 @@ impl SolutionMeta {
             settings,
             complete: true,
             arrays: BTreeMap::new(),
+            layers: Vec::new(),
             statistics: Value::Null,
         }
     }
@@ -111,16 +129,25 @@ impl Solution {
         self.bounces.get(k).map(Vec::as_slice)
     }
 
+    /// Light at each vertex that a layer causes, W·m⁻²; `None` if there is no layer of this name.
+    pub fn layer(&self, name: &str) -> Option<&[Vec3]> {
+        self.layers.iter().find(|layer| layer.name == name).map(|layer| layer.irradiance.as_slice())
+    }
+
     /// The chosen part of the light at each vertex, W·m⁻².
     ///
     /// # Errors
-    /// A bounce that was not computed.
-    pub fn select(&self, selection: SolutionSelection) -> Result<&[Vec3], SolutionError> {
-        match selection {
+    /// A bounce or a layer that was not computed.
+    pub fn select(&self, selection: &SolutionSelection) -> Result<&[Vec3], SolutionError> {
+        match *selection {
             SolutionSelection::Sum => Ok(self.sum()),
             SolutionSelection::Bounce(wanted) => {
                 self.bounce(wanted).ok_or(SolutionError::NoSuchBounce { wanted, count: self.bounces.len() })
             }
+            SolutionSelection::Layer(ref wanted) => self.layer(wanted).ok_or_else(|| {
+                let names = self.layers.iter().map(|layer| layer.name.clone()).collect();
+                SolutionError::NoSuchLayer { wanted: wanted.clone(), names }
+            }),
         }
     }
 
@@ -150,6 +177,9 @@ impl Solution {
         }
         for (name, array) in self.optional_arrays() {
             self.check_vectors(name, array)?;
+        }
+        for SolutionLayer { name, irradiance } in &self.layers {
+            self.check_vectors(&format!("layers[{name}]"), irradiance)?;
         }
         self.check_length("valid", self.valid.len())
     }
@@ -204,24 +234,30 @@ impl Solution {
     /// As [`Self::validate`], and all that writing meets.
     pub fn save(&self, path: &Path) -> Result<(), SolutionError> {
         self.validate()?;
-        let meta = SolutionMeta { arrays: self.descriptions(), ..self.meta.clone() };
+        let layers = self.layers.iter().map(|layer| layer.name.clone()).collect();
+        let meta = SolutionMeta { arrays: self.descriptions(), layers, ..self.meta.clone() };
         write_npz(path, |npz| {
             npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
             npz.array("positions", &Array::from_vectors(&self.positions))?;
             npz.array("normals", &Array::from_vectors(&self.normals))?;
             npz.array("irradiance", &Array::from_vectors(&self.irradiance))?;
-            npz.array("bounces", &self.bounces_array())?;
+            npz.array("bounces", &self.stacked(&self.bounces))?;
             for (name, array) in self.optional_arrays() {
                 npz.array(name, &Array::from_vectors(array))?;
+            }
+            if !self.layers.is_empty() {
+                let layers: Vec<_> = self.layers.iter().map(|layer| &layer.irradiance).collect();
+                npz.array("layers", &self.stacked(&layers))?;
             }
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))
         })?;
         Ok(())
     }
 
-    fn bounces_array(&self) -> Array {
-        let values = self.bounces.iter().flatten().flat_map(|v| v.to_array()).collect();
-        Array { shape: vec![self.bounces.len(), self.vertex_count(), 3], data: ArrayData::F32(values) }
+    /// Parts of the light as one array (parts, n, 3).
+    fn stacked(&self, parts: &[impl AsRef<[Vec3]>]) -> Array {
+        let values = parts.iter().flat_map(AsRef::as_ref).flat_map(|v| v.to_array()).collect();
+        Array { shape: vec![parts.len(), self.vertex_count(), 3], data: ArrayData::F32(values) }
     }
 
     fn descriptions(&self) -> BTreeMap<String, String> {
@@ -244,6 +280,12 @@ impl Solution {
                 "(vertex, rgb) standard error of the irradiance from the samples at the vertex",
             ));
         }
+        if !self.layers.is_empty() {
+            all.push((
+                "layers",
+                "(layer, vertex, rgb) part of the irradiance that each of the named layers causes",
+            ));
+        }
         all.into_iter().map(|(name, meaning)| (name.to_owned(), meaning.to_owned())).collect()
     }
 
@@ -258,14 +300,16 @@ impl Solution {
         let positions = read_vectors(&mut npz, "positions")?;
         let tail = read_optional(&mut npz, "tail")?;
         let standard_error = read_optional(&mut npz, "standard_error")?;
+        let layers = read_layers(&mut npz, &meta.layers, positions.len())?;
         let solution = Self {
-            meta,
+            meta: SolutionMeta { layers: Vec::new(), ..meta },
             normals: read_vectors(&mut npz, "normals")?,
             irradiance: read_vectors(&mut npz, "irradiance")?,
-            bounces: read_bounces(&mut npz, positions.len())?,
+            bounces: read_stacked(&mut npz, "bounces", positions.len())?,
             tail,
             valid: read_flags(&mut npz, "valid")?,
             standard_error,
+            layers,
             positions,
         };
         solution.validate()?;
@@ -281,4 +325,18 @@ impl Solution {
         solution.check_scene(scene, Some(path))?;
         Ok(solution)
     }
+}
+
+fn read_layers(npz: &mut NpzReader, names: &[String], n: usize) -> Result<Vec<SolutionLayer>, SolutionError> {
+    if names.is_empty() {
+        return Ok(Vec::new());
+    }
+    let layers = read_stacked(npz, "layers", n)?;
+    if layers.len() != names.len() {
+        let problem = format!("has {} layers, but meta.json names {}", layers.len(), names.len());
+        let (path, member) = (npz.path().to_owned(), "layers".to_owned());
+        return Err(ReadError::BadMember { path, member, problem }.into());
+    }
+    let layer = |(name, irradiance): (&String, _)| SolutionLayer { name: name.clone(), irradiance };
+    Ok(names.iter().zip(layers).map(layer).collect())
 }

@@ -7,9 +7,9 @@ use lumel::{Light, SceneBuilder, spec};
 pub(crate) fn light(input: &[u8]) {
     let Ok(text) = std::str::from_utf8(input) else { return };
     match spec::light(text) {
-        Ok(light) => {
+        Ok(spec) => {
             // All that is accepted suits a scene.
-            let builder = SceneBuilder { lights: vec![Light::Rect(light)], ..room() };
+            let builder = SceneBuilder { lights: vec![Light::Rect(spec.light)], ..room() };
             builder.clone().build().expect("a light that was accepted");
             build(builder);
         }

@@ -45,6 +45,19 @@ impl SceneBuilder {
         self.lights.push(light.into());
         self.lights.len() - 1
     }
+
+    /// Adds a light with a [name](Self::light_names); an empty one leaves it unnamed. Returns its place among the lights.
+    pub fn add_named_light(&mut self, name: impl Into<String>, light: impl Into<Light>) -> usize {
+        self.light_names.resize(self.lights.len(), String::new());
+        self.light_names.push(name.into());
+        self.add_light(light)
+    }
+
+    /// Removes all lights, with their names.
+    pub fn clear_lights(&mut self) {
+        self.lights.clear();
+        self.light_names.clear();
+    }
 }
 
 impl Material {

@@ -16,6 +16,9 @@ pub struct SceneBuilder {
     pub textures: Vec<Texture>,
     /// Lights.
     pub lights: Vec<Light>,
+    /// What the lights are called, in their order; may be shorter. A light whose name is missing or empty is
+    /// "light 1", "light 2" and so on by its place. Lights that share a name belong together.
+    pub light_names: Vec<String>,
     /// Viewpoints; the first is the default.
     pub cameras: Vec<Camera>,
     /// Radiance that arrives from everywhere outside the scene.

@@ -18,6 +18,7 @@ mod face_list;
 mod hash;
 mod input_mesh;
 mod light;
+mod light_names;
 mod material;
 mod mesh;
 mod normals;

@@ -4,6 +4,7 @@ use crate::bounds::Bounds;
 use crate::builder::SceneBuilder;
 use crate::face_list::FaceList;
 use crate::hash::{self, SurfacesHash};
+use crate::light_names;
 use crate::material::sound;
 use crate::{
     Albedo, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance,
@@ -22,6 +23,8 @@ pub struct Scene {
     /// Shared by all scenes that differ in their lights only.
     unlit: Arc<Unlit>,
     lights: Vec<Light>,
+    /// One for each light; no part of the hash.
+    light_names: Arc<[String]>,
     /// Made when it is first asked for: every checkpoint names it.
     hash: OnceLock<SceneHash>,
 }
@@ -56,19 +59,31 @@ impl Scene {
             geometry_hash: OnceLock::new(),
             surfaces_hash: OnceLock::new(),
         };
-        Self { unlit: Arc::new(unlit), lights: builder.lights, hash: OnceLock::new() }
+        let light_names = light_names::complete(builder.light_names, builder.lights.len()).into();
+        Self { unlit: Arc::new(unlit), lights: builder.lights, light_names, hash: OnceLock::new() }
     }
 
     /// The same scene under other lights. Geometry, materials and textures are shared, not copied, and hashed once.
     ///
     /// Vertices and triangles keep their indices, so ray tracers and bases of the one scene serve the other. Lights
-    /// may use the textures that the scene has, as before.
+    /// may use the textures that the scene has, as before. They keep their names if there are as many as before.
     ///
     /// # Errors
     /// Lights that [`SceneBuilder::build`] would refuse.
     pub fn relit(&self, lights: Vec<Light>) -> Result<Self, SceneError> {
         check::lights(&lights, self.unlit.textures.len())?;
-        Ok(Self { unlit: Arc::clone(&self.unlit), lights, hash: OnceLock::new() })
+        let light_names = match self.lights.len() == lights.len() {
+            true => Arc::clone(&self.light_names),
+            false => light_names::complete(Vec::new(), lights.len()).into(),
+        };
+        Ok(Self { unlit: Arc::clone(&self.unlit), lights, light_names, hash: OnceLock::new() })
+    }
+
+    /// The same scene whose lights have other names; see [`SceneBuilder::light_names`].
+    #[must_use]
+    pub fn with_light_names(self, names: Vec<String>) -> Self {
+        let light_names = light_names::complete(names, self.lights.len()).into();
+        Self { light_names, ..self }
     }
 
     /// The same scene whose materials have other albedos, one for each; those that textures multiply, too.
@@ -84,7 +99,8 @@ impl Scene {
         for (material, &albedo) in unlit.materials.iter_mut().zip(albedos) {
             material.albedo = sound(albedo);
         }
-        Self { unlit: Arc::new(unlit), lights: self.lights.clone(), hash: OnceLock::new() }
+        let (lights, light_names) = (self.lights.clone(), Arc::clone(&self.light_names));
+        Self { unlit: Arc::new(unlit), lights, light_names, hash: OnceLock::new() }
     }
 
     /// Triangles and vertices, and where they come from.
@@ -160,6 +176,11 @@ impl Scene {
     /// The lights.
     pub fn lights(&self) -> &[Light] {
         &self.lights
+    }
+
+    /// What the lights are called, one name for each. Lights that share a name belong together.
+    pub fn light_names(&self) -> &[String] {
+        &self.light_names
     }
 
     /// The viewpoints; the first is the default.

@@ -11,7 +11,7 @@ pub enum Influence {
     Storage,
     /// How many bounces there are. Each of them stays the same.
     Extent,
-    /// What is added to the bounces.
+    /// What is made of the bounces in the end: their sum, with what is added to it, and its parts.
     Sum,
 }
 

@@ -8,6 +8,7 @@ use super::about::{About, Bounds, Influence};
 use super::basis_kind::BasisKind;
 use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
+use super::layers::Layers;
 use super::memory::Memory;
 use super::preset::Preset;
 use super::share::Share;
@@ -261,6 +262,21 @@ settings! {
         offered: None,
     }
 
+    /// Which parts of the light to tell apart: the solution then has one layer for each light.
+    ///
+    /// Layers add up to all light. Lights, emissive materials and the sky each make one; what shares a name makes one
+    /// together. On stored rays, a layer costs its shadow rays and no further hemisphere ray; over areas, it costs one ray
+    /// more with each direct sample. A final gather and the solver neumann trace their rays for each layer. Cannot be
+    /// used with a target error.
+    LAYERS = layers: Layers {
+        presets: always(Layers::Off),
+        label: "Layers",
+        placeholder: "KIND",
+        influence: Influence::Sum,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
     /// Shadow rays per vertex and light.
     DIRECT_SAMPLES = direct_samples: u32 {
         presets: [16, 64, 256],
@@ -396,11 +412,12 @@ mod tests {
     use serde_json::{Value as Json, json};
 
     /// A value of each setting that is not its default, and one that it cannot have.
-    const EXAMPLES: [(&str, &str, &str); 14] = [
+    const EXAMPLES: [(&str, &str, &str); 15] = [
         ("basis", "vertex-area", "lightmap"),
         ("bounces", "7", "10001"),
         ("remainder", "0.25", "1"),
         ("tail", "geometric", "long"),
+        ("layers", "lights", "rooms"),
         ("direct_samples", "3", "0"),
         ("indirect_samples", "5", "16777217"),
         ("sampler", "halton", "dice"),

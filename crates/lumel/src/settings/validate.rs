@@ -1,9 +1,11 @@
 //! Which settings can be used.
 
 use super::error::SettingsError;
+use super::layers::Layers;
 use super::solver_kind::SolverKind;
-use super::table::{ALL, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR};
+use super::table::{ALL, Definition, LAYERS, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR};
 use super::target_error::TargetError;
+use super::value::Value;
 
 impl SettingsPatch {
     /// Checks every value that is set.
@@ -22,16 +24,31 @@ impl Settings {
     /// [`SettingsError::Invalid`] or [`SettingsError::Conflict`] for the first that is wrong.
     pub fn validate(&self) -> Result<(), SettingsError> {
         SettingsPatch::complete(self).validate()?;
-        if self.target_error != TargetError::Off && self.solver == SolverKind::Neumann {
-            return Err(SettingsError::Conflict {
-                setting: TARGET_ERROR.about.name,
-                value: TARGET_ERROR.text(self),
-                other: SOLVER.about.name,
-                other_value: SOLVER.text(self),
-                reason: "a target error needs stored rays",
-            });
+        if self.target_error == TargetError::Off {
+            return Ok(());
+        }
+        if self.solver == SolverKind::Neumann {
+            return Err(self.excluded_by_target_error(&SOLVER, "a target error needs stored rays"));
+        }
+        if self.layers != Layers::Off {
+            let reason = "the error of single layers is not known";
+            return Err(self.excluded_by_target_error(&LAYERS, reason));
         }
         Ok(())
+    }
+
+    fn excluded_by_target_error<T: Value>(
+        &self,
+        other: &Definition<T>,
+        reason: &'static str,
+    ) -> SettingsError {
+        SettingsError::Conflict {
+            setting: TARGET_ERROR.about.name,
+            value: TARGET_ERROR.text(self),
+            other: other.about.name,
+            other_value: other.text(self),
+            reason,
+        }
     }
 
     /// These settings with values out of bounds replaced by defaults: for what was kept from an earlier version.
@@ -91,5 +108,16 @@ mod tests {
         assert_eq!((error.to_string().as_str(), error.setting()), (message, "target_error"));
         assert_eq!(error.remedy(), "change target_error or solver");
         assert_eq!(settings.mended(), Settings::default());
+    }
+
+    #[test]
+    fn a_target_error_and_layers_exclude_each_other() {
+        let layers = Settings { layers: Layers::Lights, ..Settings::default() };
+        assert_eq!(layers.validate(), Ok(()));
+        let error = Settings { target_error: "2%".parse().unwrap(), ..layers }.validate().unwrap_err();
+        let message =
+            "target_error 2 % and layers lights exclude each other: the error of single layers is not known";
+        assert_eq!(error.to_string(), message);
+        assert_eq!(error.remedy(), "change target_error or layers");
     }
 }

@@ -105,7 +105,7 @@ pub(crate) struct BakeArgs {
 
     /// Continue from a checkpoint or solution of the same scene, lights and settings.
     ///
-    /// Only --bounces, --remainder and --tail may differ. The result has the same bits as an uninterrupted bake.
+    /// Only --bounces, --remainder, --tail and --layers may differ. The result has the same bits as an uninterrupted bake.
     #[arg(long, value_name = "FILE.npz", help_heading = "Run")]
     pub(crate) resume: Option<PathBuf>,
 
@@ -116,6 +116,13 @@ pub(crate) struct BakeArgs {
     #[arg(long, help_heading = "Run")]
     pub(crate) json: bool,
 }
+
+/// What `--light` means to `lumel render`.
+const LIGHT_OR_LAYER: &str = "\
+Show only the light of the layer NAME, which a bake with --layers lights stores: the name of a light, \"sky\", or the \
+name of an emissive material.
+
+Lights as for `lumel bake`, 'rect center=x,y,z ...', say that the solution was baked with them.";
 
 /// Render an image of a scene lit by a solution.
 ///
@@ -129,6 +136,13 @@ Examples:
   lumel render room.glb --solution room.npz -o lux.png --show false-color --range 0,500
   lumel render room.glb --solution room.npz -o door.png \\
       --camera 'position=0,1.6,3 target=0,1,0 fov=60'")]
+#[command(mut_arg("lights", |light| {
+    light
+        .value_name("LIGHT|NAME")
+        .value_parser(parse::light_or_layer)
+        .help("Show only the light of the layer NAME, from a bake with --layers lights; or a light of the bake")
+        .long_help(LIGHT_OR_LAYER)
+}))]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,

@@ -121,7 +121,9 @@ mod tests {
     use super::*;
     use crate::args::{Cli, Command};
     use clap::Parser;
-    use lumel::{BasisKind, BounceLimit, LightSampling, Memory, SamplerKind, Settings, SolverKind, Tail};
+    use lumel::{
+        BasisKind, BounceLimit, Layers, LightSampling, Memory, SamplerKind, Settings, SolverKind, Tail,
+    };
 
     /// Every setting other than by default. A new setting belongs here.
     fn unusual() -> Settings {
@@ -130,6 +132,7 @@ mod tests {
             bounces: BounceLimit::Count(7),
             remainder: 0.25,
             tail: Tail::Geometric,
+            layers: Layers::Lights,
             direct_samples: 3,
             indirect_samples: 5,
             sampler: SamplerKind::Halton,

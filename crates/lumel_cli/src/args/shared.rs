@@ -1,10 +1,10 @@
 //! Options that several commands have.
 
 use crate::console::Messages;
-use crate::parse;
+use crate::parse::{self, LightChoice};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use lumel::{OpenOptions, PathPolicy, RectLight, spec};
+use lumel::{OpenOptions, PathPolicy, spec};
 
 /// The largest number of threads; machines with more cores than that are not built.
 const MAX_THREADS: u32 = 1024;
@@ -19,9 +19,10 @@ pub(crate) struct SceneArgs {
     /// A rectangle light: 'rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b'. May be repeated.
     ///
     /// u and v are half of each edge, metres, and perpendicular; the light emits towards u × v. radiance is in
-    /// W/(m² sr). These lights replace those of the scene or project; emissive surfaces and the sky remain.
+    /// W/(m² sr); name=TEXT, without spaces, is optional. These lights replace those of the scene or project; emissive
+    /// surfaces and the sky remain.
     #[arg(long = "light", value_name = "LIGHT", value_parser = parse::light, help_heading = "Scene")]
-    pub(crate) lights: Vec<RectLight>,
+    pub(crate) lights: Vec<LightChoice>,
 
     /// Radiance that arrives from outside the scene from all directions, W/(m² sr); replaces the sky of the scene.
     #[arg(long, value_name = "R,G,B", value_parser = spec::color, help_heading = "Scene")]

@@ -7,12 +7,12 @@ use crate::failure::hinted;
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
-use crate::parse::CameraChoice;
+use crate::parse::{CameraChoice, LightChoice};
 use crate::picture::{self, Subject};
 use crate::report;
 use anyhow::Context;
 use glam::Vec3;
-use lumel::{Bvh, Camera, LightFile, RayTracer, Scene, VertexLighting};
+use lumel::{Bvh, Camera, LightFile, RayTracer, Scene, SolutionSelection, VertexLighting};
 use lumel_render_cpu::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
 
 fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<Vec<Vec3>> {
     let Some(path) = &args.solution else { return Ok(vec![Vec3::ZERO; scene.vertex_count()]) };
-    let fitting = LightFile::irradiance_for(path, scene, args.bounce).map_err(load::light_hint)?;
+    let fitting = LightFile::irradiance_for(path, scene, &selection(args)?).map_err(load::light_hint)?;
     if !fitting.same_lighting {
         console.warning(&format!(
             "materials or lights have changed since {} was baked; the image combines old light with new materials",
@@ -88,6 +88,20 @@ fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<
         console.warning(&format!("this is the checkpoint of an unfinished bake: {}", path.display()));
     }
     Ok(fitting.irradiance)
+}
+
+/// The part of the light to show.
+fn selection(args: &RenderArgs) -> anyhow::Result<SolutionSelection> {
+    let layers: Vec<&str> = args.scene.lights.iter().filter_map(LightChoice::as_layer).collect();
+    match (layers.as_slice(), &args.bounce) {
+        ([], bounce) => Ok(bounce.clone()),
+        ([name], SolutionSelection::Sum) => Ok(SolutionSelection::Layer((*name).to_owned())),
+        ([_], _) => Err(hinted("a layer has no single bounces", "leave out --bounce or --light NAME")),
+        ([first, second, ..], _) => Err(hinted(
+            format!("only one layer can be shown, not \"{first}\" and \"{second}\""),
+            "lights that share a name make one layer",
+        )),
+    }
 }
 
 fn camera(choice: Option<&CameraChoice>, scene: &Scene, tracer: &dyn RayTracer) -> anyhow::Result<Camera> {

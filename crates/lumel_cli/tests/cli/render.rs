@@ -1,4 +1,4 @@
-use crate::common::{Place, run};
+use crate::common::{Place, TINY, run};
 use image::RgbImage;
 
 fn picture(place: &Place, name: &str) -> RgbImage {
@@ -40,6 +40,39 @@ fn bounces_exposure_tone_and_camera_change_the_picture() {
     );
     let brighter = run(place.lumel(base).args(["b.png", "--exposure", "-2.5"]));
     assert!(brighter.done().stdout.contains("exposure -2.5 EV"));
+}
+
+#[test]
+fn the_light_of_a_layer_is_shown_by_its_name() {
+    let place = Place::new();
+    let lamp = "rect center=0,0.2,0 u=0.1,0,0 v=0,0,0.1 radiance=1,2,3 name=lamp";
+    let bake = run(place.lumel("bake furnace --layers lights -o a.npz").args(TINY).args(["--light", lamp]));
+    assert!(bake.done().stdout.contains("layer 2 "));
+    let solution = place.solution("a.npz");
+    let names: Vec<&str> = solution.layers.iter().map(|layer| layer.name.as_str()).collect();
+    let [only_lamp @ "lamp", surfaces] = names[..] else { panic!("{names:?}") };
+    let base = "render furnace --solution a.npz --size 24x18 --samples 1 --exposure 0 -o";
+    let draw = |name: &str, more: &[&str]| {
+        run(place.lumel(base).arg(name).args(["--light", lamp]).args(more)).done();
+        picture(&place, name)
+    };
+    let [lit, glow, all] = [
+        draw("lamp.png", &["--light", only_lamp]),
+        draw("glow.png", &["--light", surfaces]),
+        draw("all.png", &[]),
+    ];
+    assert!(lit != all && glow != all && lit != glow);
+    let refused = |more: &[&str], words: &str| {
+        run(place.lumel(base).arg("x.png").args(["--light"]).args(more)).failed(words);
+    };
+    refused(&["sun"], &format!("no layer \"sun\"; its layers are lamp, {surfaces}"));
+    refused(&["lamp", "--bounce", "0"], "a layer has no single bounces");
+    refused(&["lamp", "--light", surfaces], "only one layer");
+    place.bake_furnace("-o b.npz").done();
+    run(&mut place.lumel("render furnace --solution b.npz -o x.png --light lamp")).failed("--layers lights");
+    run(&mut place.lumel("bake furnace -o c.npz --light lamp")).failed("must be the shape of the light");
+    run(&mut place.lumel("bake furnace -o c.npz --layers lights --target-error 5%"))
+        .failed("exclude each other");
 }
 
 #[test]

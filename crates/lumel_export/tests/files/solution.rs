@@ -4,7 +4,8 @@ use crate::tools::numpy;
 use glam::Vec3;
 use lumel_basis::{Lighting, irradiance_at_vertices};
 use lumel_export::{
-    Array, ArrayData, NpzReader, Solution, SolutionError, SolutionMeta, SolutionSelection, write_npz,
+    Array, ArrayData, NpzReader, Solution, SolutionError, SolutionLayer, SolutionMeta, SolutionSelection,
+    write_npz,
 };
 use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 use serde_json::json;
@@ -13,6 +14,11 @@ use std::path::Path;
 
 fn solution(scene: &Scene) -> Solution {
     let irradiance = light_on(scene);
+    let layer = |(name, share): (&str, f32)| SolutionLayer {
+        name: name.to_owned(),
+        irradiance: irradiance.iter().map(|e| share * *e).collect(),
+    };
+    let layers = [("window", 0.75), ("light 2", 0.25)].map(layer).to_vec();
     let half: Vec<Vec3> = irradiance.iter().map(|e| 0.5 * *e).collect();
     Solution {
         meta: SolutionMeta::new(scene, json!({ "rays": 64, "seed": 1 })),
@@ -22,6 +28,7 @@ fn solution(scene: &Scene) -> Solution {
         tail: Some(half.iter().map(|e| 0.5 * *e).collect()),
         valid: (0..irradiance.len()).map(|v| v != 2).collect(),
         standard_error: Some(irradiance.iter().map(|e| 0.01 * *e).collect()),
+        layers,
         irradiance,
     }
 }
@@ -46,6 +53,7 @@ fn a_solution_comes_back_bit_for_bit() {
     assert_eq!(loaded.irradiance[0].x.to_bits(), (-0.0_f32).to_bits());
     solution.bounces.clear();
     (solution.tail, solution.standard_error) = (None, None);
+    solution.layers.clear();
     solution.meta.complete = false;
     solution.meta.statistics = json!({ "seconds": 1.5 });
     assert_eq!(saved_and_loaded(&solution, &path), solution);
@@ -61,12 +69,35 @@ fn equal_solutions_are_equal_files() {
 }
 
 #[test]
-fn parts_are_selected_by_bounce() {
+fn parts_are_selected_by_bounce_or_by_layer() {
     let solution = solution(&plain("box"));
-    assert_eq!(solution.select(SolutionSelection::Sum).unwrap(), solution.sum());
-    assert_eq!(solution.select(SolutionSelection::Bounce(1)).unwrap(), solution.bounces[1]);
-    let error = solution.select(SolutionSelection::Bounce(2)).unwrap_err().to_string();
+    assert_eq!(solution.select(&SolutionSelection::Sum).unwrap(), solution.sum());
+    assert_eq!(solution.select(&SolutionSelection::Bounce(1)).unwrap(), solution.bounces[1]);
+    let error = solution.select(&SolutionSelection::Bounce(2)).unwrap_err().to_string();
     assert_eq!(error, "the solution has no bounce 2; it has 2 bounces, counted from 0 (direct light)");
+    let layer = |name: &str| SolutionSelection::Layer(name.to_owned());
+    assert_eq!(solution.select(&layer("light 2")).unwrap(), solution.layers[1].irradiance);
+    let error = solution.select(&layer("lamp")).unwrap_err().to_string();
+    assert_eq!(error, "the solution has no layer \"lamp\"; its layers are window, light 2");
+}
+
+#[test]
+fn a_file_with_other_names_than_layers_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let good = solution(&plain("box"));
+    write_npz(&path, |npz| {
+        let meta = SolutionMeta { layers: vec!["only one".to_owned()], ..good.meta.clone() };
+        npz.bytes("meta.json", &serde_json::to_vec(&meta).unwrap())?;
+        for name in ["positions", "normals", "irradiance"] {
+            npz.array(name, &Array::from_vectors(&good.positions))?;
+        }
+        npz.array("bounces", &Array { shape: vec![0, 4, 3], data: ArrayData::F32(vec![]) })?;
+        npz.array("layers", &Array { shape: vec![2, 4, 3], data: ArrayData::F32(vec![0.0; 24]) })
+    })
+    .unwrap();
+    let error = Solution::load(&path).unwrap_err().to_string();
+    assert!(error.contains("\"layers\" has 2 layers, but meta.json names 1"), "{error}");
 }
 
 #[test]
@@ -150,6 +181,7 @@ fn arrays_that_disagree_are_named() {
     assert!(refused(|s| s.valid.push(true)).contains("5 values of \"valid\""));
     assert!(refused(|s| s.tail = Some(vec![])).contains("0 values of \"tail\""));
     assert!(refused(|s| s.standard_error = Some(vec![])).contains("0 values of \"standard_error\""));
+    assert!(refused(|s| s.layers[0].irradiance.truncate(3)).contains("3 values of \"layers[window]\""));
     let message = refused(|s| s.irradiance[2].y = f32::NAN);
     assert_eq!(message, "the solution is not a finite number in \"irradiance\" at vertex 2");
     assert!(!path.exists());

@@ -12,7 +12,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// The narrowest difference between a spot's cones, radians: less is an edge no baked light can show.
 const LEAST_PENUMBRA: f32 = 1e-3;
 
-/// The light of a node, if it has one that emits.
+/// The light of a node, if it has one that emits, and its name: that of the node, else its own, else none.
 ///
 /// KHR_lights_punctual: it shines along the node's -Z, scale does not change its brightness. Intensities are used
 /// unconverted: candela give lux, watts per steradian give W·m⁻².
@@ -20,7 +20,7 @@ pub(super) fn light_at(
     document: &Document,
     placed: Placed,
     warnings: &mut Warnings,
-) -> Result<Option<Light>, Fault> {
+) -> Result<Option<(String, Light)>, Fault> {
     let extension = document.nodes[placed.node].extensions.as_ref();
     let Some(index) = extension.and_then(|e| e.khr_lights_punctual.as_ref()).map(|e| e.light.value()) else {
         return Ok(None);
@@ -31,7 +31,8 @@ pub(super) fn light_at(
     };
     let Some(light) = light else { return Ok(None) };
     let subject = format!("{} of {node}", label("light", index, light.name.as_deref()));
-    let converted = convert(light, placed, &subject, warnings);
+    let name = first_name([&document.nodes[placed.node].name, &light.name]).unwrap_or_default();
+    let converted = convert(light, placed, &subject, warnings).map(|light| (name, light));
     Ok(converted.map_err(|problem| warnings.push(subject, format!("left out: {problem}"))).ok())
 }
 
@@ -93,9 +94,7 @@ pub(super) fn camera_at(
         return Err(Fault::absent(place, "camera", index, document.cameras.len()));
     };
     let Some(camera) = camera else { return Ok(None) };
-    let names = [&node.name, &camera.name].into_iter().flatten();
-    let name = names.into_iter().find(|name| !name.is_empty()).cloned();
-    let name = name.unwrap_or_else(|| format!("camera {index}"));
+    let name = first_name([&node.name, &camera.name]).unwrap_or_else(|| format!("camera {index}"));
     let mut leave_out = |problem| {
         warnings.push(format!("camera \"{name}\""), format!("left out: {problem}"));
         Ok(None)
@@ -112,6 +111,11 @@ pub(super) fn camera_at(
     };
     let up = axis(placed, DVec3::Y).unwrap_or(Vec3::Y);
     Ok(Some(Camera { name, position, forward, up, fov_y }))
+}
+
+/// The first name that there is.
+fn first_name(names: [&Option<String>; 2]) -> Option<String> {
+    names.into_iter().flatten().find(|name| !name.is_empty()).cloned()
 }
 
 fn position(placed: Placed) -> Option<Vec3> {
@@ -153,6 +157,19 @@ mod tests {
         assert!(near(sun.direction, Vec3::NEG_X), "{}", sun.direction);
         assert_eq!(sun.irradiance, Vec3::new(2.0, 1.0, 0.0));
         assert_eq!(warnings, "");
+    }
+
+    #[test]
+    fn lights_are_called_like_their_node() {
+        let names = |name: &str| {
+            let mut model = Model::empty();
+            let light = json!({ "type": "point", "name": "bulb" });
+            model.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+            let light = json!({ "KHR_lights_punctual": { "light": 0 } });
+            model.push("nodes", json!({ "name": name, "extensions": light }));
+            model.read().unwrap().scene.light_names
+        };
+        assert_eq!((names("Lamp"), names("")), (vec!["Lamp".to_owned()], vec!["bulb".to_owned()]));
     }
 
     #[test]

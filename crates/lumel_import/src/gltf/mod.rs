@@ -67,7 +67,9 @@ fn read(bytes: &[u8], resolver: &Resolver) -> Result<Imported, Fault> {
     meshes.check_size(&placed)?;
     for placed in placed {
         scene.objects.extend(meshes.object_at(placed, &mut warnings)?);
-        scene.lights.extend(lights::light_at(&document, placed, &mut warnings)?);
+        if let Some((name, light)) = lights::light_at(&document, placed, &mut warnings)? {
+            scene.add_named_light(name, light);
+        }
         scene.cameras.extend(lights::camera_at(&document, placed, &mut warnings)?);
     }
     (scene.materials, scene.textures) = meshes.into_materials().finish();

@@ -169,6 +169,7 @@ impl Session {
             tail: light.tail.as_ref().map(|t| t.to_vec()),
             valid,
             standard_error: light.standard_error.as_ref().map(|e| e.to_vec()),
+            layers: Vec::new(),
         })
     }
 }
