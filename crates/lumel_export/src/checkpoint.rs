@@ -2,6 +2,7 @@
 
 use crate::members::{
     Kind, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_stacked,
+    stacked,
 };
 use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
 use glam::Vec3;
@@ -120,9 +121,7 @@ impl Checkpoint {
         write_npz(path, |npz| {
             npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))?;
-            let values = self.bounces.iter().flatten().flat_map(|v| v.to_array()).collect();
-            let shape = vec![self.bounces.len(), self.node_count(), 3];
-            npz.array("bounces", &Array { shape, data: ArrayData::F32(values) })?;
+            npz.array("bounces", &stacked(&self.bounces, self.node_count()))?;
             for (name, array) in &vectors {
                 npz.array(name, &Array::from_vectors(array))?;
             }

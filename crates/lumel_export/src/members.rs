@@ -80,6 +80,12 @@ pub(crate) fn read_vectors(npz: &mut NpzReader, name: &str) -> Result<Vec<Vec3>,
     }
 }
 
+/// Parts of the light, over `n` vertices or nodes each, as one array.
+pub(crate) fn stacked(parts: &[impl AsRef<[Vec3]>], n: usize) -> Array {
+    let values = parts.iter().flat_map(AsRef::as_ref).flat_map(|v| v.to_array()).collect();
+    Array { shape: vec![parts.len(), n, 3], data: ArrayData::F32(values) }
+}
+
 /// Parts of the light, over `n` vertices or nodes each: bounces or layers.
 pub(crate) fn read_stacked(
     npz: &mut NpzReader,

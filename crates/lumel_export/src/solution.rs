@@ -1,7 +1,9 @@
 //! The result of a bake: light at the vertices of a scene.
 
 use crate::error::SceneLabel;
-use crate::members::{Kind, check_members, read_flags, read_meta, read_optional, read_stacked, read_vectors};
+use crate::members::{
+    Kind, check_members, read_flags, read_meta, read_optional, read_stacked, read_vectors, stacked,
+};
 use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
 use glam::Vec3;
 use lumel_basis::VertexLighting;
@@ -241,23 +243,17 @@ impl Solution {
             npz.array("positions", &Array::from_vectors(&self.positions))?;
             npz.array("normals", &Array::from_vectors(&self.normals))?;
             npz.array("irradiance", &Array::from_vectors(&self.irradiance))?;
-            npz.array("bounces", &self.stacked(&self.bounces))?;
+            npz.array("bounces", &stacked(&self.bounces, self.vertex_count()))?;
             for (name, array) in self.optional_arrays() {
                 npz.array(name, &Array::from_vectors(array))?;
             }
             if !self.layers.is_empty() {
                 let layers: Vec<_> = self.layers.iter().map(|layer| &layer.irradiance).collect();
-                npz.array("layers", &self.stacked(&layers))?;
+                npz.array("layers", &stacked(&layers, self.vertex_count()))?;
             }
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))
         })?;
         Ok(())
-    }
-
-    /// Parts of the light as one array (parts, n, 3).
-    fn stacked(&self, parts: &[impl AsRef<[Vec3]>]) -> Array {
-        let values = parts.iter().flat_map(AsRef::as_ref).flat_map(|v| v.to_array()).collect();
-        Array { shape: vec![parts.len(), self.vertex_count(), 3], data: ArrayData::F32(values) }
     }
 
     fn descriptions(&self) -> BTreeMap<String, String> {

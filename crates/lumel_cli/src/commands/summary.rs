@@ -176,6 +176,7 @@ impl Summary {
         let bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
         let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
         let rounds = (0..rounds).map(|round| report(Step::Round(round), None));
+        let layers = (0..state.layers.len() as u32).map(|layer| report(Step::Layer(layer), None));
         let gather = seconds_of(Step::FinalGather).map(|_| report(Step::FinalGather, None));
         Self {
             scene: scene.name().to_owned(),
@@ -183,7 +184,7 @@ impl Summary {
             triangles: scene.triangle_count(),
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
             method: baker.method().to_string(),
-            steps: validity.into_iter().chain(bounces).chain(gather).chain(rounds).collect(),
+            steps: validity.into_iter().chain(bounces).chain(gather).chain(rounds).chain(layers).collect(),
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),
