@@ -61,7 +61,7 @@ impl FileFormat {
     /// # Errors
     /// See [`SaveError`].
     pub fn write(self, path: &Path, scene: &Scene, solution: &Solution) -> Result<(), SaveError> {
-        let lighting = || solution.lighting(scene, SolutionSelection::Sum);
+        let lighting = || solution.lighting(scene, &SolutionSelection::Sum);
         match self {
             Self::Npz => solution.save(path)?,
             Self::Glb => drop(write_glb(path, scene, &lighting()?, Exposure::Auto)?),

@@ -199,7 +199,7 @@ mod tests {
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
         let solution = baker.solution(&state);
         solution.save(&folder.path().join("a.npz")).unwrap();
-        let lighting = solution.lighting(&scene, SolutionSelection::Sum).unwrap();
+        let lighting = solution.lighting(&scene, &SolutionSelection::Sum).unwrap();
         RadFile::from_lighting(&scene, &lighting).unwrap().write(&folder.path().join("a.rad")).unwrap();
         (scene, folder, solution)
     }

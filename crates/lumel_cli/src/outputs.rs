@@ -80,7 +80,7 @@ impl Output {
         cancel: &AtomicBool,
     ) -> anyhow::Result<u64> {
         let (path, scene) = (&self.path, baker.scene());
-        let lighting = &solution.lighting(scene, SolutionSelection::Sum)?;
+        let lighting = &solution.lighting(scene, &SolutionSelection::Sum)?;
         match self.format {
             Format::Npz => solution.save(path)?,
             Format::Glb => {

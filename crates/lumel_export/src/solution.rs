@@ -160,7 +160,7 @@ impl Solution {
     pub fn lighting<'a>(
         &'a self,
         scene: &'a Scene,
-        selection: SolutionSelection,
+        selection: &SolutionSelection,
     ) -> Result<VertexLighting<'a>, SolutionError> {
         self.check_belongs_to(scene)?;
         Ok(VertexLighting::new(scene, self.select(selection)?)?)

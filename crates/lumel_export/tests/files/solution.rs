@@ -144,15 +144,15 @@ fn the_sum_and_each_bounce_are_lighting_on_the_scene_of_a_solution() {
     for (selection, values) in
         [(SolutionSelection::Sum, &solution.irradiance), (SolutionSelection::Bounce(1), &solution.bounces[1])]
     {
-        let lighting = solution.lighting(&scene, selection).unwrap();
+        let lighting = solution.lighting(&scene, &selection).unwrap();
         assert_eq!(*irradiance_at_vertices(&scene, &lighting).unwrap(), **values);
         let [a, b, c] = scene.triangle(middle.tri).map(|v| values[v as usize]);
         assert_eq!(lighting.irradiance(middle, Vec3::Y).0, a * 0.25 + b * 0.5 + c * 0.25);
     }
-    let error = solution.lighting(&scene, SolutionSelection::Bounce(2)).unwrap_err();
+    let error = solution.lighting(&scene, &SolutionSelection::Bounce(2)).unwrap_err();
     assert!(matches!(error, SolutionError::NoSuchBounce { wanted: 2, count: 2 }));
     let other = crate::scenes::colourful();
-    let error = solution.lighting(&other, SolutionSelection::Sum).unwrap_err();
+    let error = solution.lighting(&other, &SolutionSelection::Sum).unwrap_err();
     assert!(matches!(error, SolutionError::OtherScene { .. }));
 }
 

@@ -63,7 +63,7 @@ impl Session {
                 solution.save(path).map_err(|e| error_text(&e))
             } else {
                 let lighting =
-                    solution.lighting(&scene, SolutionSelection::Sum).map_err(|e| error_text(&e))?;
+                    solution.lighting(&scene, &SolutionSelection::Sum).map_err(|e| error_text(&e))?;
                 let rad = RadFile::from_lighting(&scene, &lighting).map_err(|e| error_text(&e))?;
                 rad.write(path).map_err(|e| error_text(&e))
             }
