@@ -219,18 +219,20 @@ fn arrays_of_a_wrong_shape_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (path, bad) = (folder.path().join("a.npz"), folder.path().join("b.npz"));
     solution(&plain("box")).save(&path).unwrap();
-    let wrong: [(&str, Array); 5] = [
+    let wrong: [(&str, Array); 6] = [
         ("irradiance", Array { shape: vec![3, 4], data: ArrayData::F32(vec![0.0; 12]) }),
         ("positions", Array { shape: vec![4, 3], data: ArrayData::U32(vec![0; 12]) }),
         ("bounces", Array { shape: vec![4, 3], data: ArrayData::F32(vec![0.0; 12]) }),
         ("bounces", Array { shape: vec![1_000_000_000_000, 0, 3], data: ArrayData::F32(vec![]) }),
+        ("layers", Array { shape: vec![2, 3, 4], data: ArrayData::F32(vec![0.0; 24]) }),
         ("valid", Array { shape: vec![4, 1], data: ArrayData::Bool(vec![true; 4]) }),
     ];
     for (name, array) in wrong {
         let mut npz = NpzReader::open(&path).unwrap();
         write_npz(&bad, |out| {
             out.bytes("meta.json", &npz.bytes("meta.json").unwrap())?;
-            for other in ["positions", "normals", "irradiance", "bounces", "tail", "standard_error", "valid"]
+            for other in
+                ["positions", "normals", "irradiance", "bounces", "tail", "standard_error", "layers", "valid"]
             {
                 let old = npz.array(other).unwrap();
                 out.array(other, if other == name { &array } else { &old })?;
@@ -275,6 +277,8 @@ assert f["bounces"].shape == (2, 4, 3) and f["tail"].shape == (4, 3)
 assert np.array_equal(f["irradiance"], f["bounces"].sum(axis=0) + f["tail"] + 0.0 * f["normals"])
 assert f["irradiance"][f["valid"]].shape == (3, 3)
 meta = json.loads(f["meta.json"])
+window = f["layers"][meta["layers"].index("window")]
+assert np.array_equal(window, 0.75 * f["irradiance"])
 assert meta["format"] == "lumel-solution" and meta["settings"]["rays"] == 64
 assert set(meta["arrays"]) == set(f.files) - {"meta.json"}
 "#;
