@@ -8,7 +8,7 @@ use lumel::{
     Baker, BounceLimit, Bvh, Control, Light, Observer, RayTracer, Scene, Settings, Silent, SolveState, Step,
 };
 use lumel_accel::{Bundle, SHADOW_END};
-use lumel_basis::{ElementId, Field, Receivers, Site, VertexBasis, VertexReceivers};
+use lumel_basis::{ElementId, Field, PointReceivers, Receivers, Site, VertexBasis};
 use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
 use lumel_testkit::Reference;
 use lumel_transport::{CpuTransport, Plan};
@@ -103,7 +103,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Millions of rays per second on one core: hemisphere gathers and shadow rays to the first rectangle light.
 fn ray_rates(scene: &Arc<Scene>, bvh: &Bvh) -> (f64, f64) {
-    let receivers = VertexReceivers::new(&VertexBasis::new(Arc::clone(scene)));
+    let receivers = PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene)));
     let n = receivers.element_count();
     let step = (n / RECEIVERS).max(1);
     let sites: Vec<(u32, Site)> =

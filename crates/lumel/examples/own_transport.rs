@@ -8,7 +8,7 @@
 #![allow(clippy::print_stdout, reason = "an example is a program")]
 
 use lumel_accel::Bvh;
-use lumel_basis::{Basis, Field, NodeId, VertexBasis, VertexReceivers, reflecting_areas};
+use lumel_basis::{Basis, Field, NodeId, PointReceivers, VertexBasis, reflecting_areas};
 use lumel_solve::{Gather, Integrals, Operator, Silent, SolveState, Stop, solve};
 use lumel_transport::{
     CachedTransport, ChunkSink, Control, CpuTransport, Job, Plan, Shape, Source, Sums, Transport,
@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let opened = lumel::open("furnace", &lumel::OpenOptions::default())?;
     let scene = Arc::new(opened.builder.build()?.0);
     let basis = Arc::new(VertexBasis::new(Arc::clone(&scene)));
-    let receivers = Arc::new(VertexReceivers::new(&basis));
+    let receivers = Arc::new(PointReceivers::at_vertices(&basis));
     let tracer = Arc::new(Bvh::build(&scene));
     let plan = Plan { direct_samples: 4, indirect_samples: 64, ..Plan::default() };
     let traced = || {

@@ -1,7 +1,7 @@
 //! What is prepared once for a scene's surfaces, whatever its lights.
 
 use lumel_accel::RayTracer;
-use lumel_basis::{AreaReceivers, Receivers, VertexBasis, VertexPoints, VertexReceivers};
+use lumel_basis::{AreaReceivers, PointReceivers, Receivers, VertexBasis, VertexPoints};
 use lumel_scene::Scene;
 use lumel_transport::Order;
 use std::sync::{Arc, OnceLock};
@@ -13,7 +13,7 @@ pub(crate) struct Surfaces {
     /// The piecewise linear basis on the vertices, which all solves read.
     pub(crate) basis: Arc<VertexBasis>,
     pub(crate) points: Arc<VertexPoints>,
-    at_vertices: Arc<OnceLock<Ordered<VertexReceivers>>>,
+    at_vertices: Arc<OnceLock<Ordered<PointReceivers>>>,
     over_areas: Arc<OnceLock<Ordered<AreaReceivers>>>,
 }
 
@@ -39,8 +39,8 @@ impl Surfaces {
     }
 
     /// Measures at the vertices.
-    pub(crate) fn at_vertices(&self) -> &Ordered<VertexReceivers> {
-        self.at_vertices.get_or_init(|| Ordered::new(VertexReceivers::new(&self.basis)))
+    pub(crate) fn at_vertices(&self) -> &Ordered<PointReceivers> {
+        self.at_vertices.get_or_init(|| Ordered::new(PointReceivers::at_vertices(&self.basis)))
     }
 
     /// Measures over the triangles around vertices.

@@ -8,7 +8,7 @@ use lumel::{
     Settings, Silent, SolveState, SolverKind,
 };
 use lumel_accel::InstructionSet;
-use lumel_basis::{Field, VertexBasis, VertexReceivers};
+use lumel_basis::{Field, PointReceivers, VertexBasis};
 use lumel_transport::{CachedTransport, CpuTransport, Job, Rows, Source, Transport, accumulate};
 use std::sync::Arc;
 
@@ -40,8 +40,8 @@ fn relative(a: &Field, b: &Field) -> f64 {
 }
 
 struct Operators {
-    plain: CpuTransport<VertexBasis, VertexReceivers>,
-    cached: CachedTransport<VertexBasis, VertexReceivers>,
+    plain: CpuTransport<VertexBasis, PointReceivers>,
+    cached: CachedTransport<VertexBasis, PointReceivers>,
     basis: Arc<VertexBasis>,
 }
 
@@ -49,7 +49,7 @@ fn operators(name: &str, settings: &Settings) -> Operators {
     let scene = scene(name);
     let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(&scene));
     let basis = Arc::new(VertexBasis::new(Arc::clone(&scene)));
-    let receivers = Arc::new(VertexReceivers::new(&basis));
+    let receivers = Arc::new(PointReceivers::at_vertices(&basis));
     let plain = || {
         CpuTransport::new(
             Arc::clone(&scene),

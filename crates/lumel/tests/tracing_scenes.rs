@@ -5,7 +5,7 @@
 use glam::Vec3;
 use lumel::{Bvh, OpenOptions, RayTracer, Scene};
 use lumel_accel::{BruteForce, Bundle, Hit, InstructionSet, Ray, SHADOW_END};
-use lumel_basis::{ElementId, Receivers, Site, VertexBasis, VertexReceivers};
+use lumel_basis::{ElementId, PointReceivers, Receivers, Site, VertexBasis};
 use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
 use lumel_testkit::shared;
 use std::sync::Arc;
@@ -13,14 +13,14 @@ use std::sync::Arc;
 const RAYS: u32 = 64;
 
 /// Neighbours in the list of vertices, some of which lie in the plane of walls and in corners.
-fn sites(receivers: &VertexReceivers, first: u32) -> Vec<Site> {
+fn sites(receivers: &PointReceivers, first: u32) -> Vec<Site> {
     let n = receivers.element_count() as u32;
     (0..16).map(|i| receivers.central_site(ElementId((first + i) % n))).collect()
 }
 
 fn assert_all_ways(scene: &Arc<Scene>, groups: u32) {
     let brute = BruteForce::new(scene);
-    let receivers = VertexReceivers::new(&VertexBasis::new(Arc::clone(scene)));
+    let receivers = PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene)));
     let tree = Bvh::build(scene);
     let trees: Vec<Bvh> = InstructionSet::available()
         .into_iter()

@@ -31,4 +31,3 @@ pub use receivers::{CENTER, ElementId, Receivers, Sampling, Site};
 pub use reflecting::reflecting_areas;
 pub use vertex::VertexBasis;
 pub use vertex_lighting::{VertexCountError, VertexLighting};
-pub use vertex_receivers::VertexReceivers;

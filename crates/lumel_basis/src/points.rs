@@ -1,14 +1,16 @@
-//! Light measured at points that belong to no basis.
+//! Light measured at points.
 
 use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
 use glam::Vec3;
 use lumel_sample::Frame;
 
-/// Points at which irradiance is asked for; each is a node of its own.
+/// Points at which light is measured; each is a node of its own.
 ///
-/// Nothing can be read back between them, so they are no basis: light is read from a basis and measured here.
+/// Points that somebody asks for are no basis, as nothing can be read back between them; those
+/// [at vertices](Self::at_vertices) measure the nodes of one.
 #[derive(Clone, Debug)]
 pub struct PointReceivers {
+    identity: Identity,
     sites: Vec<Site>,
 }
 
@@ -25,15 +27,21 @@ impl PointReceivers {
             let origin = lumel_scene::offset_along(position, normal);
             Ok(Site { origin, frame: Frame::from_normal(normal), skip: None })
         };
-        Ok(Self { sites: points.into_iter().enumerate().map(site).collect::<Result<_, usize>>()? })
+        let sites: Vec<Site> = points.into_iter().enumerate().map(site).collect::<Result<_, usize>>()?;
+        let vectors = sites.iter().flat_map(|site| [site.origin, site.frame.normal]);
+        let bytes: Vec<u8> = vectors.flat_map(|v| v.to_array().map(f32::to_le_bytes)).flatten().collect();
+        Ok(Self::from_sites(Identity::new("points", [bytes.as_slice()]), sites))
+    }
+
+    /// Receivers at sites that `identity` tells from others.
+    pub(crate) fn from_sites(identity: Identity, sites: Vec<Site>) -> Self {
+        Self { identity, sites }
     }
 }
 
 impl Receivers for PointReceivers {
     fn identity(&self) -> Identity {
-        let vectors = self.sites.iter().flat_map(|site| [site.origin, site.frame.normal]);
-        let bytes: Vec<u8> = vectors.flat_map(|v| v.to_array().map(f32::to_le_bytes)).flatten().collect();
-        Identity::new("points", [bytes.as_slice()])
+        self.identity
     }
 
     fn node_count(&self) -> usize {

@@ -1,6 +1,6 @@
 //! Light measured at vertices.
 
-use crate::{Basis, ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site, VertexBasis};
+use crate::{Basis, PointReceivers, Site, VertexBasis};
 use glam::DVec3;
 use lumel_sample::Frame;
 use lumel_scene::{Scene, TriId, offset_along};
@@ -11,52 +11,14 @@ use lumel_scene::{Scene, TriId, offset_along};
 /// hemisphere. A thousandth of a triangle is too little to shift the light.
 const INSET: f64 = 1e-3;
 
-/// Measures the nodes of a [`VertexBasis`] at their vertices.
-///
-/// The error falls with the square of the edge length where light is smooth. A vertex inside other geometry sees back
-/// faces and is found invalid.
-#[derive(Clone, Debug)]
-pub struct VertexReceivers {
-    identity: Identity,
-    sites: Vec<Site>,
-}
-
-impl VertexReceivers {
-    /// Measures the nodes of `basis` at points.
-    pub fn new(basis: &VertexBasis) -> Self {
-        let scene = basis.scene();
-        let site = |ring: &Ring| ring.site(scene);
-        Self {
-            identity: basis.identity().derived("vertices"),
-            sites: rings(basis).iter().map(site).collect(),
-        }
-    }
-}
-
-impl Receivers for VertexReceivers {
-    fn identity(&self) -> Identity {
-        self.identity
-    }
-
-    fn node_count(&self) -> usize {
-        self.sites.len()
-    }
-
-    fn element_count(&self) -> usize {
-        self.sites.len()
-    }
-
-    fn sampling(&self) -> Sampling {
-        Sampling::Point
-    }
-
-    fn nodes_of(&self, element: ElementId, nodes: &mut Vec<NodeId>) {
-        nodes.push(NodeId(element.0));
-    }
-
-    fn site(&self, element: ElementId, _u: [f32; 2], towards: &mut NodeWeights) -> Site {
-        towards.push(NodeId(element.0), 1.0);
-        self.sites[element.index()]
+impl PointReceivers {
+    /// Measures the nodes of a [`VertexBasis`] at their vertices.
+    ///
+    /// The error falls with the square of the edge length where light is smooth. A vertex inside other geometry sees
+    /// back faces and is found invalid.
+    pub fn at_vertices(basis: &VertexBasis) -> Self {
+        let sites = rings(basis).iter().map(|ring| ring.site(basis.scene())).collect();
+        Self::from_sites(basis.identity().derived("vertices"), sites)
     }
 }
 

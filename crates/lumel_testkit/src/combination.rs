@@ -7,7 +7,7 @@ use std::fmt;
 /// Where the nodes of the vertex basis are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// At vertices: [`VertexReceivers`](lumel_basis::VertexReceivers).
+    /// At vertices: [`PointReceivers`](lumel_basis::PointReceivers).
     Vertex,
     /// Over the triangles around vertices: [`AreaReceivers`](lumel_basis::AreaReceivers).
     VertexArea,

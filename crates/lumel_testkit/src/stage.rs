@@ -6,8 +6,7 @@ use crate::stored::StoredPasses;
 use glam::{DVec3, Vec3};
 use lumel_accel::{Bvh, InstructionSet, RayTracer};
 use lumel_basis::{
-    AreaReceivers, ElementId, Field, PointReceivers, Receivers, VertexBasis, VertexReceivers,
-    reflecting_areas,
+    AreaReceivers, ElementId, Field, PointReceivers, Receivers, VertexBasis, reflecting_areas,
 };
 use lumel_scene::{Scene, SceneBuilder};
 use lumel_transport::{Control, CpuTransport, Job, Measured, Plan, Source, Transport, accumulate};
@@ -64,7 +63,7 @@ impl Stage {
     /// The operator of a method.
     pub fn operator(&self, method: Method, plan: Plan) -> Operator {
         let transport = match method.storage {
-            Storage::Vertex => self.towards(method.solver, VertexReceivers::new(&self.basis), plan),
+            Storage::Vertex => self.towards(method.solver, PointReceivers::at_vertices(&self.basis), plan),
             Storage::VertexArea => self.towards(method.solver, AreaReceivers::new(self.basis.clone()), plan),
         };
         Operator { basis: self.basis.clone(), transport, storage: method.storage }
@@ -118,7 +117,7 @@ impl Stage {
     pub fn expected(&self, operator: &Operator, f: &dyn Fn(DVec3, DVec3) -> f64) -> Vec<f64> {
         match operator.storage {
             Storage::Vertex => {
-                let receivers = VertexReceivers::new(&self.basis);
+                let receivers = PointReceivers::at_vertices(&self.basis);
                 (0..receivers.element_count() as u32)
                     .map(|e| receivers.central_site(ElementId(e)))
                     .map(|site| f(site.origin.as_dvec3(), site.frame.normal.as_dvec3()))

@@ -4,7 +4,7 @@
 
 use lumel_basis::{
     Adjacency, AreaReceivers, Basis, ElementId, Identity, NodeId, NodeWeights, PointReceivers, Receivers,
-    Sampling, Site, VertexBasis, VertexReceivers,
+    Sampling, Site, VertexBasis,
 };
 use lumel_scene::{Scene, SurfacePoint, TriId};
 use lumel_testkit::laws::{Law, assert_basis_laws, assert_receiver_laws, basis_laws, receiver_laws, scenes};
@@ -17,7 +17,7 @@ type MakeReceivers = fn(Arc<Scene>) -> Box<dyn Receivers>;
 const BASES: [(&str, MakeBasis); 1] = [("vertices", |scene| Box::new(VertexBasis::new(scene)))];
 
 const RECEIVERS: [(&str, MakeReceivers); 3] = [
-    ("at vertices", |scene| Box::new(VertexReceivers::new(&VertexBasis::new(scene)))),
+    ("at vertices", |scene| Box::new(PointReceivers::at_vertices(&VertexBasis::new(scene)))),
     ("over areas", |scene| Box::new(AreaReceivers::new(Arc::new(VertexBasis::new(scene))))),
     ("at points", |scene| Box::new(centres(&scene))),
 ];

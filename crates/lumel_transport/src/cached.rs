@@ -362,10 +362,10 @@ mod tests {
     use crate::hemisphere;
     use crate::{Plan, accumulate};
     use lumel_accel::Bvh;
-    use lumel_basis::{Field, VertexBasis, VertexReceivers};
+    use lumel_basis::{Field, PointReceivers, VertexBasis};
 
     /// Bounces by the definition: where each stored ray ends, light and albedo are looked up and multiplied.
-    struct ByDefinition<'a>(&'a CachedTransport<VertexBasis, VertexReceivers>);
+    struct ByDefinition<'a>(&'a CachedTransport<VertexBasis, PointReceivers>);
 
     impl Transport for ByDefinition<'_> {
         fn shape(&self) -> Shape {
@@ -405,7 +405,7 @@ mod tests {
             let scene = Arc::new(lumel_builtin::scene(name, 0).unwrap().build().unwrap().0);
             let tracer = Arc::new(Bvh::build(&scene));
             let basis = Arc::new(VertexBasis::new(Arc::clone(&scene)));
-            let receivers = Arc::new(VertexReceivers::new(&basis));
+            let receivers = Arc::new(PointReceivers::at_vertices(&basis));
             let plan = Plan { direct_samples: 4, indirect_samples: 128, ..Plan::default() };
             let inner = CpuTransport::new(scene, tracer, basis, receivers, plan);
             let cached = CachedTransport::new(inner, None);

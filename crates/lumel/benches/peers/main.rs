@@ -15,7 +15,7 @@ use lumel::{
     measure_points,
 };
 use lumel_accel::Ray;
-use lumel_basis::{ElementId, PointReceivers, Receivers, VertexBasis, VertexReceivers};
+use lumel_basis::{ElementId, PointReceivers, Receivers, VertexBasis};
 use lumel_sample::{Dim, Sampler, StreamKey};
 use lumel_scene::{Light, TriId};
 use serde_json::json;
@@ -64,7 +64,7 @@ fn settings() -> Settings {
 
 /// Origin and normal of all nodes of the vertex basis.
 fn receivers(scene: &Arc<Scene>) -> Vec<[Vec3; 2]> {
-    let receivers = VertexReceivers::new(&VertexBasis::new(Arc::clone(scene)));
+    let receivers = PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene)));
     let site = |e| receivers.central_site(ElementId(e));
     (0..receivers.element_count() as u32).map(site).map(|site| [site.origin, site.frame.normal]).collect()
 }

@@ -1,7 +1,7 @@
 //! Samples in portions, and measuring some nodes only.
 
 use glam::Vec3;
-use lumel_basis::{AreaReceivers, Field, Receivers, VertexBasis, VertexReceivers};
+use lumel_basis::{AreaReceivers, Field, PointReceivers, Receivers, VertexBasis};
 use lumel_scene::{Light, Scene};
 use lumel_testkit::measure;
 use lumel_testkit::mesh::{Facing, cuboid};
@@ -55,7 +55,7 @@ fn two_halves_of_the_samples_are_the_whole() {
     let (_, basis, field) = room();
     let all = vec![true; field.node_count()];
     let whole = Plan { direct_samples: 32, indirect_samples: 32, ..PLAN };
-    let at_vertices = || transport(&basis, VertexReceivers::new(&basis), PLAN);
+    let at_vertices = || transport(&basis, PointReceivers::at_vertices(&basis), PLAN);
     let plain = at_vertices();
     let cached = CachedTransport::new(at_vertices(), None);
     let second = Plan { range: SampleRange::Second, ..PLAN };
@@ -99,6 +99,6 @@ fn some_nodes_are_measured_as_they_are_among_all() {
         assert_eq!(cached.elements_towards(&vec![false; field.node_count()]), 0);
     }
     let (_, basis, field) = room();
-    check(&basis, VertexReceivers::new(&basis), &field);
+    check(&basis, PointReceivers::at_vertices(&basis), &field);
     check(&basis, AreaReceivers::new(basis.clone()), &field);
 }
