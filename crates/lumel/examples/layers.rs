@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p lumel --example layers`
 
+#![allow(clippy::print_stdout, reason = "an example is a program")]
+
 use lumel::{Bake, OpenOptions, PointLight, Preset, Vec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

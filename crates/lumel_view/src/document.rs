@@ -156,7 +156,12 @@ impl Document {
     pub fn relit(&self, lights: &[EditLight]) -> Result<Arc<Scene>, String> {
         let editable = shining(lights).into_iter().map(Light::Rect);
         let all = editable.chain(self.other_lights.iter().copied()).collect();
-        self.scene.relit(all).map(Arc::new).map_err(|e| error_text(&e))
+        let scene = self.scene.relit(all).map_err(|e| error_text(&e))?;
+        let on = lights.iter().filter(|light| light.on).map(|light| light.name.clone());
+        let given = self.scene.lights().iter().zip(self.scene.light_names());
+        let others =
+            given.filter(|(light, _)| !matches!(light, Light::Rect(_))).map(|(_, name)| name.clone());
+        Ok(Arc::new(scene.with_light_names(on.chain(others).collect())))
     }
 
     /// Whether the scene has any light source with these lights, emissive surfaces included.

@@ -82,6 +82,19 @@ pub struct Illumination {
     pub valid: Arc<Vec<bool>>,
     /// Standard error of the sum, where it is known.
     pub standard_error: Option<VertexValues>,
+    /// The parts of all light that single lights cause, where a solve with layers has told them apart.
+    pub layers: Vec<Layer>,
+}
+
+/// The light of one light, or of all that share its name.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Its name.
+    pub name: String,
+    /// Its part of all light.
+    pub values: VertexValues,
+    /// What it is multiplied by where all light is shown; 1 as solved.
+    pub share: f32,
 }
 
 /// Numbers solves and files.
@@ -103,8 +116,24 @@ impl Illumination {
         self.bounces.len() + usize::from(self.current.is_some())
     }
 
-    /// The chosen part at all of `n` vertices, W·m⁻²; zero where there is none.
+    /// Whether all light is shown with a layer dimmed or brightened.
+    pub fn is_mixed(&self) -> bool {
+        self.layers.iter().any(|layer| layer.share != 1.0)
+    }
+
+    /// All light with each layer times its share, which needs no solve.
+    fn mixed(&self, n: usize) -> Vec<Vec3> {
+        let part = |layer: &Layer, v: usize| layer.values[v].as_dvec3() * f64::from(layer.share);
+        let at = |v| self.layers.iter().map(|layer| part(layer, v)).sum::<DVec3>();
+        (0..n).map(|v| at(v).as_vec3()).collect()
+    }
+
+    /// The chosen part at all of `n` vertices, W·m⁻²; zero where there is none. All light is that of the layers if they
+    /// are mixed; bounces stay as solved.
     pub fn select(&self, selection: Selection, n: usize) -> Vec<Vec3> {
+        if selection.is_all() && self.is_mixed() {
+            return self.mixed(n);
+        }
         if let Some(sum) = &self.sum_only {
             return if selection.is_all() { sum.to_vec() } else { vec![Vec3::ZERO; n] };
         }
@@ -153,6 +182,21 @@ mod tests {
         assert_eq!(sum.select(Selection::DIRECT, 2), [Vec3::ZERO; 2]);
         assert!(!sum.is_empty() && sum.bounce_count() == 0);
         assert_eq!(Illumination::default().select(Selection::All, 2), [Vec3::ZERO; 2]);
+    }
+
+    #[test]
+    fn a_dimmed_layer_dims_its_part_of_all_light_and_no_bounce() {
+        let layer = |x: f32, share| Layer {
+            name: "lamp".to_owned(),
+            values: Arc::new(vec![Vec3::splat(x), Vec3::splat(10.0 * x)]),
+            share,
+        };
+        let mut light = light();
+        light.layers = vec![layer(11.0, 1.0), layer(20.0, 1.0)];
+        assert!(!light.is_mixed() && light.select(Selection::All, 2)[0].x == 31.0);
+        light.layers[1].share = 0.25;
+        assert_eq!(light.select(Selection::All, 2), [Vec3::splat(16.0), Vec3::splat(160.0)]);
+        assert_eq!(light.select(Selection::DIRECT, 2)[0].x, 1.0);
     }
 
     #[test]

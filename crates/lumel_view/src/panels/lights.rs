@@ -29,6 +29,7 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
         }
     });
     list(session, ui);
+    layers(session, ui);
     let Some(light) = session.active_light() else {
         let others = session.document.as_ref().map_or(0, |d| d.other_lights.len());
         let text = if others > 0 {
@@ -68,6 +69,27 @@ fn list(session: &mut Session, ui: &mut Ui) {
     }
     if let Some(i) = chosen {
         session.active = i;
+    }
+}
+
+/// Dims the layers of the light on the surfaces, if a solve has told them apart.
+fn layers(session: &mut Session, ui: &mut Ui) {
+    if session.light.layers.is_empty() {
+        return;
+    }
+    heading(ui, "Layers");
+    let mut changed = false;
+    for layer in &mut session.light.layers {
+        let text =
+            "What all light is shown with of this layer: 1 as solved. Needs no solve, and files keep 1";
+        changed |= slider(ui, &layer.name, text, Slider::new(&mut layer.share, 0.0..=2.0)).changed();
+    }
+    if session.light.is_mixed() && ui.button("Reset layers").clicked() {
+        session.light.layers.iter_mut().for_each(|layer| layer.share = 1.0);
+        changed = true;
+    }
+    if changed {
+        session.light_generation += 1;
     }
 }
 

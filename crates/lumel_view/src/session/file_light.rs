@@ -1,7 +1,7 @@
 //! Light from files and into files.
 
-use crate::selection::Illumination;
-use lumel::{LightFile, Solution};
+use crate::selection::{Illumination, Layer};
+use lumel::{LightFile, Solution, SolutionLayer};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -39,6 +39,10 @@ pub fn light_from(file: &LightFile) -> Illumination {
     }
 }
 
+fn layer(layer: &SolutionLayer) -> Layer {
+    Layer { name: layer.name.clone(), values: Arc::new(layer.irradiance.clone()), share: 1.0 }
+}
+
 fn light_of_solution(solution: &Solution) -> Illumination {
     let sum_only = solution.bounces.is_empty().then(|| Arc::new(solution.irradiance.clone()));
     Illumination {
@@ -49,5 +53,6 @@ fn light_of_solution(solution: &Solution) -> Illumination {
         sum_only,
         valid: Arc::new(solution.valid.clone()),
         standard_error: solution.standard_error.clone().map(Arc::new),
+        layers: solution.layers.iter().map(layer).collect(),
     }
 }

@@ -7,7 +7,7 @@ use crate::recovery::{LeftBehind, Note, Recovery};
 use crate::selection::{Illumination, Selection};
 use crate::slots::Slots;
 use crate::solver::{Keep, SolveStart};
-use lumel::{LightEntry, LightFile, Solution, TargetError};
+use lumel::{LightEntry, LightFile, Solution, SolutionLayer, TargetError};
 
 impl Session {
     /// Whether there is light that the user has not saved.
@@ -151,7 +151,14 @@ impl Session {
     pub fn solution(&self) -> Option<Solution> {
         let (document, computed) = (self.document.as_ref()?, self.computed.as_ref()?);
         let scene = &document.scene;
-        let light = Illumination { current: None, ..self.light.clone() };
+        // A file holds all light as solved, whatever layers are dimmed in the window.
+        let layers = self
+            .light
+            .layers
+            .iter()
+            .map(|layer| SolutionLayer { name: layer.name.clone(), irradiance: layer.values.to_vec() });
+        let layers = layers.collect();
+        let light = Illumination { current: None, layers: Vec::new(), ..self.light.clone() };
         let n = scene.vertex_count();
         let settings = computed.settings().and_then(|s| serde_json::to_value(s).ok()).unwrap_or_default();
         let mut meta = match &computed.file {
@@ -169,7 +176,7 @@ impl Session {
             tail: light.tail.as_ref().map(|t| t.to_vec()),
             valid,
             standard_error: light.standard_error.as_ref().map(|e| e.to_vec()),
-            layers: Vec::new(),
+            layers,
         })
     }
 }

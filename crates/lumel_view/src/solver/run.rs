@@ -3,7 +3,8 @@
 use super::published::{Ending, Phase, Shared, lock};
 use super::publisher::Publisher;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
-use lumel::{Control, SolveState, Tracker};
+use crate::selection::Layer;
+use lumel::{Baker, Control, SolveState, Tracker};
 use lumel_basis::Field;
 use std::sync::Arc;
 
@@ -49,10 +50,12 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     });
     let tail = beyond_bounces(&state).map(|tail| Arc::new(baker.at_vertices(&tail)));
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
+    let layers = layers(&baker, &state);
     shared.publish_light(|p| {
         p.light.current = None;
         p.light.tail = tail;
         p.light.valid = valid;
+        p.light.layers = layers;
     });
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
     match result {
@@ -60,6 +63,13 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
         Err(lumel::SolveError::Cancelled) => Ending::Stopped,
         Err(error) => Ending::Failed(error.to_string()),
     }
+}
+
+/// The layers of a state, none of them dimmed.
+fn layers(baker: &Baker, state: &SolveState) -> Vec<Layer> {
+    let names = lumel::light_layers(baker.scene(), baker.settings()).into_iter().map(|layer| layer.name);
+    let layer = |(name, field)| Layer { name, values: Arc::new(baker.at_vertices(field)), share: 1.0 };
+    names.zip(&state.layers).map(layer).collect()
 }
 
 /// What the sum of the bounces lacks of all light: the tail, or what a final gather has made different.
