@@ -9,6 +9,7 @@ mod expected;
 mod files;
 mod hands;
 mod harness;
+mod layers;
 mod lights;
 mod live;
 mod measure;
