@@ -1,50 +1,7 @@
 //! A space of functions on the surfaces.
 
-use crate::{Adjacency, Identity};
-use lumel_scene::SurfacePoint;
-
-/// A coefficient of a field.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NodeId(pub u32);
-
-impl NodeId {
-    /// The index as a `usize`, for slices.
-    #[inline]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// Nodes and their weights; kept between calls so that nothing is allocated per ray.
-#[derive(Clone, Debug, Default)]
-pub struct NodeWeights(Vec<(NodeId, f32)>);
-
-impl NodeWeights {
-    /// Removes all nodes.
-    pub fn clear(&mut self) {
-        self.0.clear();
-    }
-
-    /// Adds a node.
-    pub fn push(&mut self, node: NodeId, weight: f32) {
-        self.0.push((node, weight));
-    }
-
-    /// Number of nodes.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Whether there are no nodes.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    /// The nodes and their weights.
-    pub fn iter(&self) -> impl Iterator<Item = (NodeId, f32)> + '_ {
-        self.0.iter().copied()
-    }
-}
+use crate::{Adjacency, Field, Identity, NodeId, NodeWeights};
+use lumel_scene::{Irradiance, SurfacePoint};
 
 /// A space of functions on the surfaces of a scene: what the coefficients of a [`Field`](crate::Field) mean.
 ///
@@ -80,4 +37,19 @@ pub trait Basis: Send + Sync {
 
     /// Which nodes are next to each other.
     fn adjacency(&self) -> &Adjacency;
+}
+
+impl Field {
+    /// The irradiance at a surface point; `weights` is scratch space.
+    #[inline]
+    pub fn at<B: Basis + ?Sized>(
+        &self,
+        basis: &B,
+        at: SurfacePoint,
+        weights: &mut NodeWeights,
+    ) -> Irradiance {
+        weights.clear();
+        basis.weights_at(at, weights);
+        weights.iter().map(|(node, weight)| self.node(node) * weight).sum()
+    }
 }

@@ -1,8 +1,8 @@
 //! Light as a vector of coefficients.
 
-use crate::{Basis, NodeId, NodeWeights};
+use crate::NodeId;
 use glam::{DVec3, Vec3};
-use lumel_scene::{Irradiance, SurfacePoint};
+use lumel_scene::Irradiance;
 
 /// Light in a basis: `channels` coefficients per node, W·m⁻².
 ///
@@ -70,19 +70,6 @@ impl Field {
     /// All coefficients, to change.
     pub fn values_mut(&mut self) -> &mut [Vec3] {
         &mut self.values
-    }
-
-    /// The irradiance at a surface point; `weights` is scratch space.
-    #[inline]
-    pub fn at<B: Basis + ?Sized>(
-        &self,
-        basis: &B,
-        at: SurfacePoint,
-        weights: &mut NodeWeights,
-    ) -> Irradiance {
-        weights.clear();
-        basis.weights_at(at, weights);
-        weights.iter().map(|(node, weight)| self.node(node) * weight).sum()
     }
 
     /// The sum of several fields over the same nodes and channels, rounded once; one channel of darkness for none.

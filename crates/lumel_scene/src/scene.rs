@@ -223,7 +223,8 @@ impl Scene {
     /// Corner positions of a triangle.
     #[inline]
     pub fn triangle_positions(&self, tri: TriId) -> [Vec3; 3] {
-        self.triangle(tri).map(|v| self.unlit.faces.positions[v as usize])
+        let ([a, b, c], positions) = (self.triangle(tri), &self.unlit.faces.positions);
+        [positions[a as usize], positions[b as usize], positions[c as usize]]
     }
 
     /// The object a triangle belongs to.

@@ -10,6 +10,7 @@ use crate::plan::Plan;
 use crate::reflectance::{Reflectance, Reflected, unpacked};
 use crate::rows::{Rows, RowsKey};
 use crate::scatter::scattered;
+use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
 use glam::{DVec3, Vec4};
@@ -196,10 +197,11 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         control: &Control,
     ) -> Result<Sums, TransportError> {
         let (inner, samples) = (&self.inner, self.rows.key.per_element);
-        let (mut sums, mut weights) = (Sums::default(), NodeWeights::default());
+        let (mut sums, mut towards) = (Sums::default(), ElementSums::default());
+        let mut weights = NodeWeights::default();
         for (e, &element) in rows.elements.iter().enumerate().filter(|(_, e)| job.measures(**e)) {
             control.check()?;
-            let (first, key) = (sums.len(), shared_key(&self.rows.key, element));
+            let key = shared_key(&self.rows.key, element);
             trace::area_samples(inner, element, samples, key, control, |sample| {
                 let at = e * samples as usize + sample.index as usize;
                 if rows.ends[at] == StoredEnd::INSIDE {
@@ -207,10 +209,12 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                 }
                 let albedo = albedos.map(|a| a[at]);
                 let value = reflected.at(&inner.scene, &*inner.basis, rows.ends[at], albedo, &mut weights);
+                let value = value.truncate().as_dvec3();
                 for (node, weight) in sample.towards.iter() {
-                    sums.add_from(first, node, weight.into(), value.truncate().as_dvec3());
+                    towards.add(node, weight.into(), value);
                 }
             })?;
+            sums.append(&mut towards);
         }
         Ok(sums)
     }

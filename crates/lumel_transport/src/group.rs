@@ -41,7 +41,7 @@ impl Group {
     }
 
     fn sums(&self, mut push: impl FnMut(&mut Sums, usize, lumel_basis::NodeId, f64)) -> Sums {
-        let mut sums = Sums::default();
+        let mut sums = Sums::with_capacity(self.towards.len());
         let mut towards = self.towards.iter();
         let mut begin = 0;
         for (i, &end) in self.ends.iter().enumerate() {

@@ -12,6 +12,7 @@ use crate::job::{Control, Job, Source, TransportError};
 use crate::light_points::LightPoints;
 use crate::operator::CpuTransport;
 use crate::shadow_rays::Tally;
+use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
 use glam::DVec3;
@@ -122,10 +123,11 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
     let requested = if mask.is_some() { plan.direct_samples } else { plan.indirect_samples };
     let samples = plan.samples(requested, Sampling::Area);
     let direct = mask.map(|mask| direct(op, mask, control));
-    let (mut sums, mut reader) = (Sums::default(), Reader::new(op, job.source));
+    let (mut sums, mut towards) = (Sums::default(), ElementSums::default());
+    let mut reader = Reader::new(op, job.source);
     for &element in elements {
         control.check()?;
-        let (first, mut n_rays) = (sums.len(), 0);
+        let mut n_rays = 0;
         trace::area_samples(op, element, samples, op.key(job, element), control, |sample| {
             let Some(end) = trace::from_area(op, sample, &mut n_rays) else { return };
             let mut value = reader.read(&end);
@@ -136,9 +138,10 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
                 n_rays += tally.n_rays;
             }
             for (node, weight) in sample.towards.iter() {
-                sums.add_from(first, node, weight.into(), value);
+                towards.add(node, weight.into(), value);
             }
         })?;
+        sums.append(&mut towards);
         control.count(0, n_rays);
     }
     Ok(sums)

@@ -22,6 +22,12 @@ pub struct Sums {
 }
 
 impl Sums {
+    /// No entries yet, with room for some of one channel.
+    pub fn with_capacity(entries: usize) -> Self {
+        let (nodes, weights) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
+        Self { nodes, weights, values: Vec::with_capacity(entries), back_faces: Vec::new() }
+    }
+
     /// Number of entries.
     pub fn len(&self) -> usize {
         self.nodes.len()
@@ -45,16 +51,31 @@ impl Sums {
         self.back_faces.push(share * weight);
     }
 
-    /// Adds a measurement of irradiance to the entry of its node from entry `first` on, or as a new one.
-    ///
-    /// For the few nodes of one element; looks through all entries from `first`.
-    pub fn add_from(&mut self, first: usize, node: NodeId, weight: f64, value: DVec3) {
-        match self.nodes[first..].iter().position(|&known| known == node) {
-            Some(i) => {
-                self.weights[first + i] += weight;
-                self.values[first + i] += value * weight;
+    /// Adds an entry for each node of an element, and empties the element.
+    pub(crate) fn append(&mut self, element: &mut ElementSums) {
+        for (node, weight, value) in element.0.drain(..) {
+            self.nodes.push(node);
+            self.weights.push(weight);
+            self.values.push(value);
+        }
+    }
+}
+
+/// Sums of the few nodes of one element, whose measurements come one by one.
+#[derive(Debug, Default)]
+pub(crate) struct ElementSums(Vec<(NodeId, f64, DVec3)>);
+
+impl ElementSums {
+    /// Adds a measurement of irradiance.
+    #[inline]
+    pub(crate) fn add(&mut self, node: NodeId, weight: f64, value: DVec3) {
+        let value = value * weight;
+        match self.0.iter_mut().find(|(known, ..)| *known == node) {
+            Some((_, sum_of_weights, sum)) => {
+                *sum_of_weights += weight;
+                *sum += value;
             }
-            None => self.push(node, weight, value),
+            None => self.0.push((node, weight, value)),
         }
     }
 }
@@ -65,10 +86,13 @@ mod tests {
 
     #[test]
     fn measurements_of_one_element_share_an_entry_per_node() {
-        let mut sums = Sums::default();
+        let (mut sums, mut element) = (Sums::default(), ElementSums::default());
         sums.push(NodeId(1), 1.0, DVec3::ONE);
-        sums.add_from(1, NodeId(1), 2.0, DVec3::ONE);
-        sums.add_from(1, NodeId(1), 1.0, DVec3::splat(4.0));
+        element.add(NodeId(1), 2.0, DVec3::ONE);
+        element.add(NodeId(1), 1.0, DVec3::splat(4.0));
+        sums.append(&mut element);
         assert_eq!((sums.len(), sums.weights[1], sums.values[1]), (2, 3.0, DVec3::splat(6.0)));
+        sums.append(&mut element);
+        assert_eq!(sums.len(), 2);
     }
 }

@@ -59,6 +59,7 @@ pub(crate) struct AreaSample<'a> {
 }
 
 /// The samples of an element with an area.
+#[inline]
 pub(crate) fn area_samples<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     element: ElementId,
@@ -80,6 +81,7 @@ pub(crate) fn area_samples<B: Basis, R: Receivers>(
 }
 
 /// Where the ray of a sample ends, and how many rays that took; `None` if the sample lies inside geometry.
+#[inline]
 pub(crate) fn from_area<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     sample: &AreaSample<'_>,
