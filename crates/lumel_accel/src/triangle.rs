@@ -2,7 +2,7 @@
 //!
 //! Whether a ray passes through a triangle is decided by the signs of three edge functions, and these must not be
 //! wrong: a ray that two neighbours both let through leaks. Single precision is enough for nearly all rays; it comes
-//! with a bound of its error, and what lies within the bound is decided anew by [`passes`], exactly. So nothing passes
+//! with a bound of its error, and what lies within the bound is decided by [`passes`], exactly. So nothing passes
 //! between neighbours, and the answer does not depend on who asks.
 //!
 //! Distance and barycentrics come from single precision, by the same operations in the same order in all kernels. So

@@ -27,7 +27,7 @@ pub(crate) fn furnace(subdivide: u32) -> SceneBuilder {
             add_quad(&mut cube, MaterialId(0), corners, [FURNACE_CELLS << subdivide; 2]);
         }
     }
-    let mut material = Material::diffuse("glowing grey", Vec3::splat(0.5));
+    let mut material = Material::diffuse("emissive grey", Vec3::splat(0.5));
     material.emission = Radiosity::splat(1.0).radiance();
     SceneBuilder {
         name: "furnace".to_owned(),
@@ -52,7 +52,7 @@ pub(crate) fn sphere(subdivide: u32) -> SceneBuilder {
     mesh.uvs = mesh.positions.iter().map(|p| Vec2::new(0.5, 0.5 - 0.25 * p.z)).collect();
     let mut ramp = Texture::from_floats("emission ramp", 1, 2, vec![[2.0; 3], [0.0; 3]]);
     ramp.iter_mut().for_each(|ramp| ramp.wrap_v = Wrap::Clamp);
-    let mut material = Material::diffuse("glowing sphere", Vec3::splat(BRIGHTEST));
+    let mut material = Material::diffuse("emissive sphere", Vec3::splat(BRIGHTEST));
     material.emission = Radiosity::splat(1.0).radiance();
     material.emission_texture = Some(TextureRef::plain(TextureId(0)));
     SceneBuilder {

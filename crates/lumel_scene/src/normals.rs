@@ -69,7 +69,10 @@ fn given_normals(mesh: &ObjectMesh, warnings: &mut Warnings) -> Vec<Option<Vec3>
     let given = mesh.normals.iter().map(&mut usable).collect();
     if n_bad > 0 {
         let subject = format!("object \"{}\"", mesh.name);
-        warnings.push(subject, format!("{n_bad} normals are not finite numbers: made anew from the faces"));
+        warnings.push(
+            subject,
+            format!("{n_bad} normals are not finite numbers: replaced by normals of the faces"),
+        );
     }
     given
 }

@@ -1,7 +1,7 @@
 //! The laws that every basis and all receivers keep, from one test body.
 //!
 //! A new basis or new receivers call [`assert_basis_laws`] or [`assert_receiver_laws`] on the scenes of
-//! [`scenes`](crate::laws::scenes). [`basis_laws`] and [`receiver_laws`] return the first violation instead, so that tests can show
+//! [`scenes`]. [`basis_laws`] and [`receiver_laws`] return the first violation instead, so that tests can show
 //! that each law fails when it is broken.
 
 mod basis;

@@ -1,7 +1,7 @@
 //! The rows of the discrete transport operator: where all of its hemisphere rays end.
 //!
 //! Directions do not depend on the bounce, nor on lights or materials: what is stored here serves every bounce, and a
-//! scene that is lit anew.
+//! scene under other lights.
 
 use crate::ends::StoredEnd;
 use crate::order::CHUNK;

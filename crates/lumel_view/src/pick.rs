@@ -46,7 +46,7 @@ pub struct Pick {
 /// The lit surface that is seen at a point of the picture, 0..=1 from its top left.
 pub fn spot(scene: &Scene, tracer: &dyn RayTracer, camera: &Camera, aspect: f32, at: Vec2) -> Option<Spot> {
     let ray = Lens::new(camera, aspect).ok()?.ray(at);
-    // As in the picture, one looks through the backs of one-sided faces.
+    // As in the picture, one looks through back faces.
     let dark = |_: SurfacePoint, _: Vec3| Irradiance::ZERO;
     View::new(scene, tracer, &dark).surface(ray).map(|at| spot_at(scene, at))
 }

@@ -49,7 +49,7 @@ pub(crate) fn shine(scene: &Scene) -> Vec<Vec3> {
     scene.positions().iter().zip(scene.normals()).map(at).collect()
 }
 
-/// All that a scene can have: textures of every kind, wrapped, mirrored and turned, on both sides; tints; glowing and
+/// All that a scene can have: textures of every kind, wrapped, mirrored and turned, on both sides; tints; emissive and
 /// normal-mapped faces; rectangle lights with and without an image; a sky.
 pub(crate) fn everything() -> Subject {
     let mut builder = SceneBuilder { name: "everything".to_owned(), ..SceneBuilder::default() };
@@ -63,14 +63,14 @@ pub(crate) fn everything() -> Subject {
         sides: Sides::Both,
         ..Material::diffuse("both", Vec3::new(0.9, 0.8, 0.7))
     };
-    let glowing = Material {
+    let emissive = Material {
         emission: Radiance(Vec3::new(0.5, 0.4, 0.3)),
         emission_texture: map(1, UvTransform { scale: Vec2::splat(1.7), ..UvTransform::default() }),
-        ..Material::diffuse("glowing", Vec3::splat(0.2))
+        ..Material::diffuse("emissive", Vec3::splat(0.2))
     };
     let grey = Material::diffuse("grey", Vec3::splat(0.7));
     let bumpy = Material { normal_texture: map(2, UvTransform::default()), ..grey.clone() };
-    builder.materials = vec![both, glowing, grey, bumpy];
+    builder.materials = vec![both, emissive, grey, bumpy];
     builder.objects = objects();
     let rect_light = |center, texture| {
         Light::Rect(RectLight {

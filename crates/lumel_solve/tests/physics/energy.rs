@@ -20,7 +20,7 @@ fn plan(sampler: SamplerKind, n_rays: u32) -> Plan {
     }
 }
 
-/// A cube of six greys with a box that floats in it; only the ceiling glows.
+/// A cube of six greys with a box that floats in it; only the ceiling emits.
 fn cluttered() -> SceneBuilder {
     let albedos = [0.5, 0.8, 0.7, 0.3, 0.75, 0.6];
     let mut builder = cube(2, albedos.map(|albedo| grey(albedo, 0.0)));

@@ -1,4 +1,4 @@
-//! Closed rooms whose walls all glow and reflect alike: every point sees the same light.
+//! Closed rooms whose walls all emit and reflect alike: every point sees the same light.
 
 use crate::{mean, solved, solved_by};
 use glam::Vec3;
@@ -47,28 +47,28 @@ fn assert_furnace(name: &str, make: impl Fn(f32) -> SceneBuilder, n_rays: u32) {
     }
 }
 
-fn glowing_cube(albedo: f32) -> SceneBuilder {
+fn emissive_cube(albedo: f32) -> SceneBuilder {
     cube(3, [(); 6].map(|()| grey(albedo, 1.0)))
 }
 
 fn with(occluder: Vec<ObjectMesh>, albedo: f32) -> SceneBuilder {
-    let mut builder = glowing_cube(albedo);
+    let mut builder = emissive_cube(albedo);
     builder.objects.extend(occluder);
     builder
 }
 
 #[test]
-fn a_glowing_cube_is_the_geometric_series_in_every_vertex_with_one_ray() {
-    assert_furnace("cube", glowing_cube, 1);
+fn an_emissive_cube_is_the_geometric_series_in_every_vertex_with_one_ray() {
+    assert_furnace("cube", emissive_cube, 1);
 }
 
 #[test]
-fn a_glowing_cube_stays_so_with_many_rays() {
-    assert_furnace("cube", glowing_cube, 64);
+fn an_emissive_cube_stays_so_with_many_rays() {
+    assert_furnace("cube", emissive_cube, 64);
 }
 
 #[test]
-fn a_glowing_sphere_is_the_geometric_series_with_one_ray() {
+fn an_emissive_sphere_is_the_geometric_series_with_one_ray() {
     let ball = |albedo| {
         let mesh = sphere(Vec3::new(0.3, -0.2, 0.1), 1.0, 2, Facing::Inward, 0);
         scene(vec![mesh], vec![grey(albedo, 1.0)], vec![])
@@ -77,7 +77,7 @@ fn a_glowing_sphere_is_the_geometric_series_with_one_ray() {
 }
 
 #[test]
-fn a_coarse_glowing_sphere_loses_no_ray_of_many() {
+fn a_coarse_emissive_sphere_loses_no_ray_of_many() {
     // Twenty faces: around each corner the next ones rise steeply.
     let ball = |albedo| {
         let mesh = sphere(Vec3::ZERO, 1.0, 0, Facing::Inward, 0);
@@ -111,7 +111,7 @@ fn tetrahedron(albedo: f32) -> SceneBuilder {
 }
 
 #[test]
-fn closed_forms_of_a_glowing_tetrahedron_add_up_without_noise() {
+fn closed_forms_of_an_emissive_tetrahedron_add_up_without_noise() {
     let stage = Stage::new(tetrahedron(0.5));
     for sampler in SamplerKind::ALL {
         let plan = Plan { sampler, emitters: EmitterSampling::Lights, direct_samples: 16, ..Plan::default() };

@@ -68,7 +68,7 @@ fn every_vertex_of_the_builtin_sphere_gets_two() {
 
 #[test]
 fn two_concentric_spheres_exchange_what_their_areas_say() {
-    // Radii 1/2 and 1, albedos 0.5 and 0.8, the inner one glows: B = 4/3 and 2/3. The polyhedra have the areas of the
+    // Radii 1/2 and 1, albedos 0.5 and 0.8, the inner one emits: B = 4/3 and 2/3. The polyhedra have the areas of the
     // spheres and the inner one is convex, so that 1 and 1/4 are their form factors exactly.
     let level = 2;
     let ball = |r, facing, m| sphere(Vec3::ZERO, equal_area_radius(r, level), level, facing, m);

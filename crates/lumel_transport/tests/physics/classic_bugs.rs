@@ -58,7 +58,7 @@ fn no_sample_leaves_the_light() {
     let z = 0.999;
     let opening = [0.49, 1.51];
     let strip = |x: [f32; 2], y: [f32; 2]| {
-        // Facing down: area sampling takes the backs of surfaces for the inside of something.
+        // Facing down: area sampling takes back faces for the inside of something.
         let corners = [[0, 0], [0, 1], [1, 1], [1, 0]].map(|[i, j]| Vec3::new(x[i], y[j], z));
         quad(corners, [1, 1], 0)
     };

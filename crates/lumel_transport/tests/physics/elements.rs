@@ -96,7 +96,7 @@ fn an_element_behind_a_light_gets_nothing() {
     assert_form_factor(light, Vec3::Z, 0.0, "turned away");
 }
 
-/// Measures the light of a glowing mesh of radiosity one by each way that emission can be found.
+/// Measures the light of an emissive mesh of radiosity one by each way that emission can be found.
 #[track_caller]
 fn assert_glow(mesh: lumel_scene::ObjectMesh, points: &[(Vec3, Vec3)], truth: &[f64], what: &str) {
     let materials = vec![grey(0.0, 0.0), grey(0.0, 1.0)];
@@ -130,7 +130,7 @@ fn a_disk_light_made_of_triangles_has_the_form_factor_of_a_disk() {
 }
 
 #[test]
-fn a_glowing_sphere_has_the_form_factor_of_a_sphere() {
+fn an_emissive_sphere_has_the_form_factor_of_a_sphere() {
     let level = 3;
     let radius = mesh::equal_area_radius(1.0, level);
     // Twice the radius away, 60 degrees from the normal: wholly above the horizon.

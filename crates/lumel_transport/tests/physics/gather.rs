@@ -70,7 +70,7 @@ fn reflected_light_of_a_cube_with_constant_walls_is_the_sum_over_its_walls() {
 }
 
 #[test]
-fn glowing_walls_light_the_same_by_rays_and_as_lights() {
+fn emissive_walls_light_the_same_by_rays_and_as_lights() {
     let glow = |w: usize| grey(0.0, (RADIANCES[w] * PI) as f32);
     let stage = Stage::new(cube(1, [glow(0), glow(1), glow(2), glow(3), grey(0.0, 0.0), glow(4)]));
     for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
@@ -226,7 +226,7 @@ fn corners_of_a_room_see_the_whole_room() {
 
 #[test]
 fn the_back_of_a_one_sided_wall_is_black_for_every_basis() {
-    // Half of what a small floor sees is the glowing ceiling of radiosity one, part of it behind a one-sided screen
+    // Half of what a small floor sees is the emissive ceiling of radiosity one, part of it behind a one-sided screen
     // that shows its back: counted as darkness, not as unknown.
     let rectangle = |x: [f32; 2], y: [f32; 2], z, material| {
         let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| Vec3::new(x[i], y[j], z));

@@ -18,7 +18,7 @@ fn screened(floor: Option<(f32, f32)>) -> SceneBuilder {
         let corner = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| Vec3::new(x[i], y[j], z));
         mesh::quad(corner, cells, 0)
     };
-    // The screen faces down: backs of surfaces make area sampling ask whether it is inside something.
+    // The screen faces down: back faces make area sampling ask whether it is inside something.
     let mut objects = vec![rectangle([1.0, 0.0], [-1.0, 1.0], 1.0, [1, 1])];
     objects.extend(floor.map(|(from, to)| rectangle([from, to], [-0.5, 0.5], 0.0, [4, 2])));
     let light = Light::Rect(ceiling_light(Vec3::Z * 2.0, 1.0, 1.0, 1.0));

@@ -87,7 +87,7 @@ impl Session {
         match (ending, running.then) {
             (Ending::Failed(problem), _) => {
                 if self.light.is_empty() {
-                    // What could not be gone on with may still be of use, to another version or with the old mesh.
+                    // What could not be resumed may still be of use, to another version or with the old mesh.
                     self.leave_place();
                 }
                 self.notices.push(Level::Error, format!("The solve failed: {problem}"))
