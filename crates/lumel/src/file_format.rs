@@ -1,7 +1,7 @@
 //! Files of light that a bake writes.
 
 use lumel_export::{
-    ExportError, Exposure, RadFile, Solution, SolutionError, SolutionSelection, write_glb, write_obj,
+    ColorScale, ExportError, RadFile, Solution, SolutionError, SolutionSelection, write_glb, write_obj,
     write_ply,
 };
 use lumel_scene::Scene;
@@ -64,9 +64,9 @@ impl FileFormat {
         let lighting = || solution.lighting(scene, &SolutionSelection::Sum);
         match self {
             Self::Npz => solution.save(path)?,
-            Self::Glb => drop(write_glb(path, scene, &lighting()?, Exposure::Auto)?),
-            Self::Ply => drop(write_ply(path, scene, &lighting()?, Exposure::Auto)?),
-            Self::Obj => drop(write_obj(path, scene, &lighting()?, Exposure::Auto)?),
+            Self::Glb => drop(write_glb(path, scene, &lighting()?, ColorScale::Auto)?),
+            Self::Ply => drop(write_ply(path, scene, &lighting()?, ColorScale::Auto)?),
+            Self::Obj => drop(write_obj(path, scene, &lighting()?, ColorScale::Auto)?),
             Self::Rad => {
                 let rad = RadFile::from_lighting(scene, &lighting()?).map_err(SolutionError::from)?;
                 rad.write(path)?;

@@ -3,70 +3,59 @@
 use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
-use lumel::{Baker, Solution, SolutionSelection};
-use lumel_export::{Exposure, RadFile, check_obj, write_glb, write_obj, write_ply};
+use lumel::{Baker, FileFormat, Solution, SolutionSelection};
+use lumel_export::check_obj;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// What a file contains.
+/// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    /// The solution.
-    Npz,
-    /// The lit mesh.
-    Glb,
-    /// The lit mesh.
-    Ply,
-    /// The lit mesh without irradiance, with its material and texture files.
-    Obj,
-    /// Irradiance divided by π.
-    Rad,
+enum Content {
+    /// Light, or a lit mesh.
+    Light(FileFormat),
     /// A picture.
-    Png,
+    Picture,
 }
 
-/// All formats by their extension.
-const FORMATS: [(&str, Format); 6] = [
-    ("npz", Format::Npz),
-    ("glb", Format::Glb),
-    ("ply", Format::Ply),
-    ("obj", Format::Obj),
-    ("rad", Format::Rad),
-    ("png", Format::Png),
-];
+/// All contents by their extension.
+fn contents() -> impl Iterator<Item = (&'static str, Content)> {
+    let light = FileFormat::ALL.into_iter().map(|(extension, format)| (extension, Content::Light(format)));
+    light.chain([("png", Content::Picture)])
+}
 
 /// A file to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Output {
     /// Its path.
     pub(crate) path: PathBuf,
-    format: Format,
+    content: Content,
 }
 
 impl Output {
     /// A file whose extension selects the format.
     pub(crate) fn new(path: &Path) -> anyhow::Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let Some((_, format)) = FORMATS.iter().find(|(known, _)| *known == extension) else {
-            let all = FORMATS.map(|(extension, _)| format!(".{extension}")).join(", ");
+        let Some((_, content)) = contents().find(|(known, _)| *known == extension) else {
+            let all: Vec<String> = contents().map(|(extension, _)| format!(".{extension}")).collect();
+            let all = all.join(", ");
             let problem = if extension.is_empty() { "no extension" } else { "an unknown extension" };
             return Err(hinted(
                 format!("the output has {problem}: {}", path.display()),
                 format!("use one of {all}"),
             ));
         };
-        Ok(Self { path: path.to_owned(), format: *format })
+        Ok(Self { path: path.to_owned(), content })
     }
 
     /// Whether it is a picture.
     pub(crate) fn is_picture(&self) -> bool {
-        self.format == Format::Png
+        self.content == Content::Picture
     }
 
     /// Checks that the additional files of this format do not replace existing foreign files.
     pub(crate) fn check_company(&self) -> anyhow::Result<()> {
-        if self.format == Format::Obj {
+        if self.content == Content::Light(FileFormat::Obj) {
             check_obj(&self.path)?;
         }
         Ok(())
@@ -80,20 +69,12 @@ impl Output {
         cancel: &AtomicBool,
     ) -> anyhow::Result<u64> {
         let (path, scene) = (&self.path, baker.scene());
-        let lighting = &solution.lighting(scene, &SolutionSelection::Sum)?;
-        match self.format {
-            Format::Npz => solution.save(path)?,
-            Format::Glb => {
-                write_glb(path, scene, lighting, Exposure::Auto)?;
+        match self.content {
+            Content::Light(format) => format.write(path, scene, solution)?,
+            Content::Picture => {
+                let lighting = solution.lighting(scene, &SolutionSelection::Sum)?;
+                picture::write_default(path, scene, &**baker.tracer(), &lighting, cancel)?;
             }
-            Format::Ply => {
-                write_ply(path, scene, lighting, Exposure::Auto)?;
-            }
-            Format::Obj => {
-                write_obj(path, scene, lighting, Exposure::Auto)?;
-            }
-            Format::Rad => RadFile::from_lighting(scene, lighting)?.write(path)?,
-            Format::Png => picture::write_default(path, scene, &**baker.tracer(), lighting, cancel)?,
         }
         Ok(fs::metadata(path).with_context(|| format!("cannot find {}", path.display()))?.len())
     }
@@ -162,8 +143,8 @@ mod tests {
 
     #[test]
     fn extensions_tell_the_format_in_any_case() {
-        assert_eq!(Output::new(Path::new("a.GLB")).unwrap().format, Format::Glb);
-        assert_eq!(Output::new(Path::new("x/a.b.npz")).unwrap().format, Format::Npz);
+        assert_eq!(Output::new(Path::new("a.GLB")).unwrap().content, Content::Light(FileFormat::Glb));
+        assert_eq!(Output::new(Path::new("x/a.b.npz")).unwrap().content, Content::Light(FileFormat::Npz));
         for bad in ["a", "a.mtl", ".npz", "a.npz/"] {
             let result = Output::new(Path::new(bad));
             assert!(result.is_err() || bad.ends_with('/'), "{bad}");

@@ -1,4 +1,4 @@
-//! Exposure and the sRGB curve.
+//! Viewable colours of vertices: their scale and the sRGB curve.
 
 use crate::ExportError;
 use glam::Vec3;
@@ -10,9 +10,9 @@ use std::path::Path;
 /// The fraction of lit vertices that an automatic exposure shows without clipping. The rest are highlights near lights.
 const UNCLIPPED_SHARE: f64 = 0.98;
 
-/// The scale from radiance to display values.
+/// The scale from radiance to the viewable colours that lit meshes carry beside their irradiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Exposure {
+pub enum ColorScale {
     /// Chosen so that a white surface at the 98th percentile of irradiance is displayed as white.
     #[default]
     Auto,
@@ -20,7 +20,7 @@ pub enum Exposure {
     Factor(f32),
 }
 
-impl Exposure {
+impl ColorScale {
     /// The factor of radiance before display: finite and greater than zero.
     pub(crate) fn factor(self, path: &Path, irradiance: &[Vec3]) -> Result<f32, ExportError> {
         match self {
@@ -94,19 +94,19 @@ mod tests {
         let mut irradiance = vec![Vec3::splat(2.0); 98];
         irradiance.extend([Vec3::splat(500.0); 2]);
         irradiance.extend([Vec3::ZERO; 1000]);
-        let exposure = Exposure::Auto.factor(Path::new("x"), &irradiance).unwrap();
+        let exposure = ColorScale::Auto.factor(Path::new("x"), &irradiance).unwrap();
         assert!((white_radiance(irradiance[0]).x * exposure - 1.0).abs() < 1e-6);
     }
 
     #[test]
     fn darkness_and_bad_factors_are_handled() {
-        let factor = |exposure: Exposure, irradiance: &[Vec3]| exposure.factor(Path::new("x"), irradiance);
-        assert_eq!(factor(Exposure::Auto, &[]).unwrap(), 1.0);
-        assert_eq!(factor(Exposure::Auto, &[Vec3::ZERO, -Vec3::ONE]).unwrap(), 1.0);
-        assert_eq!(factor(Exposure::Auto, &[Vec3::splat(1e-44)]).unwrap(), 1.0);
-        assert_eq!(factor(Exposure::Factor(0.25), &[]).unwrap(), 0.25);
+        let factor = |exposure: ColorScale, irradiance: &[Vec3]| exposure.factor(Path::new("x"), irradiance);
+        assert_eq!(factor(ColorScale::Auto, &[]).unwrap(), 1.0);
+        assert_eq!(factor(ColorScale::Auto, &[Vec3::ZERO, -Vec3::ONE]).unwrap(), 1.0);
+        assert_eq!(factor(ColorScale::Auto, &[Vec3::splat(1e-44)]).unwrap(), 1.0);
+        assert_eq!(factor(ColorScale::Factor(0.25), &[]).unwrap(), 0.25);
         for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert!(factor(Exposure::Factor(bad), &[]).is_err());
+            assert!(factor(ColorScale::Factor(bad), &[]).is_err());
         }
     }
 

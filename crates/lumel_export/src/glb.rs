@@ -5,7 +5,7 @@ mod material;
 mod primitive;
 
 use crate::display::finite_irradiance;
-use crate::{ExportError, Exposure, write_atomically};
+use crate::{ColorScale, ExportError, write_atomically};
 use binary::Binary;
 use lumel_basis::Lighting;
 use lumel_scene::Scene;
@@ -38,7 +38,7 @@ pub fn write_glb(
     path: &Path,
     scene: &Scene,
     lighting: &dyn Lighting,
-    exposure: Exposure,
+    exposure: ColorScale,
 ) -> Result<f32, ExportError> {
     let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;

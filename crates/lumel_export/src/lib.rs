@@ -31,7 +31,7 @@ mod solution;
 
 pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
-pub use display::Exposure;
+pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
 pub use glb::write_glb;
 pub use npy::{Array, ArrayData};

@@ -4,7 +4,7 @@ mod material;
 mod name;
 
 use crate::display::{finite_irradiance, seen_radiance, srgb};
-use crate::{ExportError, Exposure, write_atomically};
+use crate::{ColorScale, ExportError, write_atomically};
 use glam::Vec3;
 use lumel_basis::{Lighting, VertexPoints};
 use lumel_scene::{MaterialId, ObjectId, Scene, TriId};
@@ -42,7 +42,7 @@ pub fn write_obj(
     path: &Path,
     scene: &Scene,
     lighting: &dyn Lighting,
-    exposure: Exposure,
+    exposure: ColorScale,
 ) -> Result<f32, ExportError> {
     let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;

@@ -1,7 +1,7 @@
 //! Lit meshes as PLY, for viewers of points and meshes.
 
 use crate::display::{finite_irradiance, seen_radiance, srgb_byte};
-use crate::{ExportError, Exposure, write_atomically};
+use crate::{ColorScale, ExportError, write_atomically};
 use glam::Vec3;
 use lumel_basis::{Lighting, VertexPoints};
 use lumel_scene::Scene;
@@ -20,7 +20,7 @@ pub fn write_ply(
     path: &Path,
     scene: &Scene,
     lighting: &dyn Lighting,
-    exposure: Exposure,
+    exposure: ColorScale,
 ) -> Result<f32, ExportError> {
     let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;

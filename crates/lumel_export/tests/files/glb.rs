@@ -1,7 +1,7 @@
 use crate::scenes::{AtVertices, colourful, light_on, plain};
 use crate::tools::run_if_installed;
 use glam::Vec3;
-use lumel_export::{ExportError, Exposure, write_glb};
+use lumel_export::{ColorScale, ExportError, write_glb};
 use lumel_scene::{Albedo, Irradiance, Scene};
 use serde_json::Value;
 use std::fs;
@@ -85,7 +85,7 @@ fn number(value: &Value) -> usize {
     value.as_u64().unwrap_or_default() as usize
 }
 
-fn written(scene: &Scene, exposure: Exposure) -> (Glb, f32) {
+fn written(scene: &Scene, exposure: ColorScale) -> (Glb, f32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     let exposure = write_glb(&path, scene, &AtVertices(light_on(scene)), exposure).unwrap();
@@ -95,7 +95,7 @@ fn written(scene: &Scene, exposure: Exposure) -> (Glb, f32) {
 #[test]
 fn every_number_is_where_its_description_says() {
     let scene = colourful();
-    let (glb, _) = written(&scene, Exposure::Auto);
+    let (glb, _) = written(&scene, ColorScale::Auto);
     let mut n_triangles = 0;
     for primitive in glb.primitives() {
         let attributes = &primitive["attributes"];
@@ -136,7 +136,7 @@ fn every_number_is_where_its_description_says() {
 fn irradiance_is_exact_and_what_is_seen_is_displayed_radiance() {
     let scene = colourful();
     let light = light_on(&scene);
-    let (glb, exposure) = written(&scene, Exposure::Factor(0.3));
+    let (glb, exposure) = written(&scene, ColorScale::Factor(0.3));
     assert_eq!(exposure, 0.3);
     let mut n_reflecting = 0;
     for primitive in glb.primitives() {
@@ -165,7 +165,7 @@ fn irradiance_is_exact_and_what_is_seen_is_displayed_radiance() {
 
 #[test]
 fn lamps_and_screens_are_bright() {
-    let (glb, _) = written(&colourful(), Exposure::Auto);
+    let (glb, _) = written(&colourful(), ColorScale::Auto);
     let lamp = glb.material_named("lamp");
     assert_eq!(lamp["pbrMetallicRoughness"]["baseColorFactor"], serde_json::json!([1.0, 1.0, 1.0, 1.0]));
     let emission = lamp["extras"]["emission"].clone();
@@ -194,7 +194,7 @@ fn decode(png: &[u8]) -> (Vec<u8>, (u32, u32)) {
 
 #[test]
 fn textures_keep_their_texels_wrapping_and_placement() {
-    let (glb, _) = written(&colourful(), Exposure::Auto);
+    let (glb, _) = written(&colourful(), ColorScale::Auto);
     let texture_of = |name: &str| {
         let reference = &glb.material_named(name)["pbrMetallicRoughness"]["baseColorTexture"];
         let texture = &glb.json["textures"][number(&reference["index"])];
@@ -227,7 +227,7 @@ fn textures_keep_their_texels_wrapping_and_placement() {
 #[test]
 fn objects_materials_and_origin_are_named() {
     let scene = colourful();
-    let (glb, exposure) = written(&scene, Exposure::Auto);
+    let (glb, exposure) = written(&scene, ColorScale::Auto);
     let names = |list: &str| -> Vec<String> {
         glb.json[list].as_array().unwrap().iter().map(|n| n["name"].as_str().unwrap().to_owned()).collect()
     };
@@ -245,7 +245,7 @@ fn objects_materials_and_origin_are_named() {
 
 #[test]
 fn an_untextured_scene_needs_no_texture_coordinates() {
-    let (glb, _) = written(&plain("plain"), Exposure::Auto);
+    let (glb, _) = written(&plain("plain"), ColorScale::Auto);
     assert!(glb.json["textures"].is_null() && glb.json["images"].is_null());
     assert_eq!(glb.json["extensionsUsed"], serde_json::json!(["KHR_materials_unlit"]));
     assert_eq!(glb.json["bufferViews"].as_array().unwrap().len(), 5);
@@ -257,7 +257,7 @@ fn equal_scenes_are_equal_files() {
     let paths = ["a.glb", "b.glb"].map(|name| folder.path().join(name));
     for path in &paths {
         let scene = colourful();
-        write_glb(path, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap();
+        write_glb(path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
     }
     assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap());
 }
@@ -272,10 +272,10 @@ fn light_that_does_not_fit_is_refused() {
         assert!(matches!(error, ExportError::Content { .. }));
         error.to_string()
     };
-    let message = refused(Vec3::ONE, 5, Exposure::Auto);
+    let message = refused(Vec3::ONE, 5, ColorScale::Auto);
     assert!(message.starts_with("light at 5 vertices does not belong to a scene with 4 vertices: \""));
-    assert!(refused(Vec3::INFINITY, 4, Exposure::Auto).contains("at vertex 0 is not a finite number"));
-    assert!(refused(Vec3::ONE, 4, Exposure::Factor(0.0)).contains("exposure is 0"));
+    assert!(refused(Vec3::INFINITY, 4, ColorScale::Auto).contains("at vertex 0 is not a finite number"));
+    assert!(refused(Vec3::ONE, 4, ColorScale::Factor(0.0)).contains("exposure is 0"));
     assert!(!path.exists());
 }
 
@@ -293,7 +293,7 @@ validateBytes(bytes).then((report) => {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     for scene in [plain("plain"), colourful()] {
-        write_glb(&path, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap();
+        write_glb(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
         let probe = ["-e", "require.resolve('gltf-validator')"];
         if let Some(report) = run_if_installed("node", &probe, &["-e", script, path.to_str().unwrap()]) {
             println!("{report}");

@@ -1,7 +1,7 @@
 use crate::scenes::{AtVertices, colourful};
 use glam::Vec3;
 use lumel_basis::Lighting;
-use lumel_export::{Exposure, RadFile, write_glb, write_obj, write_ply};
+use lumel_export::{ColorScale, RadFile, write_glb, write_obj, write_ply};
 use lumel_scene::{Irradiance, SurfacePoint};
 use std::fs;
 
@@ -17,9 +17,9 @@ fn light_of_any_kind_is_written_as_it_is_at_the_vertices() {
         ["a.glb", "a.ply", "a.obj", "a.rad"].map(|name| {
             let path = folder.path().join(name);
             match name {
-                "a.glb" => drop(write_glb(&path, &scene, lighting, Exposure::Auto).unwrap()),
-                "a.ply" => drop(write_ply(&path, &scene, lighting, Exposure::Auto).unwrap()),
-                "a.obj" => drop(write_obj(&path, &scene, lighting, Exposure::Auto).unwrap()),
+                "a.glb" => drop(write_glb(&path, &scene, lighting, ColorScale::Auto).unwrap()),
+                "a.ply" => drop(write_ply(&path, &scene, lighting, ColorScale::Auto).unwrap()),
+                "a.obj" => drop(write_obj(&path, &scene, lighting, ColorScale::Auto).unwrap()),
                 _ => RadFile::from_lighting(&scene, lighting).unwrap().write(&path).unwrap(),
             }
             fs::read(path).unwrap()

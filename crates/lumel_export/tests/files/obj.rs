@@ -1,6 +1,6 @@
 use crate::scenes::{AtVertices, colourful, light_on};
 use glam::{Vec2, Vec3};
-use lumel_export::{ExportError, Exposure, check_obj, write_obj, write_ply};
+use lumel_export::{ColorScale, ExportError, check_obj, write_obj, write_ply};
 use lumel_import::{ImportOptions, load};
 use lumel_scene::{
     Encoding, Face, Material, MaterialId, ObjectMesh, Radiance, Scene, SceneBuilder, Smoothing, SurfacePoint,
@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Writes a scene and reads it back.
 fn written_and_read(scene: &Scene, path: &Path) -> Scene {
-    write_obj(path, scene, &AtVertices(light_on(scene)), Exposure::Auto).unwrap();
+    write_obj(path, scene, &AtVertices(light_on(scene)), ColorScale::Auto).unwrap();
     let imported = load(path, &ImportOptions::default()).unwrap();
     assert!(imported.warnings.is_empty(), "{:?}", imported.warnings.iter().next());
     imported.scene.build().unwrap().0
@@ -76,7 +76,7 @@ fn another_reader_finds_meshes_materials_and_textures() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.obj");
     let scene = colourful();
-    write_obj(&path, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap();
+    write_obj(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
     let (models, materials) = tobj::load_obj(&path, &tobj::LoadOptions::default()).unwrap();
     let indices: usize = models.iter().map(|model| model.mesh.indices.len()).sum();
     assert_eq!(indices, 3 * scene.triangle_count());
@@ -100,8 +100,8 @@ fn vertex_colours_are_those_of_ply() {
     let folder = tempfile::tempdir().unwrap();
     let scene = colourful();
     let [obj, ply] = ["a.obj", "a.ply"].map(|name| folder.path().join(name));
-    let exposure = write_obj(&obj, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap();
-    assert_eq!(write_ply(&ply, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap(), exposure);
+    let exposure = write_obj(&obj, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
+    assert_eq!(write_ply(&ply, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap(), exposure);
     let text = fs::read_to_string(&obj).unwrap();
     assert!(text.contains(&format!("radiance times {exposure}\n")));
     let ply = fs::read(ply).unwrap();
@@ -120,7 +120,7 @@ fn bytes_of_textures_stay_as_they_are_and_mirrored_ones_are_doubled() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.obj");
     let scene = colourful();
-    write_obj(&path, &scene, &AtVertices(light_on(&scene)), Exposure::Auto).unwrap();
+    write_obj(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
     let textures = folder.path().join("a_textures");
     let picture = image::open(textures.join("0_tiles.png")).unwrap().into_rgb8();
     let (rgba, _) = scene.textures()[0].bytes().unwrap();
@@ -229,7 +229,7 @@ fn files_of_others_are_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     let scene = colourful();
-    let write = |name: &str| write_obj(&file(name), &scene, &AtVertices(light_on(&scene)), Exposure::Auto);
+    let write = |name: &str| write_obj(&file(name), &scene, &AtVertices(light_on(&scene)), ColorScale::Auto);
     fs::write(file("room.mtl"), "newmtl wood\n").unwrap();
     fs::write(file("b_textures"), "a file").unwrap();
     for (name, problem) in [("room.obj", "not from lumel"), ("b.obj", "folder"), ("c.mtl", "use .obj")] {
@@ -242,6 +242,6 @@ fn files_of_others_are_not_replaced() {
     for _ in 0..2 {
         write("mine.obj").unwrap();
     }
-    assert!(write_obj(&file("d.obj"), &scene, &AtVertices(vec![Vec3::ONE]), Exposure::Auto).is_err());
+    assert!(write_obj(&file("d.obj"), &scene, &AtVertices(vec![Vec3::ONE]), ColorScale::Auto).is_err());
     assert!(!file("d.mtl").exists());
 }

@@ -1,6 +1,6 @@
 use crate::scenes::{AtVertices, colourful, light_on};
 use glam::Vec3;
-use lumel_export::{ExportError, Exposure, write_ply};
+use lumel_export::{ColorScale, ExportError, write_ply};
 use std::fs;
 
 const VERTEX_SIZE: usize = 9 * 4 + 3;
@@ -12,7 +12,7 @@ fn the_header_describes_the_bytes() {
     let path = folder.path().join("a.ply");
     let scene = colourful();
     let light = light_on(&scene);
-    assert_eq!(write_ply(&path, &scene, &AtVertices(light.clone()), Exposure::Factor(0.25)).unwrap(), 0.25);
+    assert_eq!(write_ply(&path, &scene, &AtVertices(light.clone()), ColorScale::Factor(0.25)).unwrap(), 0.25);
     let bytes = fs::read(&path).unwrap();
     let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
     let header = std::str::from_utf8(&bytes[..end]).unwrap();
@@ -57,7 +57,7 @@ fn light_that_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply");
     let scene = colourful();
-    let error = write_ply(&path, &scene, &AtVertices(vec![Vec3::ONE]), Exposure::Auto).unwrap_err();
+    let error = write_ply(&path, &scene, &AtVertices(vec![Vec3::ONE]), ColorScale::Auto).unwrap_err();
     assert!(matches!(error, ExportError::Content { .. }));
     assert!(!path.exists());
 }
