@@ -9,7 +9,7 @@ use crate::notice::Level;
 use crate::selection::Selection;
 use crate::task::Background;
 use lumel::{CameraEntry, LightFile, Project, SettingsPatch, SolutionSelection, VertexLighting};
-use lumel_export::{Exposure, RadFile, write_glb, write_obj, write_ply};
+use lumel_export::{ColorScale, RadFile, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -87,9 +87,9 @@ impl Session {
         self.write(path, &what, None, move |path| {
             let lighting = VertexLighting::new(&scene, &light).map_err(|e| error_text(&e))?;
             match format.as_str() {
-                "glb" => write_glb(path, &scene, &lighting, Exposure::Auto),
-                "ply" => write_ply(path, &scene, &lighting, Exposure::Auto),
-                _ => write_obj(path, &scene, &lighting, Exposure::Auto),
+                "glb" => write_glb(path, &scene, &lighting, ColorScale::Auto),
+                "ply" => write_ply(path, &scene, &lighting, ColorScale::Auto),
+                _ => write_obj(path, &scene, &lighting, ColorScale::Auto),
             }
             .map(drop)
             .map_err(|e| error_text(&e))
