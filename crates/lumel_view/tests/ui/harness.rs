@@ -174,7 +174,7 @@ impl Window {
     pub(crate) fn solve_bounces(&mut self, finished: usize) {
         let settings = &mut self.session().settings;
         settings.solver = SolverKind::Neumann;
-        (settings.indirect_samples, settings.bounces) = (2048, BounceLimit::Count(8));
+        (settings.indirect_samples, settings.bounces) = (6144, BounceLimit::Count(8));
         self.press(Key::Enter);
         self.wait_until("some bounces", |app| app.session.light.bounces.len() >= finished);
         assert!(self.state().session.is_solving());
