@@ -296,10 +296,10 @@ mod tests {
         let paler = painted(0.6);
         let relit = old.relit(Arc::clone(&paler), settings.clone());
         let (reflected, state, rays) = solved(&relit);
-        let (reflected_anew, anew, rays_anew) = solved(&Baker::new(paler, settings));
-        assert_eq!(reflected, reflected_anew);
-        assert_eq!(rays_anew - rays, 8 * relit.elements_per_step(), "no hemisphere ray is traced again");
-        assert!(state == anew, "the bits of bounces differ");
+        let (reflected_by_new, new, rays_of_new) = solved(&Baker::new(paler, settings));
+        assert_eq!(reflected, reflected_by_new);
+        assert_eq!(rays_of_new - rays, 8 * relit.elements_per_step(), "no hemisphere ray is traced again");
+        assert!(state == new, "the bits of bounces differ");
     }
 
     #[test]

@@ -112,8 +112,8 @@ fn a_relit_bake_is_the_bake_under_those_lights() {
     let relit = bake().relit(vec![Light::Rect(brighter)]).unwrap();
     let mut other = scene();
     other.lights = vec![Light::Rect(brighter)];
-    let anew = Bake::new(other).bounces(2).run().unwrap();
-    assert_eq!(relit.solution().irradiance, anew.solution().irradiance);
+    let baked = Bake::new(other).bounces(2).run().unwrap();
+    assert_eq!(relit.solution().irradiance, baked.solution().irradiance);
 }
 
 #[test]

@@ -85,7 +85,7 @@ impl Session {
         if left.bounces > 0 {
             match Solution::load(&recovery.checkpoint()) {
                 Ok(solution) if left.settings.target_error != TargetError::Off => {
-                    // Its rays are not kept, so it cannot be gone on with.
+                    // A solution does not tell the rounds of a target error, so it cannot be resumed.
                     let text = format!("Restored {}; press Enter to solve again", left.summary());
                     self.notices.push(Level::Info, text);
                     self.show_light(

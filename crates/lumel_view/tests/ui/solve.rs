@@ -150,7 +150,7 @@ fn enter_computes_nothing_where_all_is_solved() {
     assert!(window.told("Already solved") && window.session().job().is_none());
     assert_eq!(window.session().light_generation, generation);
     window.press_with(Modifiers::SHIFT, Key::Enter);
-    window.wait_until("the solve anew", |app| {
+    window.wait_until("the new solve", |app| {
         app.session.light_generation > generation && app.session.phase().is_none()
     });
     assert!(window.session().stats.iter().all(|s| s.seconds > 0.0));
