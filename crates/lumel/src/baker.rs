@@ -11,8 +11,8 @@ use lumel_basis::{Basis, Field, Receivers, VertexBasis, reflecting_areas};
 use lumel_export::{Solution, SolutionLayer, SolutionMeta};
 use lumel_scene::Scene;
 use lumel_solve::{
-    Gather, Integrals, Observer, Operator, Problem, SolveError, SolveState, final_gather, mix, solve,
-    solve_layers, solve_to_error,
+    Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, mix,
+    solve, solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Transport};
 use std::sync::Arc;
@@ -111,7 +111,7 @@ impl Baker {
         &self.surfaces
     }
 
-    /// The integrals of the basis: see [`Stop::wanted`](lumel_solve::Stop::wanted).
+    /// The integrals of the basis: see [`PowerLog`].
     pub fn integrals(&self) -> &Integrals {
         &self.integrals
     }
@@ -143,9 +143,9 @@ impl Baker {
 
     /// The share that each bounce of `state` has of their sum, by luminance of the incident power.
     pub fn shares(&self, state: &SolveState) -> Vec<f64> {
-        let powers: Vec<f64> = state.bounces.iter().map(|bounce| self.integrals.power(bounce)).collect();
-        let all: f64 = powers.iter().sum();
-        powers.into_iter().map(|power| if all > 0.0 { power / all } else { 0.0 }).collect()
+        let log = PowerLog::of(&self.integrals, &state.bounces);
+        let all: f64 = log.powers().iter().sum();
+        log.powers().iter().map(|power| if all > 0.0 { power / all } else { 0.0 }).collect()
     }
 
     /// Solves, continuing from `state`: [`SolveState::new`] or what [`Self::resume`] returned.

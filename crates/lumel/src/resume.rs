@@ -5,7 +5,7 @@ use glam::Vec3;
 use lumel_basis::{Basis, Field};
 use lumel_export::{Checkpoint, CheckpointMeta, Saved, Solution, SolutionError};
 use lumel_scene::Scene;
-use lumel_solve::{Accuracy, Errors, SolveState};
+use lumel_solve::{Accuracy, Errors, PowerLog, SolveState};
 use serde_json::Value;
 
 /// Why saved light cannot be continued.
@@ -74,7 +74,8 @@ impl Baker {
         self.check_lighting(&meta.lighting_hash)?;
         self.check_settings(&meta.settings)?;
         let field = |values: &Vec<Vec3>| Field::from_values(values.clone());
-        let mut state = self.state(checkpoint.valid.clone(), checkpoint.bounces.iter().map(field).collect());
+        let bounces = checkpoint.bounces.iter().map(field).collect();
+        let mut state = self.continued(self.state(checkpoint.valid.clone(), bounces));
         if let Method::Replicates { .. } = self.method() {
             state.tail = checkpoint.tail.as_ref().map(field);
             state.rounds.clone_from(&checkpoint.rounds);
@@ -101,14 +102,24 @@ impl Baker {
             Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect())
         };
         let valid = first_vertices.iter().map(|&v| solution.valid[v as usize]).collect();
-        Ok(self.state(valid, solution.bounces.iter().map(at_nodes).collect()))
+        Ok(self.continued(self.state(valid, solution.bounces.iter().map(at_nodes).collect())))
     }
 
-    /// A state of these bounces, or of those of them that the settings ask for.
-    fn state(&self, valid: Vec<bool>, mut bounces: Vec<Field>) -> SolveState {
-        if let Some(wanted) = self.settings().stop().wanted(self.integrals(), &bounces) {
+    /// The state from which a solve with these settings continues a solve of the same bounces, of which it may ask for
+    /// more or fewer.
+    ///
+    /// Bounces beyond those that an uninterrupted solve computes are left out, and so is what is made of all of them.
+    pub fn continued(&self, state: SolveState) -> SolveState {
+        let SolveState { basis, valid, mut bounces, .. } = state;
+        let powers = PowerLog::of(self.integrals(), &bounces);
+        if let Some(wanted) = self.settings().stop().wanted(&powers) {
             bounces.truncate(wanted);
         }
+        SolveState { basis, valid, bounces, ..SolveState::new() }
+    }
+
+    /// A state of these bounces.
+    fn state(&self, valid: Vec<bool>, bounces: Vec<Field>) -> SolveState {
         SolveState { basis: Some(self.basis().identity()), valid, bounces, ..SolveState::new() }
     }
 

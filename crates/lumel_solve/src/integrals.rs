@@ -1,5 +1,6 @@
 //! How much light is on its way, and how much is still to come.
 
+use crate::PowerLog;
 use glam::{DVec3, Vec3};
 use lumel_basis::Field;
 use lumel_scene::luminance;
@@ -52,28 +53,9 @@ impl Integrals {
         f64::from(luminance(self.incident(field).as_vec3()))
     }
 
-    /// Share of all light, by luminance of the incident power, that bounces after the last one would bring.
-    ///
-    /// Assumes that each goes on shrinking by the ratio of the last two. `None` while there is no ratio or the last
-    /// bounce was no weaker than the one before.
+    /// [`PowerLog::remainder`] of these bounces.
     pub fn remainder(&self, bounces: &[Field]) -> Option<f64> {
-        let powers: Vec<f64> = bounces.iter().map(|bounce| self.power(bounce)).collect();
-        self.remainder_after(&powers, bounces)
-    }
-
-    /// [`remainder`](Self::remainder) of bounces whose powers are known.
-    pub(crate) fn remainder_after(&self, powers: &[f64], bounces: &[Field]) -> Option<f64> {
-        let total: f64 = powers.iter().sum();
-        let [.., before, last] = *powers else {
-            let [only] = bounces else { return None };
-            let nothing_reflected = self.reflected(only) == DVec3::ZERO;
-            return nothing_reflected.then_some(0.0);
-        };
-        if last <= 0.0 {
-            return Some(0.0);
-        }
-        let ratio = last / before;
-        (ratio < 1.0).then(|| last * ratio / (1.0 - ratio) / total)
+        PowerLog::of(self, bounces).remainder()
     }
 
     /// The bounces after the last one, as a geometric series of the last one: `λ/(1 − λ)` of it per channel.

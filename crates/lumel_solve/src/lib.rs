@@ -10,6 +10,7 @@ mod accuracy;
 mod integrals;
 mod layers;
 mod observer;
+mod power_log;
 mod replicates;
 mod schedule;
 mod solver;
@@ -19,6 +20,7 @@ pub use accuracy::{Accuracy, CONFIDENCE_95, Ended, Errors, REPLICATES, Target, m
 pub use integrals::Integrals;
 pub use layers::{mix, solve_layers};
 pub use observer::{Observer, Silent, Snapshot, Step};
+pub use power_log::PowerLog;
 pub use replicates::{Problem, Replicates, Round, solve_to_error};
 pub use schedule::{Gather, Schedule, Shot, Stop};
 pub use solver::{Operator, SolveError, final_gather, solve};

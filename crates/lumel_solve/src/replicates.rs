@@ -7,7 +7,7 @@ use crate::accuracy::{Accuracy, Ended, Errors, REPLICATES, Spread, Target};
 use crate::observer::{Observer, Snapshot, Step};
 use crate::schedule::Stop;
 use crate::solver::{self, Operator, SolveError};
-use crate::{Integrals, SolveState};
+use crate::{Integrals, PowerLog, SolveState};
 use glam::DVec3;
 use lumel_basis::{Field, Sampling};
 use lumel_transport::{
@@ -201,13 +201,16 @@ impl Solve<'_> {
             last.iter().map(|field| vec![DVec3::ZERO; field.values().len()]).collect();
         add_to(&mut totals, &last);
         let mut bounces = vec![mean(&last)];
-        while !stop.is_reached(integrals, &bounces) {
+        let mut powers = PowerLog::of(integrals, &bounces);
+        while !stop.is_reached(&powers) {
             let both = self.replicates.iter().zip(&last);
             let next: Result<Vec<Field>, TransportError> =
                 both.map(|(replicate, field)| self.bounced(replicate, field)).collect();
             before = std::mem::replace(&mut last, next?);
             add_to(&mut totals, &last);
-            bounces.push(mean(&last));
+            let bounce = mean(&last);
+            powers.add(&bounce);
+            bounces.push(bounce);
         }
         let tails: Option<Vec<Field>> = (tail && !before.is_empty()).then(|| {
             let of = |(before, last): (&Field, &Field)| {

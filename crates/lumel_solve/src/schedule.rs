@@ -1,7 +1,6 @@
 //! In which order light is transported, and when a solve is finished.
 
-use crate::{Integrals, SolveState};
-use lumel_basis::Field;
+use crate::{PowerLog, SolveState};
 use serde::{Deserialize, Serialize};
 
 /// The light that one step transports.
@@ -15,10 +14,11 @@ pub enum Shot {
 
 /// Decides what is transported next.
 ///
-/// Called between steps with the state so far; must depend on nothing else, or resumed solves would differ.
+/// Called between steps with the state so far and the powers of its bounces; must depend on nothing else, or resumed
+/// solves would differ.
 pub trait Schedule {
     /// The next shot; `None` when the solve is finished.
-    fn next(&self, state: &SolveState, integrals: &Integrals) -> Option<Shot>;
+    fn next(&self, state: &SolveState, powers: &PowerLog<'_>) -> Option<Shot>;
 }
 
 /// Bounce by bounce: direct light, then all unshot light at once, until [`Stop`] is reached.
@@ -29,9 +29,9 @@ pub struct Gather {
 }
 
 impl Schedule for Gather {
-    fn next(&self, state: &SolveState, integrals: &Integrals) -> Option<Shot> {
+    fn next(&self, state: &SolveState, powers: &PowerLog<'_>) -> Option<Shot> {
         let next = if state.bounces.is_empty() { Shot::Emitters } else { Shot::All };
-        (!self.stop.is_reached(integrals, &state.bounces)).then_some(next)
+        (!self.stop.is_reached(powers)).then_some(next)
     }
 }
 
@@ -51,24 +51,19 @@ pub enum Stop {
 }
 
 impl Stop {
-    /// Whether these bounces, direct light included, are enough: the one rule for when a solve is finished.
-    pub fn is_reached(self, integrals: &Integrals, bounces: &[Field]) -> bool {
-        self.wanted(integrals, bounces).is_some()
+    /// Whether the logged bounces, direct light included, are enough: the one rule for when a solve is finished.
+    pub fn is_reached(self, powers: &PowerLog<'_>) -> bool {
+        self.wanted(powers).is_some()
     }
 
-    /// How many of these bounces an uninterrupted solve computes before it is finished; `None` if it needs more.
+    /// How many of the logged bounces an uninterrupted solve computes before it is finished; `None` if it needs more.
     ///
     /// What went further, under another rule, is cut to that: results do not depend on how far a solve went before.
-    pub fn wanted(self, integrals: &Integrals, bounces: &[Field]) -> Option<usize> {
+    pub fn wanted(self, powers: &PowerLog<'_>) -> Option<usize> {
         match self {
-            Self::Bounces(n) => (bounces.len() > n as usize).then_some(n as usize + 1),
+            Self::Bounces(n) => (powers.powers().len() > n as usize).then_some(n as usize + 1),
             Self::Remainder { fraction, at_most } => {
-                let powers: Vec<f64> = bounces.iter().map(|bounce| integrals.power(bounce)).collect();
-                let is_enough = |n: &usize| {
-                    let left = integrals.remainder_after(&powers[..*n], &bounces[..*n]);
-                    *n > at_most as usize || left.is_some_and(|left| left < f64::from(fraction))
-                };
-                (1..=bounces.len()).find(is_enough)
+                powers.first_below(f64::from(fraction), at_most as usize)
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::observer::{Observer, Snapshot, Step};
 use crate::schedule::{Schedule, Shot};
-use crate::{Integrals, SolveState};
+use crate::{Integrals, PowerLog, SolveState};
 use glam::Vec3;
 use lumel_basis::{Basis, Field, Identity, Sampling};
 use lumel_transport::{Control, Job, Measured, PartialField, Source, Transport, TransportError, accumulate};
@@ -86,7 +86,8 @@ pub fn solve(
         state.valid = find_valid(operator.transport, control, observer, state)?;
         state.basis = Some(expected);
     }
-    while let Some(shot) = schedule.next(state, integrals) {
+    let mut powers = PowerLog::of(integrals, &state.bounces);
+    while let Some(shot) = schedule.next(state, &powers) {
         let bounce = state.bounces.len() as u32;
         let step = Step::Bounce(bounce);
         observer.step_started(step);
@@ -103,6 +104,7 @@ pub fn solve(
             // Over areas, it is the first measurement that shows which nodes cannot be measured.
             state.valid.iter_mut().zip(&measured.known).for_each(|(valid, known)| *valid &= known);
         }
+        powers.add(&measured.field);
         state.bounces.push(measured.field);
         observer.step_done(step, state);
     }

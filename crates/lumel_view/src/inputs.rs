@@ -3,7 +3,6 @@
 //! All that tells light that is out of date compares [`Inputs`]: the status bar, live relighting, the next solve, a
 //! running solve, files and recovery.
 
-use crate::rules;
 use lumel::{RectLight, Scene, Settings};
 use std::fmt;
 use std::sync::Arc;
@@ -42,7 +41,7 @@ impl Inputs {
         let same_surfaces = self.scene.has_surfaces_of(&now.scene);
         let settings = self.settings.as_ref().zip(now.settings.as_ref());
         let basis = settings.is_none_or(|(old, new)| old.basis != new.basis);
-        let same_bounces = settings.is_some_and(|(old, new)| rules::same_bounces(old, new));
+        let same_bounces = settings.is_some_and(|(old, new)| old.same_bounces_as(new));
         Changes {
             geometry: !same_surfaces && self.scene.geometry_hash() != now.scene.geometry_hash(),
             lights: self.lights.is_none() || self.lights != now.lights,

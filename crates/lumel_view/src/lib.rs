@@ -24,7 +24,6 @@ pub mod pick;
 pub mod prefs;
 pub mod recovery;
 mod rhythm;
-mod rules;
 pub mod screenshot;
 pub mod selection;
 pub mod session;

@@ -5,7 +5,6 @@ use super::{Hand, Session};
 use crate::document::Document;
 use crate::inputs::Inputs;
 use crate::notice::Level;
-use crate::rules;
 use crate::solver::{Keep, Phase, SolveJob, SolveStart, Task, Work};
 use lumel::{BasisKind, Scene, Settings, SolveState, TargetError};
 use std::sync::Arc;
@@ -66,7 +65,7 @@ impl Session {
             return Some(SolveStart::Anew);
         }
         Some(match (&computed.solved, &computed.file) {
-            (Some(solved), _) => SolveStart::From(Box::new(rules::wanted_bounces(solved, &self.settings))),
+            (Some(solved), _) => SolveStart::From(Box::new(solved.state.clone())),
             (None, Some(file)) => SolveStart::FromFile(Box::new((**file).clone())),
             (None, None) => SolveStart::Anew,
         })

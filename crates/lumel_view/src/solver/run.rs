@@ -34,7 +34,7 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
     let mut state = match start {
         SolveStart::Anew => SolveState::new(),
-        SolveStart::From(state) => *state,
+        SolveStart::From(state) => baker.continued(*state),
         SolveStart::FromFile(solution) => match baker.resume_solution(&solution) {
             Ok(state) => state,
             Err(error) => return Ending::Failed(error.to_string()),

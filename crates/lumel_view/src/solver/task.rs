@@ -26,7 +26,7 @@ pub enum Work {
 pub enum SolveStart {
     /// With direct light.
     Anew,
-    /// After the bounces of this state.
+    /// With what a solve with these settings continues of this state.
     From(Box<SolveState>),
     /// After the bounces of a solution that was saved; an error if it does not fit.
     FromFile(Box<lumel::Solution>),
