@@ -159,15 +159,13 @@ impl Baker {
         control: &Control,
         observer: &dyn Observer,
     ) -> Result<(), SolveError> {
-        let operator = self.operator(&*self.assembly.transport);
-        let stop = self.settings.stop();
+        let problem = self.problem();
         if let Rest::Replicates(target, replicates) = &self.assembly.rest {
-            let tail = self.settings.tail == Tail::Geometric;
-            let problem = Problem { operator, integrals: &self.integrals, stop, tail };
             return solve_to_error(problem, &**replicates, *target, state, control, observer);
         }
+        let Problem { operator, stop, .. } = problem;
         solve(operator, &self.integrals, &Gather { stop }, state, control, observer)?;
-        if self.settings.tail == Tail::Geometric {
+        if problem.tail {
             state.tail = self.integrals.tail(&state.bounces);
         }
         let finisher = match &self.assembly.rest {
@@ -184,6 +182,16 @@ impl Baker {
             solve_layers(operator, finisher, &self.integrals, &masks, state, control, observer)?;
         }
         Ok(())
+    }
+
+    /// What is solved.
+    pub(crate) fn problem(&self) -> Problem<'_> {
+        Problem {
+            operator: self.operator(&*self.assembly.transport),
+            integrals: &self.integrals,
+            stop: self.settings.stop(),
+            tail: self.settings.tail == Tail::Geometric,
+        }
     }
 
     /// The layers of a state at all vertices.

@@ -52,7 +52,8 @@ impl Baker {
     ///
     /// Bounces beyond those that these settings ask for are left out, so that the result does not depend on how far
     /// the saved solve went. A solve with a target error measures the samples of its rounds once more; only checkpoints
-    /// tell them.
+    /// tell them. If it is to have other bounces or another tail, the samples of all finished rounds are used for these,
+    /// and it has the bits of a solve with the same rounds. One from the start may choose other nodes for its rounds.
     ///
     /// # Errors
     /// When it is of a different scene, other lights or other settings.
@@ -74,16 +75,15 @@ impl Baker {
         self.check_lighting(&meta.lighting_hash)?;
         self.check_settings(&meta.settings)?;
         let field = |values: &Vec<Vec3>| Field::from_values(values.clone());
+        let accuracy: Option<Accuracy> = serde_json::from_value(meta.accuracy.clone()).ok();
+        let errors = checkpoint.standard_error.as_ref().map(field).zip(accuracy);
         let bounces = checkpoint.bounces.iter().map(field).collect();
-        let mut state = self.continued(self.state(checkpoint.valid.clone(), bounces));
-        if let Method::Replicates { .. } = self.method() {
-            state.tail = checkpoint.tail.as_ref().map(field);
-            state.rounds.clone_from(&checkpoint.rounds);
-            let accuracy: Option<Accuracy> = serde_json::from_value(meta.accuracy.clone()).ok();
-            let errors = checkpoint.standard_error.as_ref().map(field).zip(accuracy);
-            state.errors = errors.map(|(standard_error, accuracy)| Errors { standard_error, accuracy });
-        }
-        Ok(state)
+        Ok(self.continued(SolveState {
+            tail: checkpoint.tail.as_ref().map(field),
+            errors: errors.map(|(standard_error, accuracy)| Errors { standard_error, accuracy }),
+            rounds: checkpoint.rounds.clone(),
+            ..self.state(checkpoint.valid.clone(), bounces)
+        }))
     }
 
     /// [`resume`](Self::resume) from a solution.
@@ -108,8 +108,14 @@ impl Baker {
     /// The state from which a solve with these settings continues a solve of the same bounces, of which it may ask for
     /// more or fewer.
     ///
-    /// Bounces beyond those that an uninterrupted solve computes are left out, and so is what is made of all of them.
+    /// Bounces beyond those that an uninterrupted solve computes are left out, and so is what is made of all of them. With
+    /// a target error, the rounds stay, too; their errors and the tail only if they are those of the bounces asked for.
     pub fn continued(&self, state: SolveState) -> SolveState {
+        if let Method::Replicates { .. } = self.method() {
+            let mut state = state;
+            self.problem().reopen(&mut state);
+            return state;
+        }
         let SolveState { basis, valid, mut bounces, .. } = state;
         let powers = PowerLog::of(self.integrals(), &bounces);
         if let Some(wanted) = self.settings().stop().wanted(&powers) {

@@ -13,6 +13,7 @@ use lumel::{
     TargetError,
 };
 use lumel_basis::Field;
+use lumel_solve::PowerLog;
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{ceiling_light, grey, scene, two_sided, varying_sphere};
 use lumel_testkit::{Estimate, form_factor, rms};
@@ -242,6 +243,69 @@ fn a_solve_that_is_stopped_keeps_its_last_finished_round() {
     let mut whole = SolveState::new();
     baker.run(&mut whole, &Control::default(), &Silent).unwrap();
     assert!(whole.errors.as_ref().unwrap().accuracy.rounds > 2 && state == whole);
+}
+
+/// Another number of bounces, another rule for it, or another tail, for a solve with two bounces.
+fn other_bounces(settings: &Settings) -> [Settings; 4] {
+    let with = |bounces| Settings { bounces, ..settings.clone() };
+    let all = Settings { remainder: 0.1, ..with(BounceLimit::All) };
+    let tail = Settings { tail: Tail::Geometric, ..settings.clone() };
+    [with(BounceLimit::Count(1)), with(BounceLimit::Count(4)), all, tail]
+}
+
+fn run(baker: &Baker, mut state: SolveState) -> SolveState {
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    state
+}
+
+#[test]
+fn a_solve_that_has_reached_its_target_has_the_bits_of_one_with_the_bounces_it_is_resumed_with() {
+    // After the first round, so that all have the same.
+    let (scene, usual) = (room(), settings("90%", 2));
+    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+        let usual = Settings { basis, ..usual.clone() };
+        let baker = Baker::new(Arc::clone(&scene), usual.clone());
+        let state = run(&baker, SolveState::new());
+        assert_eq!(state.errors.as_ref().unwrap().accuracy.ended, Some(Ended::Reached));
+        let saved = Saved::Checkpoint(Box::new(baker.checkpoint(&state)));
+        for other in other_bounces(&usual) {
+            let what = format!("{basis:?}, {} bounces, tail {:?}", other.bounces, other.tail);
+            let there = baker.relit(Arc::clone(&scene), other.clone());
+            let resumed = there.resume(&saved).unwrap();
+            assert!(resumed.errors.is_none() && resumed.tail.is_none(), "{what}: errors of another sum");
+            let whole = run(&there, SolveState::new());
+            assert!(run(&there, resumed) == whole, "{what}: resumed");
+            assert!(run(&there, state.clone()) == whole, "{what}: continued");
+            assert!(whole.total() != state.total() && whole.errors != state.errors, "{what}: no difference");
+            // And back.
+            let back = Saved::Checkpoint(Box::new(there.checkpoint(&whole)));
+            assert!(run(&baker, baker.resume(&back).unwrap()) == state, "{what}: back");
+        }
+        assert!(baker.resume(&saved).unwrap() == state, "the same bounces are not solved again");
+    }
+}
+
+#[test]
+fn a_solve_resumed_with_other_bounces_keeps_its_rounds_and_adds_what_they_lack() {
+    let (scene, usual) = (room(), settings("4%", 2));
+    let baker = Baker::new(Arc::clone(&scene), usual.clone());
+    let control = Control::default();
+    let stopper = Stopper { at: Step::Round(2), control: &control, last: Default::default() };
+    let mut state = SolveState::new();
+    assert_eq!(baker.run(&mut state, &control, &stopper), Err(SolveError::Cancelled));
+    let saved = Saved::Checkpoint(Box::new(baker.checkpoint(&state)));
+    for other in other_bounces(&usual) {
+        let there = baker.relit(Arc::clone(&scene), other.clone());
+        let resumed = run(&there, there.resume(&saved).unwrap());
+        assert_eq!(resumed.rounds[..2], state.rounds[..2]);
+        let kept = SolveState { rounds: state.rounds[..2].to_vec(), bounces: Vec::new(), ..state.clone() };
+        let whole = run(&there, SolveState { tail: None, errors: None, ..kept });
+        assert!(resumed == whole, "{} bounces, tail {:?}", other.bounces, other.tail);
+        let accuracy = resumed.errors.unwrap().accuracy;
+        assert!(accuracy.rounds > 2 && accuracy.ended == Some(Ended::Reached), "{accuracy:?}");
+        let wanted = other.stop().wanted(&PowerLog::of(there.integrals(), &resumed.bounces));
+        assert_eq!((wanted, resumed.tail.is_some()), (Some(resumed.bounces.len()), other.tail != Tail::Off));
+    }
 }
 
 /// Keeps the last snapshot.

@@ -55,6 +55,26 @@ pub struct Problem<'a> {
     pub tail: bool,
 }
 
+impl Problem<'_> {
+    /// Removes from a state of finished rounds what depends on which bounces are summed, if these are not those of the
+    /// problem: errors, the tail, and the choice of the next round.
+    ///
+    /// The rounds that were measured stay. They are the samples of the nodes that the old sum asked for, so that the
+    /// solve continues with as many as there were, and adds more where the errors of the new sum ask for it.
+    pub fn reopen(&self, state: &mut SolveState) {
+        let Some(errors) = &state.errors else { return };
+        let wanted = self.stop.wanted(&PowerLog::of(self.integrals, &state.bounces));
+        let has_tail = self.tail && state.bounces.len() > 1;
+        if wanted == Some(state.bounces.len()) && state.tail.is_some() == has_tail {
+            return;
+        }
+        state.rounds.truncate(errors.accuracy.rounds as usize);
+        (state.errors, state.tail) = (None, None);
+        // The same rays bring the same bounces, however many there are.
+        state.bounces.truncate(wanted.unwrap_or(usize::MAX));
+    }
+}
+
 /// Solves again and again until enough values have an error below the target, or a limit is reached.
 ///
 /// Every value is the mean of all replicates, every bounce too. In each round the nodes above the target get as many
@@ -63,7 +83,8 @@ pub struct Problem<'a> {
 /// good by luck, and their intervals would be too narrow.
 ///
 /// When the solve is cancelled, `state` holds the last finished round. Given such a state, it measures the samples of its
-/// rounds once more and continues with the next; the result has the same bits as if it had not been stopped.
+/// rounds once more and continues with the next; the result has the same bits as if it had not been stopped. A state of
+/// other bounces, or with another tail, is [reopened](Problem::reopen) before.
 ///
 /// # Errors
 /// When it is cancelled, the transport fails, or memory does not even suffice for the first round.
@@ -78,6 +99,7 @@ pub fn solve_to_error(
     let Operator { transport, basis } = problem.operator;
     let expected = basis.identity();
     solver::check_basis(state, expected)?;
+    problem.reopen(state);
     if state.errors.as_ref().is_some_and(|errors| errors.accuracy.ended.is_some()) {
         return Ok(());
     }

@@ -1,4 +1,5 @@
 use crate::common::{LUMEL, Place, TINY, assert_same_light, run};
+use lumel::{Bake, BounceLimit, OpenOptions, Preset, SettingsPatch};
 use lumel_export::Checkpoint;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
@@ -30,6 +31,33 @@ fn bounces_that_are_not_asked_for_are_left_out() {
     place.bake_furnace("--bounces all --remainder 0.15 -o all.npz").done();
     place.bake_furnace("--bounces all --remainder 0.15 --resume long.npz -o cut.npz").done();
     assert_same_light(&place.solution("all.npz"), &place.solution("cut.npz"));
+}
+
+#[test]
+fn a_finished_solve_to_an_error_is_resumed_with_other_bounces() {
+    let place = Place::new();
+    let patch = SettingsPatch {
+        direct_samples: Some(4),
+        indirect_samples: Some(8),
+        bounces: Some(BounceLimit::Count(1)),
+        target_error: Some("90%".parse().unwrap()),
+        ..SettingsPatch::default()
+    };
+    let scene = lumel::open("cornell-box", &OpenOptions::default()).unwrap().builder;
+    let baked = Bake::new(scene).preset(Preset::Draft).settings(patch).run().unwrap();
+    baked.baker().checkpoint(baked.state()).save(&place.path("reached.npz")).unwrap();
+    for other in ["--bounces 3", "--bounces 0", "--bounces 1 --tail geometric"] {
+        let bake = |line: &str| {
+            let line = format!("bake cornell-box --target-error 90% {other} {line}");
+            run(place.lumel(&line).args(TINY)).done();
+        };
+        bake("--resume reached.npz -o resumed.npz");
+        bake("-o whole.npz");
+        let (resumed, whole) = (place.solution("resumed.npz"), place.solution("whole.npz"));
+        assert_same_light(&resumed, &whole);
+        assert_eq!(resumed.standard_error, whole.standard_error, "{other}");
+        assert_ne!(resumed.irradiance, baked.solution().irradiance, "{other}");
+    }
 }
 
 #[test]
