@@ -4,7 +4,6 @@ use crate::{Baker, Method, Settings, assembly};
 use glam::Vec3;
 use lumel_basis::{Basis, Field};
 use lumel_export::{Checkpoint, CheckpointMeta, Saved, Solution, SolutionError};
-use lumel_scene::Scene;
 use lumel_solve::{Accuracy, Errors, PowerLog, SolveState};
 use serde_json::Value;
 
@@ -72,7 +71,9 @@ impl Baker {
         {
             return Err(ResumeError::Basis);
         }
-        self.check_lighting(&meta.lighting_hash)?;
+        if !checkpoint.has_lighting_of(self.scene()) {
+            return Err(ResumeError::Lighting);
+        }
         self.check_settings(&meta.settings)?;
         let field = |values: &Vec<Vec3>| Field::from_values(values.clone());
         let accuracy: Option<Accuracy> = serde_json::from_value(meta.accuracy.clone()).ok();
@@ -92,7 +93,9 @@ impl Baker {
     /// As there, and with a target error.
     pub fn resume_solution(&self, solution: &Solution) -> Result<SolveState, ResumeError> {
         solution.check_belongs_to(self.scene())?;
-        self.check_lighting(&solution.meta.lighting_hash)?;
+        if !solution.has_lighting_of(self.scene()) {
+            return Err(ResumeError::Lighting);
+        }
         self.check_settings(&solution.meta.settings)?;
         if let Method::Replicates { .. } = self.method() {
             return Err(ResumeError::TargetError);
@@ -127,11 +130,6 @@ impl Baker {
     /// A state of these bounces.
     fn state(&self, valid: Vec<bool>, bounces: Vec<Field>) -> SolveState {
         SolveState { basis: Some(self.basis().identity()), valid, bounces, ..SolveState::new() }
-    }
-
-    fn check_lighting(&self, found: &str) -> Result<(), ResumeError> {
-        let scene: &Scene = self.scene();
-        if found == scene.hash().lighting.to_hex().as_str() { Ok(()) } else { Err(ResumeError::Lighting) }
     }
 
     /// Whether bounces that were computed with settings from a file are those of this baker.

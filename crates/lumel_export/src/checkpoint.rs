@@ -4,6 +4,7 @@ use crate::members::{
     Kind, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_stacked,
     stacked,
 };
+use crate::solution::is_lighting_of;
 use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
 use glam::Vec3;
 use lumel_scene::Scene;
@@ -106,6 +107,11 @@ impl Checkpoint {
     fn check_scene(&self, scene: &Scene, file: Option<&Path>) -> Result<(), SolutionError> {
         let CheckpointMeta { scene: name, vertices, geometry_hash, .. } = self.meta.clone();
         SceneLabel { name, vertices, geometry_hash }.check_is(scene, file)
+    }
+
+    /// Whether the scene's materials, lights and sky are those of the bake.
+    pub fn has_lighting_of(&self, scene: &Scene) -> bool {
+        is_lighting_of(&self.meta.lighting_hash, scene)
     }
 
     /// Writes the checkpoint, atomically.
@@ -256,8 +262,12 @@ mod tests {
 
     use super::*;
 
+    fn scene() -> Scene {
+        lumel_builtin::scene("furnace", 0).unwrap().build().unwrap().0
+    }
+
     fn checkpoint() -> Checkpoint {
-        let scene = lumel_builtin::scene("furnace", 0).unwrap().build().unwrap().0;
+        let scene = scene();
         let meta = CheckpointMeta::new(&scene, "ab".into(), Value::Null, serde_json::json!({"share": 0.5}));
         let field = |x: f32| (0..4).map(|i| Vec3::splat(x + i as f32)).collect::<Vec<_>>();
         Checkpoint {
@@ -296,6 +306,15 @@ mod tests {
         infinite.bounces[1][2].y = f32::INFINITY;
         let error = infinite.save(&path).unwrap_err().to_string();
         assert!(error.contains("bounces[1]"), "{error}");
+    }
+
+    #[test]
+    fn other_materials_keep_the_geometry_but_not_the_lighting() {
+        let (scene, checkpoint) = (scene(), checkpoint());
+        assert!(checkpoint.has_lighting_of(&scene));
+        let painted = scene.repainted(&vec![Vec3::splat(0.125); scene.materials().len()]);
+        checkpoint.check_belongs_to(&painted).unwrap();
+        assert!(!checkpoint.has_lighting_of(&painted));
     }
 
     #[test]

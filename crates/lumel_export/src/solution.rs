@@ -227,7 +227,7 @@ impl Solution {
 
     /// Whether the scene's materials, lights and sky are those of the bake.
     pub fn has_lighting_of(&self, scene: &Scene) -> bool {
-        self.meta.lighting_hash == scene.hash().lighting.to_hex().as_str()
+        is_lighting_of(&self.meta.lighting_hash, scene)
     }
 
     /// Writes the solution, atomically.
@@ -321,6 +321,11 @@ impl Solution {
         solution.check_scene(scene, Some(path))?;
         Ok(solution)
     }
+}
+
+/// Whether this is the hash of a scene's materials, lights and sky, hexadecimal.
+pub(crate) fn is_lighting_of(hash: &str, scene: &Scene) -> bool {
+    hash == scene.hash().lighting.to_hex().as_str()
 }
 
 fn read_layers(npz: &mut NpzReader, names: &[String], n: usize) -> Result<Vec<SolutionLayer>, SolutionError> {
