@@ -43,6 +43,11 @@ impl VertexBasis {
         self.corner_nodes[tri.index()]
     }
 
+    /// The area of a triangle, m², unrounded.
+    pub(crate) fn triangle_area(&self, tri: usize) -> f64 {
+        triangle_area(&self.scene, tri)
+    }
+
     /// The first vertex of each node.
     pub fn first_vertices(&self) -> &[u32] {
         &self.first_vertices
@@ -75,12 +80,16 @@ fn merge_vertices(scene: &Scene) -> (Vec<NodeId>, Vec<u32>) {
 /// A third of the triangles around each node, m².
 fn node_areas(scene: &Scene, corner_nodes: &[[NodeId; 3]], n_nodes: usize) -> Vec<f32> {
     let mut areas = vec![0.0f64; n_nodes];
-    for (tri, nodes) in (0u32..).map(TriId).zip(corner_nodes) {
-        let [a, b, c] = scene.triangle_positions(tri).map(|p| p.as_dvec3());
-        let area = (0.5 * (b - a).cross(c - a)).length();
+    for (tri, nodes) in corner_nodes.iter().enumerate() {
+        let area = triangle_area(scene, tri);
         nodes.iter().for_each(|node| areas[node.index()] += area);
     }
     areas.into_iter().map(|area| (area / 3.0) as f32).collect()
+}
+
+fn triangle_area(scene: &Scene, tri: usize) -> f64 {
+    let [a, b, c] = scene.triangle_positions(TriId(tri as u32)).map(|p| p.as_dvec3());
+    (0.5 * (b - a).cross(c - a)).length()
 }
 
 impl Basis for VertexBasis {
