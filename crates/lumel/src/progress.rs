@@ -62,7 +62,8 @@ impl Tracker {
         // The end is foreseen from the last two.
         let n = state.bounces.len();
         let remainders = (n.saturating_sub(1).max(1)..=n).filter_map(after).collect();
-        Self { remainders, ..Self::of(Workload::new(baker)) }
+        let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
+        Self { remainders, accuracy, ..Self::of(Workload::new(baker)) }
     }
 
     fn of(workload: Workload) -> Self {

@@ -1,8 +1,9 @@
 //! Unsaved work on disk, so that neither closing the window nor a power cut loses it.
 //!
-//! After each bounce, and when the window is closed, the bounces so far are written as a solution
-//! (`NAME.checkpoint.npz`, which `lumel bake --resume` takes too) with a note of what they belong to
+//! After each bounce or round, and when the window is closed, the state of the solve is written as a checkpoint
+//! (`NAME.checkpoint.npz`, which `lumel bake --resume` takes too) with a note of what it belongs to
 //! (`NAME.recovery.json`). The next start offers to resume it. Both are removed once the work is saved or discarded.
+//! Earlier versions wrote a solution in place of the checkpoint; it is still read.
 //!
 //! Each process that keeps unsaved work locks a file of its own there for as long as it runs (`process-ID.lock`): no
 //! other start offers its work.
@@ -10,7 +11,7 @@
 use crate::camera::FlyCamera;
 use crate::document::{OpenRequest, error_text};
 use glam::Vec3;
-use lumel::{LightEntry, OpenOptions, PathPolicy, Settings, SlotEntry, Solution};
+use lumel::{Checkpoint, LightEntry, OpenOptions, PathPolicy, Settings, SlotEntry};
 use lumel_export::write_atomically;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, TryLockError};
@@ -118,16 +119,16 @@ impl Recovery {
         serde_json::from_slice(&fs::read(self.file(NOTE_END)).ok()?).ok()
     }
 
-    /// Writes the work: first the bounces, then the note that names them.
+    /// Writes the work: first the checkpoint, or none to keep that which is there, then the note that names it.
     ///
     /// # Errors
     /// What went wrong, with the file.
-    pub fn write(&self, note: &Note, solution: Option<&Solution>) -> Result<(), String> {
+    pub fn write(&self, note: &Note, checkpoint: Option<&Checkpoint>) -> Result<(), String> {
         let in_folder = |e: io::Error| format!("{e}: {}", self.folder.display());
         fs::create_dir_all(&self.folder).map_err(in_folder)?;
         lock(&self.folder).map_err(in_folder)?;
-        if let Some(solution) = solution {
-            solution.save(&self.checkpoint()).map_err(|e| error_text(&e))?;
+        if let Some(checkpoint) = checkpoint {
+            checkpoint.save(&self.checkpoint()).map_err(|e| error_text(&e))?;
         }
         let text = serde_json::to_vec_pretty(note).map_err(|e| e.to_string())?;
         write_atomically(&self.file(NOTE_END), |out| out.write_all(&text)).map_err(|e| error_text(&e))

@@ -104,7 +104,9 @@ impl Session {
             (Ending::Stopped, Then::Rest) => {
                 let text = match self.light.bounces.len() {
                     0 => "Stopped before any light was computed",
-                    _ if !self.can_go_on() => "Stopped; showing the last finished round",
+                    _ if self.settings.target_error != TargetError::Off => {
+                        "Stopped; press Enter to resume after the last finished round"
+                    }
                     _ => "Stopped; press Enter to resume after the last finished bounce",
                 };
                 self.notices.push(Level::Info, text);

@@ -31,12 +31,19 @@ impl Session {
         (changes.outdates() && !self.follows(computed)).then_some(changes)
     }
 
-    /// Whether the next solve resumes a stopped one; with a target error, rays are not kept.
+    /// Whether the next solve resumes a stopped one.
     pub fn can_go_on(&self) -> bool {
-        let is_unfinished = |computed: &Computed| !computed.complete;
-        self.settings.target_error == TargetError::Off
-            && !self.light.is_empty()
+        let is_resumed = |computed: &Computed| {
+            !computed.complete && self.resumes(computed, self.changes_since(&computed.inputs))
+        };
+        !self.light.is_empty()
             && self.out_of_date().is_none()
-            && self.computed.as_ref().is_some_and(is_unfinished)
+            && self.computed.as_ref().is_some_and(is_resumed)
+    }
+
+    /// Whether the next solve continues this light, after changes that do not put it out of date.
+    pub(super) fn resumes(&self, computed: &Computed, changes: Changes) -> bool {
+        // A solve to an error with other bounces might choose other samples, and a solution does not tell its samples.
+        self.settings.target_error == TargetError::Off || computed.solved.is_some() && !changes.any()
     }
 }

@@ -6,7 +6,7 @@ use crate::document::Document;
 use crate::inputs::Inputs;
 use crate::notice::Level;
 use crate::solver::{Keep, Phase, SolveJob, SolveStart, Task, Work};
-use lumel::{BasisKind, Scene, Settings, SolveState, TargetError};
+use lumel::{BasisKind, Saved, Scene, Settings, SolveState};
 use std::sync::Arc;
 
 impl Session {
@@ -61,12 +61,12 @@ impl Session {
         if computed.complete && !changes.any() {
             return None;
         }
-        if self.settings.target_error != TargetError::Off {
+        if !self.resumes(computed, changes) {
             return Some(SolveStart::Anew);
         }
         Some(match (&computed.solved, &computed.file) {
             (Some(solved), _) => SolveStart::From(Box::new(solved.state.clone())),
-            (None, Some(file)) => SolveStart::FromFile(Box::new((**file).clone())),
+            (None, Some(file)) => SolveStart::FromFile(Saved::Solution(Box::new((**file).clone()))),
             (None, None) => SolveStart::Anew,
         })
     }

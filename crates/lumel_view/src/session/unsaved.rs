@@ -7,7 +7,7 @@ use crate::recovery::{LeftBehind, Note, Recovery};
 use crate::selection::{Illumination, Selection};
 use crate::slots::Slots;
 use crate::solver::{Keep, SolveStart};
-use lumel::{LightEntry, LightFile, Solution, SolutionLayer, TargetError};
+use lumel::{LightEntry, LightFile, Saved, Solution, SolutionLayer, TargetError};
 
 impl Session {
     /// Whether there is light that the user has not saved.
@@ -15,14 +15,12 @@ impl Session {
         !self.light.bounces.is_empty() && self.computed.as_ref().is_some_and(|c| !c.saved)
     }
 
-    /// Writes the bounces to the place for unsaved work after each; `None` where there is no such place.
+    /// Writes the state to the place for unsaved work after each bounce or round; `None` where there is no such place.
     pub(super) fn keeper(&self) -> Keep {
         let (recovery, note) = (self.recovery.clone()?, self.note()?);
         Some(Box::new(move |baker, state| {
-            let mut solution = baker.solution(state);
-            solution.meta.complete = false;
             let note = Note { bounces: state.bounces.len(), complete: false, ..note.clone() };
-            recovery.write(&note, Some(&solution))
+            recovery.write(&note, Some(&baker.checkpoint(state)))
         }))
     }
 
@@ -83,20 +81,16 @@ impl Session {
             let _ = recovery.write(&Note { bounces: left.bounces, complete: left.complete, ..note }, None);
         }
         if left.bounces > 0 {
-            match Solution::load(&recovery.checkpoint()) {
-                Ok(solution) if left.settings.target_error != TargetError::Off => {
-                    // A solution does not tell the rounds of a target error, so it cannot be resumed.
+            match Saved::load(&recovery.checkpoint()) {
+                Ok(Saved::Solution(solution)) if left.settings.target_error != TargetError::Off => {
+                    // Of an earlier version. A solution does not tell the rounds of a target error.
                     let text = format!("Restored {}; press Enter to solve again", left.summary());
                     self.notices.push(Level::Info, text);
-                    self.show_light(
-                        LightFile::Solution(Box::new(solution)),
-                        "unsaved solution".into(),
-                        false,
-                    );
+                    self.show_light(LightFile::Solution(solution), "unsaved solution".into(), false);
                 }
-                Ok(solution) => {
+                Ok(saved) => {
                     self.notices.push(Level::Info, format!("Restored {}", left.summary()));
-                    self.start_solve(SolveStart::FromFile(Box::new(solution)));
+                    self.start_solve(SolveStart::FromFile(saved));
                 }
                 Err(problem) => {
                     let text = format!("The unsaved solution cannot be read: {problem}");
@@ -127,9 +121,12 @@ impl Session {
             return;
         }
         let Some(note) = self.note() else { return };
-        let solution = self.has_unsaved_light().then(|| self.solution()).flatten();
+        let computed = self.computed.as_ref().filter(|_| self.has_unsaved_light());
+        // Unsaved light that this session did not compute was restored: its file is there.
+        let solved = computed.and_then(|computed| computed.solved.as_ref());
+        let checkpoint = solved.map(|solved| solved.baker.checkpoint(&solved.state));
         // There is nobody left to tell; the checkpoint of the last bounce is still there.
-        let _ = recovery.write(&note, solution.as_ref());
+        let _ = recovery.write(&note, checkpoint.as_ref());
     }
 
     /// Opens the scene of unsaved work and restores it.

@@ -54,8 +54,11 @@ impl<'a> Publisher<'a> {
         }
     }
 
-    /// Publishes the bounces that are there from the start.
+    /// Publishes the bounces that are there from the start, or the last round.
     pub(super) fn resumed(&self, state: &SolveState) {
+        if state.errors.is_some() {
+            return self.publish_round(state);
+        }
         for_each_prefix(state, |so_far| self.publish_bounce(so_far, 0.0));
     }
 

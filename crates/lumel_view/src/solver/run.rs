@@ -35,7 +35,7 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     let mut state = match start {
         SolveStart::Anew => SolveState::new(),
         SolveStart::From(state) => baker.continued(*state),
-        SolveStart::FromFile(solution) => match baker.resume_solution(&solution) {
+        SolveStart::FromFile(saved) => match baker.resume(&saved) {
             Ok(state) => state,
             Err(error) => return Ending::Failed(error.to_string()),
         },

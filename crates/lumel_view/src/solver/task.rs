@@ -1,6 +1,6 @@
 //! What there is to compute, and what was computed.
 
-use lumel::{Baker, Scene, Settings, SolveState};
+use lumel::{Baker, Saved, Scene, Settings, SolveState};
 use std::sync::Arc;
 
 /// What a solve works with.
@@ -28,8 +28,8 @@ pub enum SolveStart {
     Anew,
     /// With what a solve with these settings continues of this state.
     From(Box<SolveState>),
-    /// After the bounces of a solution that was saved; an error if it does not fit.
-    FromFile(Box<lumel::Solution>),
+    /// With what was saved; an error if it does not fit.
+    FromFile(Saved),
 }
 
 /// A solve that ended, well or because it was stopped.

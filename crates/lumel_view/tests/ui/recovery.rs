@@ -4,6 +4,7 @@ use crate::expected::{bits, reference};
 use crate::harness::Window;
 use eframe::App as _;
 use eframe::egui::{Key, Modifiers};
+use lumel::{BounceLimit, Solution};
 use std::path::Path;
 
 /// The files of unsaved work; the lock of the process stays as long as this program runs.
@@ -13,6 +14,13 @@ fn left_behind(folder: &Path) -> Vec<String> {
     let mut names: Vec<_> = names.filter(|name| !name.ends_with(".lock")).collect();
     names.sort();
     names
+}
+
+/// Replaces the checkpoint of unsaved work by a solution, as earlier versions kept it.
+pub(crate) fn kept_by_an_earlier_version(folder: &Path, solution: &Solution) {
+    let files = left_behind(folder);
+    let checkpoint = files.iter().find(|name| name.ends_with(".checkpoint.npz")).unwrap();
+    solution.save(&folder.join("unsaved").join(checkpoint)).unwrap();
 }
 
 /// Closes a window in mid-solve and opens another one, which offers what was left behind.
@@ -51,6 +59,23 @@ fn a_solve_that_was_closed_is_restored_and_ends_with_the_same_bits() {
     window.answer(window.file("room.npz"));
     window.wait_for_files();
     assert_eq!(left_behind(window.folder().path()), [""; 0]);
+}
+
+#[test]
+fn a_solution_that_an_earlier_version_kept_is_resumed() {
+    let Some(mut window) = Window::solved_room() else { return };
+    let (before, solution) = (bits(window.state()), window.session().solution().unwrap());
+    window.session().settings.bounces = BounceLimit::Count(4);
+    window.state_mut().on_exit();
+    let folder = window.folder();
+    drop(window);
+    kept_by_an_earlier_version(folder.path(), &solution);
+    let Some(mut window) = Window::keeping(folder, |_| {}) else { return };
+    window.click("Restore");
+    window.wait_until("the solve", |app| app.session.computed().is_some_and(|c| c.complete));
+    let all = bits(window.state());
+    assert!(all.len() == 5 && all[..before.len()] == before && all == reference(window.state()));
+    assert_eq!(window.session().stats[..before.len()].iter().map(|s| s.seconds).sum::<f64>(), 0.0);
 }
 
 #[test]
