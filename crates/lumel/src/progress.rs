@@ -35,7 +35,8 @@ struct Current {
 pub struct Progress {
     /// What is being computed, or was last; `None` before the first step.
     pub step: Option<Step>,
-    /// Share of the step that is done; `None` for a round of a target error, which has as many solves as it takes.
+    /// Share of the step that is done; `None` for a round of a target error, which has as many solves as it takes, and
+    /// for a layer while the number of its bounces cannot be told.
     pub step_share: Option<f64>,
     /// Share of the whole solve that is done, by time; `None` while [`seconds_left`](Self::seconds_left) is.
     pub share: Option<f64>,
@@ -45,6 +46,8 @@ pub struct Progress {
     pub rays_per_second: Option<f64>,
     /// The last bounce that will be computed, as far as it is known.
     pub last_bounce: Option<u32>,
+    /// How many layers of lights are told apart after the last bounce.
+    pub layers: u32,
     /// What was missing after the last finished bounce, if it could be told.
     pub remainder: Option<Remainder>,
     /// What the last round has reached, where there is a target error.
@@ -114,6 +117,7 @@ impl Tracker {
     /// How far the solve is.
     pub fn progress(&self, now: Reading) -> Progress {
         let fixed = Progress {
+            layers: self.workload.layers(),
             last_bounce: self.workload.last_bounce(&self.remainders),
             remainder: self.remainders.last().copied(),
             accuracy: self.accuracy,
@@ -125,7 +129,7 @@ impl Tracker {
         let elapsed = self.started.map_or(0.0, |started| now.since(started).seconds);
         Progress {
             step: Some(step),
-            step_share: self.workload.step_share(step, done.elements),
+            step_share: self.workload.step_share(step, done.elements, &self.remainders),
             share: seconds_left.map(|left| elapsed / (elapsed + left)),
             seconds_left,
             // A clock may not have moved yet.

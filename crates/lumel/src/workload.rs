@@ -1,9 +1,10 @@
 //! How much a solve has to do, and how long it will still take.
 
 use crate::Baker;
+use crate::layers::light_layers;
 use crate::method::Method;
 use crate::reading::Reading;
-use crate::settings::{BasisKind, BounceLimit, Settings};
+use crate::settings::{BasisKind, BounceLimit, Layers, Settings};
 use lumel_solve::Step;
 
 /// Below this share of a step that is done, its speed says little.
@@ -15,16 +16,20 @@ pub(crate) struct Workload {
     /// Elements measured per bounce.
     elements: u64,
     rays: RaysPerElement,
+    /// Layers of lights that are told apart in the end.
+    layers: u32,
     limit: BounceLimit,
     remainder: f64,
 }
 
-/// Hemisphere rays per element, by step.
+/// Rays per element, by step.
 #[derive(Clone, Copy, Debug)]
 struct RaysPerElement {
+    /// Shadow rays to one light.
+    shadow: f64,
     /// In the first bounce.
     first: f64,
-    /// In each later bounce.
+    /// In each later bounce, and in each bounce of a layer.
     later: f64,
     /// In the final gather.
     gathered: f64,
@@ -42,23 +47,32 @@ pub struct Remainder {
 impl Workload {
     /// What a baker has to do.
     pub(crate) fn new(baker: &Baker) -> Self {
-        Self::of(baker.elements_per_step(), baker.settings(), baker.method())
+        let settings = baker.settings();
+        let layers = match settings.layers {
+            Layers::Off => 0,
+            Layers::Lights => light_layers(baker.scene(), settings).len() as u32,
+        };
+        Self { layers, ..Self::of(baker.elements_per_step(), settings, baker.method()) }
     }
 
+    /// Without layers.
     pub(crate) fn of(elements: u64, settings: &Settings, method: Method) -> Self {
         // A mesh has about twice as many triangles as vertices; each gets half the rays of a vertex.
         let share = if settings.basis == BasisKind::Vertex { 1.0 } else { 0.5 };
         let all = share * f64::from(settings.indirect_samples);
+        // Over areas, a layer traces one ray more with each of them.
+        let shadow = f64::from(settings.direct_samples);
         let rays = match method {
             Method::Neumann | Method::Replicates { .. } => {
-                RaysPerElement { first: all, later: all, gathered: 0.0 }
+                RaysPerElement { shadow, first: all, later: all, gathered: 0.0 }
             }
-            Method::Cached { .. } => RaysPerElement { first: all, later: 0.0, gathered: 0.0 },
+            Method::Cached { .. } => RaysPerElement { shadow, first: all, later: 0.0, gathered: 0.0 },
             Method::FinalGather { stored, .. } => {
-                RaysPerElement { first: share * f64::from(stored), later: 0.0, gathered: all }
+                RaysPerElement { shadow, first: share * f64::from(stored), later: 0.0, gathered: all }
             }
         };
-        Self { elements, rays, limit: settings.bounces, remainder: f64::from(settings.remainder) }
+        let (limit, remainder) = (settings.bounces, f64::from(settings.remainder));
+        Self { elements, rays, layers: 0, limit, remainder }
     }
 
     /// The last bounce that will be computed, as far as it can be foreseen from the remainders so far.
@@ -75,32 +89,54 @@ impl Workload {
         }
     }
 
-    /// Share of a step that is done; `None` for a round, which has as many solves as it takes.
-    pub(crate) fn step_share(&self, step: Step, elements: u64) -> Option<f64> {
-        (!matches!(step, Step::Round(_))).then(|| (elements as f64 / self.elements.max(1) as f64).min(1.0))
+    /// How many layers of lights there are.
+    pub(crate) fn layers(&self) -> u32 {
+        self.layers
+    }
+
+    /// Share of a step that is done; `None` for a round, which has as many solves as it takes, and for a layer while the
+    /// number of its bounces is unknown.
+    pub(crate) fn step_share(&self, step: Step, elements: u64, remainders: &[Remainder]) -> Option<f64> {
+        let jobs = match step {
+            Step::Round(_) => return None,
+            Step::Validity | Step::Bounce(_) | Step::FinalGather => 1,
+            Step::Layer(_) => {
+                let last = self.last_bounce(remainders)?;
+                let gathers = last > 0 && self.rays.gathered > 0.0;
+                u64::from(last) + 1 + u64::from(gathers)
+            }
+        };
+        Some((elements as f64 / (jobs * self.elements).max(1) as f64).min(1.0))
     }
 
     /// Seconds until the end of the solve, where `done` was done of the current step; `None` while it is unknown, as
     /// with rounds for a target error.
     ///
-    /// Assumes that later bounces trace rays as fast as the current step.
+    /// Assumes that later steps trace rays as fast as the current step, and that layers take as long as each other.
     pub(crate) fn seconds_left(&self, step: Step, done: Reading, remainders: &[Remainder]) -> Option<f64> {
-        let share =
-            self.step_share(step, done.elements).filter(|&share| share >= MIN_SHARE && done.rays > 0)?;
+        let share = self.step_share(step, done.elements, remainders).filter(|&share| share >= MIN_SHARE)?;
         let last = self.last_bounce(remainders)?;
-        let RaysPerElement { first, later, gathered } = self.rays;
+        let this_step = done.seconds * (1.0 - share) / share;
+        let RaysPerElement { shadow, first, later, gathered } = self.rays;
         let bounces_after = |bounce: u32| match last.saturating_sub(bounce) {
             0 => 0.0,
             n if bounce == 0 => first + f64::from(n - 1) * later,
             n => f64::from(n) * later,
         };
+        let gather = if last > 0 { gathered } else { 0.0 };
+        let layers = f64::from(self.layers) * (shadow + f64::from(last) * later + gather);
         let to_come = match step {
-            Step::Validity => first + bounces_after(0) + gathered,
-            Step::Bounce(bounce) => bounces_after(bounce) + gathered,
-            Step::FinalGather | Step::Round(_) | Step::Layer(_) => 0.0,
+            Step::Validity => first + bounces_after(0) + gathered + layers,
+            Step::Bounce(bounce) => bounces_after(bounce) + gathered + layers,
+            Step::FinalGather => layers,
+            Step::Layer(layer) => {
+                let to_come = self.layers.saturating_sub(layer + 1);
+                return Some(this_step + f64::from(to_come) * done.seconds / share);
+            }
+            Step::Round(_) => 0.0,
         };
-        let this_step = done.seconds * (1.0 - share) / share;
-        Some(this_step + self.elements as f64 * to_come * done.seconds / done.rays as f64)
+        let rays = self.elements as f64 * to_come;
+        (done.rays > 0).then(|| this_step + rays * done.seconds / done.rays as f64)
     }
 }
 
@@ -126,6 +162,32 @@ mod tests {
         let gathers = Workload::of(1000, &settings, method);
         assert_eq!(gathers.seconds_left(Step::Bounce(0), done, &[]), Some(2.0 + 2.0 + 4.0));
         assert_eq!(gathers.seconds_left(Step::FinalGather, done, &[]), Some(2.0));
+    }
+
+    #[test]
+    fn layers_of_lights_are_steps_to_come() {
+        let settings = Settings {
+            bounces: BounceLimit::Count(3),
+            direct_samples: 25,
+            indirect_samples: 100,
+            ..Settings::default()
+        };
+        let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
+        let with = |method| Workload { layers: 4, ..Workload::of(1000, &settings, method) };
+        let cached = with(Method::Cached { memory: Memory(1) });
+        // Half of bounce 1 at 25 000 rays a second, then 25 shadow rays for each element and layer.
+        assert_eq!(cached.seconds_left(Step::Bounce(1), done, &[]), Some(2.0 + 4.0));
+        let traced = with(Method::Neumann);
+        assert_eq!(traced.seconds_left(Step::Bounce(3), done, &[]), Some(2.0 + 4.0 * (1.0 + 3.0 * 4.0)));
+        let gathers = with(Method::FinalGather { stored: 50, memory: Memory(1) });
+        assert_eq!(gathers.seconds_left(Step::FinalGather, done, &[]), Some(2.0 + 4.0 * (1.0 + 4.0)));
+        // Each measures four times, or five with a gather; the third takes as long as the last.
+        let layer = Reading { elements: 1000, ..done };
+        assert_eq!(cached.step_share(Step::Layer(2), 1000, &[]), Some(0.25));
+        assert_eq!(cached.seconds_left(Step::Layer(2), layer, &[]), Some(6.0 + 8.0));
+        assert_eq!(cached.seconds_left(Step::Layer(3), Reading { rays: 0, ..layer }, &[]), Some(6.0));
+        assert_eq!(gathers.step_share(Step::Layer(0), 1000, &[]), Some(0.2));
+        assert_eq!(workload(BounceLimit::All).step_share(Step::Layer(0), 1000, &[]), None);
     }
 
     #[test]

@@ -4,14 +4,15 @@
 
 use glam::Vec3;
 use lumel::{
-    Baker, BasisKind, BounceLimit, Control, Emitter, EmitterSampling, Layers, Light, Memory, Method, Scene,
-    SceneBuilder, Settings, Silent, SolveState, SolverKind, Tail, light_layers,
+    Baker, BasisKind, BounceLimit, Control, Emitter, EmitterSampling, Layers, Light, Memory, Method,
+    Observer, Progress, Reading, Scene, SceneBuilder, Settings, Silent, SolveState, SolverKind, Step, Tail,
+    Tracker, light_layers,
 };
 use lumel_basis::Field;
 use lumel_scene::{DirectionalLight, PointLight, Radiance, RectLight, SpotLight};
 use lumel_testkit::mesh::{self, Facing, cuboid};
 use lumel_testkit::scene::{ceiling_light, grey};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 fn settings() -> Settings {
     Settings {
@@ -225,6 +226,48 @@ fn layers_cost_their_shadow_rays_and_no_hemisphere_ray() {
     // Each light's shadow rays once more, in its layer.
     assert!(shadow > 0);
     assert_eq!(rays_with_layers, rays + shadow);
+}
+
+/// Follows a solve and keeps its progress at the end of every step.
+struct Follower<'a> {
+    tracker: Mutex<Tracker>,
+    control: &'a Control,
+    ended: Mutex<Vec<Progress>>,
+}
+
+impl Observer for Follower<'_> {
+    fn step_started(&self, step: Step) {
+        self.tracker.lock().unwrap().step_started(step, Reading::new(self.control, 0.0));
+    }
+
+    fn step_done(&self, step: Step, _: &SolveState) {
+        let (now, mut tracker) = (Reading::new(self.control, 1.0), self.tracker.lock().unwrap());
+        self.ended.lock().unwrap().push(tracker.progress(now));
+        tracker.step_done(step, None, None, now);
+    }
+}
+
+#[test]
+fn progress_counts_layers_as_steps() {
+    let scene = built(with_lights(room(), &lights()));
+    for (way, settings) in ways() {
+        let baker = Baker::new(Arc::clone(&scene), settings);
+        let (mut state, control) = (SolveState::new(), Control::default());
+        let tracker = Mutex::new(Tracker::new(&baker, &state));
+        let follower = Follower { tracker, control: &control, ended: Mutex::default() };
+        baker.run(&mut state, &control, &follower).unwrap();
+        let ended = follower.ended.into_inner().unwrap();
+        assert!(ended.iter().all(|at| at.layers == 7 && at.step_share == Some(1.0)), "{way}: {ended:?}");
+        let layers: Vec<&Progress> =
+            ended.iter().filter(|at| matches!(at.step, Some(Step::Layer(_)))).collect();
+        let left: Vec<f64> = layers.iter().filter_map(|at| at.seconds_left).collect();
+        assert_eq!(left, [6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0], "{way}");
+        let direct = ended.iter().find(|at| at.step == Some(Step::Bounce(0))).unwrap();
+        let off = Settings { layers: Layers::Off, ..baker.settings().clone() };
+        let without =
+            Tracker::new(&baker.relit(Arc::clone(&scene), off), &state).progress(Reading::default());
+        assert!(direct.seconds_left > Some(0.0) && without.layers == 0, "{way}");
+    }
 }
 
 #[test]

@@ -175,7 +175,7 @@ fn name_of(step: Step, progress: &lumel::Progress) -> String {
             None => format!("bounce {bounce}"),
         },
         Step::FinalGather => "final gather".to_owned(),
-        Step::Layer(layer) => format!("layer {}", layer + 1),
+        Step::Layer(layer) => format!("layer {} of {}", layer + 1, progress.layers),
         Step::Round(round) => match &progress.accuracy {
             Some(Accuracy { share, target, .. }) => {
                 let (share, target) = (report::percent(*share), report::percent(target.error));

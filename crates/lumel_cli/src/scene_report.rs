@@ -2,7 +2,7 @@
 
 mod text;
 
-use lumel::{Light, Scene};
+use lumel::{Emitter, Light, LightLayer, Scene, Settings, light_layers};
 use lumel_scene::{Barycentrics, MaterialId, Sides, SurfacePoint, TextureRef, TriId};
 use serde::Serialize;
 
@@ -19,6 +19,8 @@ pub(crate) struct SceneReport {
     /// Area of all lit sides, m².
     area: f64,
     lights: Vec<LightReport>,
+    /// What `--layers lights` tells apart, for `render --light NAME`.
+    layers: Vec<LayerReport>,
     emissive: Emissive,
     sky: [f32; 3],
     cameras: Vec<CameraReport>,
@@ -56,12 +58,28 @@ struct TextureReport {
 }
 
 #[derive(Debug, Serialize)]
+struct LightReport {
+    name: String,
+    #[serde(flatten)]
+    kind: LightKind,
+}
+
+#[derive(Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
-enum LightReport {
+enum LightKind {
     Rect { center: [f32; 3], size: [f32; 2], normal: [f32; 3], radiance: [f32; 3], power: [f32; 3] },
     Point { position: [f32; 3], intensity: [f32; 3], power: [f32; 3] },
     Spot { position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], outer_angle_deg: f32 },
     Directional { direction: [f32; 3], irradiance: [f32; 3] },
+}
+
+/// Emitters that share a name.
+#[derive(Debug, Serialize)]
+struct LayerReport {
+    name: String,
+    /// Lights and emissive materials that make it; the sky counts as a light.
+    lights: usize,
+    materials: usize,
 }
 
 /// Emissive surfaces.
@@ -99,7 +117,8 @@ impl SceneReport {
             bounds: [bounds.min.to_array(), bounds.max.to_array()],
             size: (bounds.max - bounds.min).to_array(),
             area: tris().map(|tri| f64::from(scene.area(tri))).sum(),
-            lights: scene.lights().iter().map(light).collect(),
+            lights: scene.lights().iter().zip(scene.light_names()).map(light).collect(),
+            layers: light_layers(scene, &Settings::default()).iter().map(layer).collect(),
             emissive: Emissive::of(scene),
             sky: scene.sky().0.to_array(),
             cameras: scene.cameras().iter().map(camera).collect(),
@@ -164,27 +183,36 @@ impl Emissive {
     }
 }
 
-fn light(light: &Light) -> LightReport {
+fn layer(layer: &LightLayer) -> LayerReport {
+    let materials = layer.emitters.iter().filter(|emitter| matches!(emitter, Emitter::Surfaces(_))).count();
+    LayerReport { name: layer.name.clone(), lights: layer.emitters.len() - materials, materials }
+}
+
+fn light((light, name): (&Light, &String)) -> LightReport {
+    LightReport { name: name.clone(), kind: kind(light) }
+}
+
+fn kind(light: &Light) -> LightKind {
     match light {
-        Light::Rect(rect) => LightReport::Rect {
+        Light::Rect(rect) => LightKind::Rect {
             center: rect.center.to_array(),
             size: [2.0 * rect.u.length(), 2.0 * rect.v.length()],
             normal: rect.normal().unwrap_or_default().to_array(),
             radiance: rect.radiance.0.to_array(),
             power: rect.radiance.power(rect.area()).to_array(),
         },
-        Light::Point(point) => LightReport::Point {
+        Light::Point(point) => LightKind::Point {
             position: point.position.to_array(),
             intensity: point.intensity.to_array(),
             power: lumel_scene::Radiance(4.0 * point.intensity).radiosity().0.to_array(),
         },
-        Light::Spot(spot) => LightReport::Spot {
+        Light::Spot(spot) => LightKind::Spot {
             position: spot.point.position.to_array(),
             direction: spot.direction.to_array(),
             intensity: spot.point.intensity.to_array(),
             outer_angle_deg: spot.cos_outer.acos().to_degrees(),
         },
-        Light::Directional(sun) => LightReport::Directional {
+        Light::Directional(sun) => LightKind::Directional {
             direction: sun.direction.to_array(),
             irradiance: sun.irradiance.to_array(),
         },

@@ -123,7 +123,7 @@ pub(crate) struct BakeArgs {
 /// What `--light` means to `lumel render`.
 const LIGHT_OR_LAYER: &str = "\
 Show only the light of the layer NAME, which a bake with --layers lights stores: the name of a light, \"sky\", or the \
-name of an emissive material.
+name of an emissive material. `lumel info` lists them.
 
 Lights as for `lumel bake`, 'rect center=x,y,z ...', say that the solution was baked with them.";
 

@@ -1,6 +1,6 @@
 //! A scene report as text.
 
-use super::{Emissive, LightReport, MaterialReport, SceneReport, TextureReport};
+use super::{Emissive, LayerReport, LightKind, LightReport, MaterialReport, SceneReport, TextureReport};
 use crate::report::{counted, significant, triple};
 
 /// Further objects are only counted.
@@ -28,6 +28,7 @@ impl SceneReport {
         page.row("objects", &self.objects_line());
         page.list("materials", self.materials.iter().map(MaterialReport::line));
         page.list("lights", self.lights.iter().map(LightReport::line));
+        page.list("layers", self.layers.iter().map(LayerReport::line));
         page.row("emissive", &self.emissive.line());
         page.row(
             "sky",
@@ -73,6 +74,26 @@ impl MaterialReport {
 }
 
 impl LightReport {
+    fn line(&self) -> String {
+        format!("\"{}\" {}", self.name, self.kind.line())
+    }
+}
+
+impl LayerReport {
+    fn line(&self) -> String {
+        let counts = [
+            (self.lights, counted(self.lights, "light", "lights")),
+            (self.materials, counted(self.materials, "emissive material", "emissive materials")),
+        ];
+        let parts: Vec<String> = counts.into_iter().filter(|(n, _)| *n > 0).map(|(_, text)| text).collect();
+        match (self.lights + self.materials, parts.as_slice()) {
+            (1, _) => format!("\"{}\"", self.name),
+            (_, parts) => format!("\"{}\": a group of {}", self.name, parts.join(" and ")),
+        }
+    }
+}
+
+impl LightKind {
     fn line(&self) -> String {
         match self {
             Self::Rect { center, size, normal, radiance, power } => {

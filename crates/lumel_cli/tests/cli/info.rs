@@ -41,6 +41,42 @@ fn lights_and_sky_of_the_command_line_are_shown() {
 }
 
 #[test]
+fn lights_and_layers_have_the_names_that_pictures_of_them_are_asked_for_by() {
+    let place = Place::new();
+    let rect = "rect center=0,0.4,0 u=0.1,0,0 v=0,0,0.1 radiance=1,2,3";
+    let named = format!("{rect} name=lamp");
+    let info = |more: &[&str]| {
+        let lights = ["--light", named.as_str(), "--light", rect, "--light", named.as_str()];
+        let mut command = place.lumel("info furnace --sky 1,0,0.5");
+        run(command.args(lights).args(more)).done().stdout
+    };
+    let json: Value = serde_json::from_str(&info(&["--json"])).unwrap();
+    let names = |list: &str| -> Vec<String> {
+        let entries = json[list].as_array().unwrap().iter();
+        entries.map(|entry| entry["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names("lights"), ["lamp", "light 2", "lamp"]);
+    let layers = names("layers");
+    assert_eq!(
+        (&layers[..3], json["layers"][0]["lights"].as_u64()),
+        (&["lamp".into(), "light 2".into(), "sky".into()][..], Some(2))
+    );
+    let text = info(&[]);
+    for part in ["\"light 2\" rectangle", "\"lamp\": a group of 2 lights", " \"sky\"\n"] {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    // Every layer is one that a picture can show.
+    let bake = |line: &str| {
+        let mut command = place.lumel(line);
+        command.args(["--sky", "1,0,0.5", "--light", &named, "--light", rect, "--light", &named]);
+        run(command.args(crate::common::TINY)).done();
+    };
+    bake("bake furnace --bounces 1 --layers lights -o a.npz");
+    let solution = place.solution("a.npz");
+    assert_eq!(solution.layers.iter().map(|layer| layer.name.clone()).collect::<Vec<_>>(), layers);
+}
+
+#[test]
 fn warnings_are_part_of_the_description() {
     let place = Place::new();
     place.write("a.obj", "mtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\n");
