@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
-use glam::Vec3;
+use glam::{EulerRot, Quat, Vec3};
 use lumel::{
     Baker, BasisKind, BounceLimit, Control, Emitter, EmitterSampling, Layers, Light, Memory, Method,
-    Observer, Progress, Reading, Scene, SceneBuilder, Settings, Silent, SolveState, SolverKind, Step, Tail,
-    Tracker, light_layers,
+    Observer, Progress, Reading, Saved, Scene, SceneBuilder, Settings, Silent, SolveError, SolveState,
+    SolverKind, Step, Tail, Tracker, light_layers,
 };
 use lumel_basis::Field;
 use lumel_scene::{DirectionalLight, PointLight, Radiance, RectLight, SpotLight};
@@ -51,10 +51,15 @@ fn lights() -> [(&'static str, Light); 5] {
 
 /// A room without a ceiling, with a box in it and an emissive square on a wall.
 fn room() -> SceneBuilder {
-    let mut objects = cuboid(Vec3::ZERO, Vec3::ONE, 6, Facing::Inward, [0; 6]);
+    room_of(6, 2)
+}
+
+/// The room with so many cells along each edge of a wall and of the box.
+fn room_of(cells: u32, of_box: u32) -> SceneBuilder {
+    let mut objects = cuboid(Vec3::ZERO, Vec3::ONE, cells, Facing::Inward, [0; 6]);
     objects.pop();
     let (min, max) = (Vec3::new(0.25, 0.3, -0.1), Vec3::new(0.6, 0.7, 0.4));
-    objects.extend(cuboid(min, max, 2, Facing::Outward, [0; 6]));
+    objects.extend(cuboid(min, max, of_box, Facing::Outward, [0; 6]));
     let square = [[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]].map(|[y, z]| Vec3::new(0.01, y, z));
     objects.push(mesh::quad(square, [1, 1], 1));
     let mut screen = grey(0.5, 4.0);
@@ -140,6 +145,104 @@ fn layers_add_up_to_all_light() {
         let expected = ["small", "large", "bulb", "spot", "sun", "sky", "screen"];
         assert_eq!(names(&scene, &settings), expected);
         assert_whole(&state, &format!("{way}, {:?}", settings.basis));
+    }
+}
+
+/// The scene turned about its origin, then moved.
+fn placed(mut builder: SceneBuilder, turn: Quat, shift: Vec3) -> SceneBuilder {
+    let place = |p: &mut Vec3| *p = turn * *p + shift;
+    let turned = |v: &mut Vec3| *v = turn * *v;
+    builder.objects.iter_mut().flat_map(|object| &mut object.positions).for_each(place);
+    for light in &mut builder.lights {
+        match light {
+            Light::Rect(rect) => {
+                place(&mut rect.center);
+                [&mut rect.u, &mut rect.v].into_iter().for_each(turned);
+            }
+            Light::Point(point) => place(&mut point.position),
+            Light::Spot(spot) => {
+                place(&mut spot.point.position);
+                turned(&mut spot.direction);
+            }
+            Light::Directional(sun) => turned(&mut sun.direction),
+        }
+    }
+    builder
+}
+
+/// The scene with its objects and faces the other way round, and each face beginning with another corner.
+fn reordered(mut builder: SceneBuilder) -> SceneBuilder {
+    builder.objects.reverse();
+    for object in &mut builder.objects {
+        object.faces.reverse();
+        object.faces.iter_mut().for_each(|face| face.vertices.rotate_left(1));
+    }
+    builder
+}
+
+/// Stops a solve when a step begins.
+struct StopAt<'a>(Step, &'a Control);
+
+impl Observer for StopAt<'_> {
+    fn step_started(&self, step: Step) {
+        if step == self.0 {
+            self.1.cancel();
+        }
+    }
+}
+
+/// Checks that a solve that is stopped when a step begins and resumed ends as if it had not been.
+fn assert_resumed(baker: &Baker, at: Step, whole: &SolveState, what: &str) {
+    let (mut stopped, control) = (SolveState::new(), Control::default());
+    let result = baker.run(&mut stopped, &control, &StopAt(at, &control));
+    assert_eq!(result, Err(SolveError::Cancelled), "{what}: there is no {at:?}");
+    let saved = Saved::Checkpoint(Box::new(baker.checkpoint(&stopped)));
+    let mut resumed = baker.resume(&saved).unwrap();
+    baker.run(&mut resumed, &Control::default(), &Silent).unwrap();
+    assert!(resumed == *whole, "{what}: other bits after a stop at {at:?}");
+}
+
+#[test]
+fn wherever_a_coarse_scene_lies_layers_add_up_and_a_stop_changes_no_bit() {
+    let given = with_lights(room_of(1, 1), &lights());
+    let (turn, far) = (Quat::from_euler(EulerRot::XYZ, 0.4, -1.1, 2.3), Vec3::new(1000.0, -700.0, 400.0));
+    let scenes = [
+        ("as given", given.clone()),
+        ("far away", placed(given.clone(), Quat::IDENTITY, far)),
+        ("turned", placed(given.clone(), turn, Vec3::ZERO)),
+        ("reordered", reordered(given.clone())),
+        // Turned, walls are not exact: at a hundred metres, corners of the room count as inside geometry.
+        ("all at once", reordered(placed(given, turn, 0.02 * far))),
+    ];
+    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+        let mut as_given = None;
+        for (name, builder) in &scenes {
+            let (scene, what) = (built(builder.clone()), format!("{basis:?}, {name}"));
+            let stored = Settings { basis, tail: Tail::Geometric, ..settings() };
+            let (baker, state, _) = solved(&scene, &stored);
+            let light = baker.power(&state.total());
+            let ratio = light / *as_given.get_or_insert(light);
+            println!("{what}: {ratio:.4} of the light");
+            // Eight shadow rays for a whole triangle are noisy: by some per cent of all light.
+            assert!((ratio - 1.0).abs() < 0.1, "{what}: {ratio} times as much light");
+            assert_whole(&state, &format!("{what}, stored"));
+            for at in [Step::Bounce(1), Step::Bounce(2), Step::Layer(0), Step::Layer(4)] {
+                assert_resumed(&baker, at, &state, &what);
+            }
+            let Method::Cached { memory: Memory(all) } = baker.method() else { panic!("{}", baker.method()) };
+            let gathers = Settings { memory: Memory(3 * all / 4), ..stored.clone() };
+            let traced = Settings { solver: SolverKind::Neumann, ..stored.clone() };
+            for (way, settings) in [("gathers", gathers), ("traced", traced)] {
+                let (baker, state, _) = solved(&scene, &settings);
+                assert_eq!(matches!(baker.method(), Method::FinalGather { .. }), way == "gathers");
+                assert_whole(&state, &format!("{what}, {way}"));
+                assert_resumed(&baker, Step::Bounce(2), &state, &what);
+            }
+            let target_error = "2%".parse().unwrap();
+            let (baker, state, _) = solved(&scene, &Settings { target_error, layers: Layers::Off, ..stored });
+            assert!(state.rounds.len() > 2, "{what}: one round was enough");
+            assert_resumed(&baker, Step::Round(1), &state, &what);
+        }
     }
 }
 
