@@ -83,9 +83,8 @@ impl Receivers for TriangleBasis {
         nodes.push(NodeId(element.0));
     }
 
-    fn site(&self, element: ElementId, u: [f32; 2], towards: &mut NodeWeights) -> Site {
+    fn site(&self, element: ElementId, u: [f32; 2]) -> Site {
         let tri = TriId(element.0);
-        towards.push(NodeId(element.0), 1.0);
         let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
         let normal = self.scene.geometric_normal(tri);
         Site {
@@ -93,6 +92,10 @@ impl Receivers for TriangleBasis {
             frame: Frame::from_normal(normal),
             skip: Some(self.scene.traced(tri)),
         }
+    }
+
+    fn towards(&self, element: ElementId, _: [f32; 2], nodes: &mut NodeWeights) {
+        nodes.push(NodeId(element.0), 1.0);
     }
 }
 

@@ -4,10 +4,10 @@ use crate::method::Method;
 use crate::settings::{BasisKind, Memory, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
-use lumel_basis::{Receivers, Sampling};
+use lumel_basis::Receivers;
 use lumel_scene::Scene;
 use lumel_solve::{REPLICATES, Replicates, Target};
-use lumel_transport::{CachedTransport, CpuTransport, Plan, Rows, Stored, Transport};
+use lumel_transport::{CachedTransport, CpuTransport, Order, Plan, Rows, Stored, Transport};
 use std::sync::Arc;
 
 /// What solves a scene with certain settings.
@@ -61,12 +61,12 @@ impl Assembly {
     }
 }
 
-/// How settings solve a scene with so many elements.
-pub(crate) fn method(scene: &Scene, (elements, sampling): (usize, Sampling), settings: &Settings) -> Method {
+/// How settings solve a scene with these elements.
+pub(crate) fn method(scene: &Scene, order: &Order, settings: &Settings) -> Method {
     let textured = scene.has_varying_albedo();
     let bytes = |rays: u32| {
         let plan = Plan { indirect_samples: rays, ..settings.plan() };
-        Rows::bytes_for(elements, plan.rays_per_element(sampling), textured)
+        Rows::bytes_for(order.rays(&plan), textured)
     };
     if let Some(target) = target::target(settings) {
         let rays = target::first_rays(settings, bytes);
@@ -85,8 +85,7 @@ struct Parts<'a, R> {
 
 impl<R: Receivers + 'static> Parts<'_, R> {
     fn assembly(self, stored: Option<&Stored>) -> Assembly {
-        let receivers = &*self.measured.receivers;
-        let method = method(self.scene, (receivers.element_count(), receivers.sampling()), self.settings);
+        let method = method(self.scene, &self.measured.order, self.settings);
         let traced = || -> Box<dyn Transport> { Box::new(self.traced(self.settings.plan())) };
         let cached = |indirect_samples| {
             let plan = Plan { indirect_samples, ..self.settings.plan() };

@@ -14,7 +14,7 @@ use lumel_solve::{
     Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, mix,
     solve, solve_layers, solve_to_error,
 };
-use lumel_transport::{Control, Transport};
+use lumel_transport::{Control, Order, Transport};
 use std::sync::Arc;
 
 /// A scene made ready for baking.
@@ -103,6 +103,14 @@ impl Baker {
         match self.settings.basis {
             BasisKind::Vertex => &*self.surfaces.at_vertices().receivers,
             BasisKind::VertexArea => &*self.surfaces.over_areas().receivers,
+        }
+    }
+
+    /// The order in which light is measured.
+    pub(crate) fn order(&self) -> &Order {
+        match self.settings.basis {
+            BasisKind::Vertex => &self.surfaces.at_vertices().order,
+            BasisKind::VertexArea => &self.surfaces.over_areas().order,
         }
     }
 

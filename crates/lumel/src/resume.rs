@@ -138,8 +138,7 @@ impl Baker {
             let differences = "they are unknown to this version".to_owned();
             return Err(ResumeError::Settings { differences });
         };
-        let shape = self.shape();
-        let method = assembly::method(self.scene(), (shape.elements, shape.sampling), &found);
+        let method = assembly::method(self.scene(), self.order(), &found);
         if found.same_bounces_as(self.settings()) && method == self.method() {
             return Ok(());
         }

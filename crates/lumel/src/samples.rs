@@ -29,7 +29,8 @@ impl Baker {
                     [s, t]
                 }
             };
-            let site = receivers.site(element, u, &mut weights);
+            let site = receivers.site(element, u);
+            receivers.towards(element, u, &mut weights);
             let counts = weights.iter().any(|(node, _)| valid.get(node.index()).copied().unwrap_or(true));
             (site.origin, counts)
         };

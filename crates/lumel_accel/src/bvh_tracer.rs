@@ -49,6 +49,27 @@ impl RayTracer for Bvh {
         self.closest_in_packets::<false, _>(rays.len(), ray, hits);
     }
 
+    fn occlusions_of(&self, rays: &[Ray], occluded: &mut [bool]) {
+        let Some(root) = self.root else { return occluded.fill(false) };
+        let mut packet = Packet::new();
+        for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
+            if rays.len() < FEW {
+                rays.iter().zip(occluded).for_each(|(ray, blocked)| *blocked = self.occluded(ray));
+                continue;
+            }
+            if !packet.fill(rays.iter().copied()) {
+                occluded.fill(false);
+                continue;
+            }
+            self.trace::<false, true>(&[root], &mut packet);
+            let free = packet.unmet();
+            for (i, (blocked, ray)) in occluded.iter_mut().zip(rays).enumerate() {
+                // Rays that cannot be traced were never free.
+                *blocked = free >> i & 1 == 0 && is_traceable(ray.origin, ray.direction);
+            }
+        }
+    }
+
     fn occlusions(&self, bundle: &Bundle<'_>, occluded: &mut [bool]) {
         let Some(root) = self.root else { return occluded.fill(false) };
         let skip = bundle.skip.map_or(NO_TRIANGLE, |tri| tri.0);

@@ -101,6 +101,15 @@ pub trait RayTracer: Send + Sync {
         }
     }
 
+    /// The occlusion of rays with origins of their own; `occluded` is as long as `rays`.
+    ///
+    /// Fast when rays that follow each other start close together and go similar ways.
+    fn occlusions_of(&self, rays: &[Ray], occluded: &mut [bool]) {
+        for (ray, blocked) in rays.iter().zip(occluded) {
+            *blocked = self.occluded(ray);
+        }
+    }
+
     /// The occlusion of a bundle; `occluded` is as long as `bundle.directions`.
     fn occlusions(&self, bundle: &Bundle<'_>, occluded: &mut [bool]) {
         for (i, blocked) in occluded.iter_mut().enumerate() {

@@ -60,8 +60,11 @@ impl Receivers for PointReceivers {
         nodes.push(NodeId(element.0));
     }
 
-    fn site(&self, element: ElementId, _u: [f32; 2], towards: &mut NodeWeights) -> Site {
-        towards.push(NodeId(element.0), 1.0);
+    fn site(&self, element: ElementId, _: [f32; 2]) -> Site {
         self.sites[element.index()]
+    }
+
+    fn towards(&self, element: ElementId, _: [f32; 2], nodes: &mut NodeWeights) {
+        nodes.push(NodeId(element.0), 1.0);
     }
 }

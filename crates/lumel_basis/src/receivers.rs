@@ -63,15 +63,32 @@ pub trait Receivers: Send + Sync {
     /// Adds all nodes that measurements of an element may count towards.
     fn nodes_of(&self, element: ElementId, nodes: &mut Vec<NodeId>);
 
+    /// How many times the samples of an element are doubled, or halved if it is negative.
+    ///
+    /// Large elements deserve more than small ones. The number of samples should be about the same on average.
+    fn doublings(&self, _element: ElementId) -> i8 {
+        0
+    }
+
     /// A place of an element, chosen by `u` in the unit square if elements have an area.
     ///
-    /// Adds the nodes that a measurement there counts towards, and how much. A node's value is the mean of all its
-    /// measurements by weight, so weights need no common scale.
-    fn site(&self, element: ElementId, u: [f32; 2], towards: &mut NodeWeights) -> Site;
+    /// An area is a triangle on which the place is the [uniform](lumel_sample::uniform_triangle) one; of other areas integrals
+    /// of polynomials over their samples are not exact.
+    fn site(&self, element: ElementId, u: [f32; 2]) -> Site;
+
+    /// Adds the sites of many places of an element: what is the same for all is computed once.
+    fn sites(&self, element: ElementId, places: &[[f32; 2]], sites: &mut Vec<Site>) {
+        sites.extend(places.iter().map(|&u| self.site(element, u)));
+    }
+
+    /// Adds the nodes that a measurement at a place of an element counts towards, and how much.
+    ///
+    /// A node's value is the mean of all its measurements by weight, so weights need no common scale.
+    fn towards(&self, element: ElementId, u: [f32; 2], nodes: &mut NodeWeights);
 
     /// A place that stands for all of an element: its own, or about the middle of its area.
     fn central_site(&self, element: ElementId) -> Site {
-        self.site(element, CENTER, &mut NodeWeights::default())
+        self.site(element, CENTER)
     }
 }
 

@@ -44,6 +44,15 @@ impl CellOrder {
     }
 }
 
+/// The numbers of points in the order of the cells that [`CellOrder`] sorts by; those of one cell stay in their order.
+#[must_use]
+pub fn numbers_by_cell(points: &[[f32; 2]]) -> Vec<u32> {
+    let grid = Grid::new(points.len() as u32);
+    let mut numbers: Vec<u32> = (0..points.len() as u32).collect();
+    numbers.sort_by_key(|&number| grid.cell(points[number as usize]));
+    numbers
+}
+
 /// Cells of the unit square.
 #[derive(Clone, Copy)]
 struct Grid {
@@ -114,6 +123,16 @@ mod tests {
             let grid = Grid::new(n);
             assert_eq!(grid.cells(), n as usize);
             assert!(points.iter().enumerate().all(|(i, &p)| grid.cell(p) == i as u32), "{n}");
+        }
+    }
+
+    #[test]
+    fn numbers_by_cell_sort_as_the_order_does() {
+        for n in [1, 36, 64, 100] {
+            let stream = stream(SamplerKind::Halton, n);
+            let plain: Vec<_> = (0..n).map(|i| stream.sample_2d(i)).collect();
+            let by_number: Vec<_> = numbers_by_cell(&plain).into_iter().map(|i| plain[i as usize]).collect();
+            assert_eq!(by_number, CellOrder::default().points(&stream, n), "{n}");
         }
     }
 

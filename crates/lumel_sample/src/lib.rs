@@ -29,7 +29,7 @@ mod sobol;
 mod stratified;
 mod warp;
 
-pub use cells::CellOrder;
+pub use cells::{CellOrder, numbers_by_cell};
 pub use frame::Frame;
 pub use key::{Dim, StreamKey};
 pub use piecewise::{PiecewiseConstant1D, PiecewiseConstant2D};

@@ -241,7 +241,8 @@ struct Broken {
     inner: AreaReceivers,
     sampling: Sampling,
     nodes: fn(&mut Vec<NodeId>),
-    site: fn(&mut Site, &mut NodeWeights),
+    site: fn(&mut Site),
+    towards: fn(&mut NodeWeights),
     identity: fn(Identity) -> Identity,
     extra_nodes: usize,
 }
@@ -268,10 +269,15 @@ impl Receivers for Broken {
         (self.nodes)(nodes);
     }
 
-    fn site(&self, element: ElementId, u: [f32; 2], towards: &mut NodeWeights) -> Site {
-        let mut site = self.inner.site(element, u, towards);
-        (self.site)(&mut site, towards);
+    fn site(&self, element: ElementId, u: [f32; 2]) -> Site {
+        let mut site = self.inner.site(element, u);
+        (self.site)(&mut site);
         site
+    }
+
+    fn towards(&self, element: ElementId, u: [f32; 2], nodes: &mut NodeWeights) {
+        self.inner.towards(element, u, nodes);
+        (self.towards)(nodes);
     }
 }
 
@@ -287,17 +293,17 @@ fn each_law_of_receivers_can_fail() {
         (
             "a weight is negative",
             |b| {
-                b.site = |_, to| {
+                b.towards = |to| {
                     let (node, _) = to.iter().next().unwrap();
                     to.push(node, -0.1);
                 }
             },
             Some(Law::Weights),
         ),
-        ("sites count towards nothing", |b| b.site = |_, to| to.clear(), Some(Law::Weights)),
-        ("an origin is nowhere", |b| b.site = |site, _| site.origin.x = f32::NAN, Some(Law::Sites)),
-        ("a normal is long", |b| b.site = |site, _| site.frame.normal *= 1.01, Some(Law::Sites)),
-        ("a frame is left-handed", |b| b.site = |site, _| site.frame.tangent *= -1.0, Some(Law::Sites)),
+        ("sites count towards nothing", |b| b.towards = |to| to.clear(), Some(Law::Weights)),
+        ("an origin is nowhere", |b| b.site = |site| site.origin.x = f32::NAN, Some(Law::Sites)),
+        ("a normal is long", |b| b.site = |site| site.frame.normal *= 1.01, Some(Law::Sites)),
+        ("a frame is left-handed", |b| b.site = |site| site.frame.tangent *= -1.0, Some(Law::Sites)),
         ("areas are called points", |b| b.sampling = Sampling::Point, Some(Law::Sites)),
         ("all have one identity", |b| b.identity = |_| Identity::new("", []), Some(Law::Identity)),
     ];
@@ -307,7 +313,8 @@ fn each_law_of_receivers_can_fail() {
                 inner: AreaReceivers::new(Arc::new(VertexBasis::new(scene))),
                 sampling: Sampling::Area,
                 nodes: |_| (),
-                site: |_, _| (),
+                site: |_| (),
+                towards: |_| (),
                 identity: |identity| identity,
                 extra_nodes: 0,
             };

@@ -1,5 +1,6 @@
 //! The operator on stored rows: rays are traced once, and every bounce after that is a sparse product.
 
+use crate::area_pattern::AreaPatterns;
 use crate::ends::StoredEnd;
 use crate::group::Group;
 use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
@@ -10,7 +11,6 @@ use crate::plan::Plan;
 use crate::reflectance::{Reflectance, Reflected, unpacked};
 use crate::rows::{Rows, RowsKey};
 use crate::scatter::scattered;
-use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
 use glam::{DVec3, Vec4};
@@ -35,9 +35,18 @@ const BLOCK: usize = 16;
 /// measured in a closed box. The rows depend on the surfaces alone and are shared by operators of the same surfaces
 /// under other lights, skies and materials.
 pub struct CachedTransport<B, R> {
-    inner: CpuTransport<B, R>,
-    rows: Arc<Rows>,
+    pub(crate) inner: CpuTransport<B, R>,
+    pub(crate) rows: Arc<Rows>,
     reflectance: Arc<Reflectance>,
+    areas: Option<AreaRows>,
+}
+
+/// How areas are sampled.
+struct AreaRows {
+    /// By the stored rays.
+    rays: AreaPatterns,
+    /// By shadow rays, if from some of the same places.
+    lights: Option<AreaPatterns>,
 }
 
 /// What an operator has stored and others of the same surfaces may share.
@@ -57,15 +66,21 @@ impl Stored {
 
 /// The rays of one chunk.
 #[derive(Clone, Copy)]
-struct ChunkRows<'a> {
-    elements: &'a [ElementId],
-    /// At points stratum by stratum, over areas element by element.
-    ends: &'a [StoredEnd],
+pub(crate) struct ChunkRows<'a> {
+    pub(crate) elements: &'a [ElementId],
+    /// Stratum by stratum, with the elements side by side.
+    pub(crate) ends: &'a [StoredEnd],
 }
 
 impl ChunkRows<'_> {
     fn per_element(&self) -> usize {
         self.ends.len() / self.elements.len().max(1)
+    }
+
+    /// Where the ray of an element in a stratum ends.
+    #[inline]
+    pub(crate) fn at(&self, stratum: u32, element: usize) -> usize {
+        stratum as usize * self.elements.len() + element
     }
 }
 
@@ -74,7 +89,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     pub fn new(inner: CpuTransport<B, R>, shared: Option<&Stored>) -> Self {
         let key = key_of(&inner);
         let same_rows = shared.filter(|stored| stored.rows.key == key);
-        let new_rows = || Arc::new(Rows::new(key, inner.order.elements().len()));
+        let new_rows = || Arc::new(Rows::new(key, inner.order.chunk_count()));
         let rows = same_rows.map_or_else(new_rows, |stored| Arc::clone(&stored.rows));
         // Other materials need other albedos at the ends of the same rays.
         let same_reflectance = same_rows.filter(|stored| {
@@ -82,7 +97,19 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         });
         let new = || Arc::new(Reflectance::new(&inner.scene, &*inner.basis, rows.chunks.len()));
         let reflectance = same_reflectance.map_or_else(new, |stored| Arc::clone(&stored.reflectance));
-        Self { inner, rows, reflectance }
+        Self::with_rows(inner, rows, reflectance)
+    }
+
+    fn with_rows(inner: CpuTransport<B, R>, rows: Arc<Rows>, reflectance: Arc<Reflectance>) -> Self {
+        let is_over_areas = inner.receivers.sampling() == Sampling::Area;
+        let mut new = Self { inner, rows, reflectance, areas: None };
+        if is_over_areas {
+            let plan = &new.inner.plan;
+            let rays =
+                AreaPatterns::new(plan, &new.inner.order, plan.indirect_samples, new.rows.key.shared());
+            new.areas = Some(AreaRows { lights: new.light_patterns(&rays), rays });
+        }
+        new
     }
 
     /// An operator with other samples, for the elements alone that count towards one of certain nodes.
@@ -90,20 +117,20 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     /// It traces rays of its own; the reflectance of surfaces is shared.
     pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
         let inner = self.inner.with_samples(plan, nodes);
-        let rows = Arc::new(Rows::new(key_of(&inner), inner.order.elements().len()));
+        let rows = Arc::new(Rows::new(key_of(&inner), inner.order.chunk_count()));
         let reflectance = Arc::new(self.reflectance.for_chunks(rows.chunks.len()));
-        Self { inner, rows, reflectance }
+        Self::with_rows(inner, rows, reflectance)
     }
 
     /// How many elements count towards one of certain nodes.
     pub fn elements_towards(&self, nodes: &[bool]) -> usize {
-        self.inner.elements_towards(nodes).count()
+        self.inner.order.towards(&*self.inner.receivers, nodes).elements().len()
     }
 
     /// What [`memory`](Self::memory) would be [with other samples](Self::with_samples).
     pub fn memory_with(&self, plan: &Plan, nodes: &[bool]) -> u64 {
-        let per_element = plan.rays_per_element(self.inner.receivers.sampling());
-        Rows::bytes_for(self.elements_towards(nodes), per_element, self.reflectance.varies())
+        let rays = self.inner.order.towards(&*self.inner.receivers, nodes).rays(plan);
+        Rows::bytes_for(rays, self.reflectance.varies())
     }
 
     /// What it stores, to be shared.
@@ -119,8 +146,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
 
     /// Bytes of the rows, once all are traced, and of the albedos that belong to them.
     pub fn memory(&self) -> u64 {
-        let elements = self.inner.order.elements().len();
-        Rows::bytes_for(elements, self.rows.key.per_element, self.reflectance.varies())
+        Rows::bytes_for(self.inner.order.rays(&self.inner.plan), self.reflectance.varies())
     }
 
     fn chunk_rows(&self, chunk: u32, control: &Control) -> Result<ChunkRows<'_>, TransportError> {
@@ -128,7 +154,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         if let Some(ends) = slot.get() {
             return Ok(ChunkRows { elements, ends });
         }
-        let ends = trace_rows(&self.inner, &self.rows.key, elements, control)?;
+        let ends = self.trace_rows(chunk, control)?;
         Ok(ChunkRows { elements, ends: slot.get_or_init(|| ends) })
     }
 
@@ -141,18 +167,24 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     ) -> Result<Sums, TransportError> {
         control.check()?;
         let rows = self.chunk_rows(chunk, control)?;
-        let sums = match (reflected, self.inner.receivers.sampling()) {
-            (Some(reflected), sampling) => {
+        let sums = match (reflected, job.source) {
+            (Some(reflected), _) => {
                 let albedos = reflected.albedos(&self.inner.scene, chunk, rows.ends);
-                match sampling {
-                    Sampling::Point => self.bounce_at_points(job, reflected, rows, albedos),
-                    Sampling::Area => self.bounce_over_areas(job, reflected, rows, albedos, control)?,
+                match &self.areas {
+                    None => self.bounce_at_points(job, reflected, rows, albedos),
+                    Some(areas) => {
+                        let patterns = (&areas.rays, chunk);
+                        self.bounce_over_areas(job, patterns, rows, reflected, albedos, control)?
+                    }
                 }
             }
-            (None, _) => match job.source {
-                Source::Emitters(mask) => self.direct_at_points(job, mask, rows, control)?,
-                _ => self.back_faces_at_points(job, rows),
+            (None, Source::Emitters(mask)) => match &self.areas {
+                Some(AreaRows { rays, lights: Some(lights) }) => {
+                    self.direct_over_areas(job, mask, (rays, lights, chunk), rows, control)?
+                }
+                _ => self.direct_at_points(job, mask, rows, control)?,
             },
+            (None, _) => self.back_faces_at_points(job, rows),
         };
         control.count(rows.elements.len() as u64, 0);
         Ok(sums)
@@ -185,38 +217,6 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         };
         let (active, group) = self.active(job, rows.elements);
         group.irradiance(&active.iter().map(|&i| values[i]).collect::<Vec<_>>())
-    }
-
-    /// One bounce of the elements of a chunk, at the sites that their rays started from.
-    fn bounce_over_areas(
-        &self,
-        job: &Job<'_>,
-        reflected: &Reflected<'_>,
-        rows: ChunkRows<'_>,
-        albedos: Option<&[[u16; 3]]>,
-        control: &Control,
-    ) -> Result<Sums, TransportError> {
-        let (inner, samples) = (&self.inner, self.rows.key.per_element);
-        let (mut sums, mut towards) = (Sums::default(), ElementSums::default());
-        let mut weights = NodeWeights::default();
-        for (e, &element) in rows.elements.iter().enumerate().filter(|(_, e)| job.measures(**e)) {
-            control.check()?;
-            let key = shared_key(&self.rows.key, element);
-            trace::area_samples(inner, element, samples, key, control, |sample| {
-                let at = e * samples as usize + sample.index as usize;
-                if rows.ends[at] == StoredEnd::INSIDE {
-                    return;
-                }
-                let albedo = albedos.map(|a| a[at]);
-                let value = reflected.at(&inner.scene, &*inner.basis, rows.ends[at], albedo, &mut weights);
-                let value = value.truncate().as_dvec3();
-                for (node, weight) in sample.towards.iter() {
-                    towards.add(node, weight.into(), value);
-                }
-            })?;
-            sums.append(&mut towards);
-        }
-        Ok(sums)
     }
 
     /// Light by shadow rays, and of the sky and emissive surfaces that stored rays meet.
@@ -255,56 +255,51 @@ fn key_of<B: Basis, R: Receivers>(inner: &CpuTransport<B, R>) -> RowsKey {
     let plan = &inner.plan;
     RowsKey {
         elements: inner.elements_identity(),
-        per_element: plan.rays_per_element(inner.receivers.sampling()),
+        requested: plan.indirect_samples,
         sampler: plan.sampler,
         seed: plan.seed,
         range: plan.range,
     }
 }
 
-fn shared_key(key: &RowsKey, element: ElementId) -> StreamKey {
-    StreamKey::new(key.seed).element(element.0).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+impl RowsKey {
+    /// The sample points that all elements share.
+    pub(crate) fn shared(&self) -> StreamKey {
+        StreamKey::new(self.seed).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+    }
+
+    /// The sample points of an element.
+    pub(crate) fn of(&self, element: ElementId) -> StreamKey {
+        StreamKey::new(self.seed).element(element.0).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+    }
 }
 
-/// Traces the rays of a chunk.
-fn trace_rows<B: Basis, R: Receivers>(
-    inner: &CpuTransport<B, R>,
-    key: &RowsKey,
-    elements: &[ElementId],
-    control: &Control,
-) -> Result<Box<[StoredEnd]>, TransportError> {
-    let (per_element, lanes) = (key.per_element, elements.len());
-    let mut ends = vec![StoredEnd::SKY; lanes * per_element as usize];
-    match inner.receivers.sampling() {
-        Sampling::Point => {
-            let group = Group::new(&*inner.receivers, elements);
-            let rays = Rays { per_element, dim: Dim::Hemisphere };
-            let mut next = vec![0; lanes];
-            trace::at_points(
-                inner,
-                &group,
-                rays,
-                |e| shared_key(key, e),
-                control,
-                |i, end| {
-                    ends[next[i] * lanes + i] = StoredEnd::new(&end);
-                    next[i] += 1;
-                },
-            )?;
+impl<B: Basis, R: Receivers> CachedTransport<B, R> {
+    /// Traces the rays of a chunk.
+    fn trace_rows(&self, chunk: u32, control: &Control) -> Result<Box<[StoredEnd]>, TransportError> {
+        let (inner, elements) = (&self.inner, self.inner.elements(chunk));
+        if let Some(areas) = &self.areas {
+            return self.trace_area_rows(&areas.rays, chunk, control);
         }
-        Sampling::Area => {
-            for (&element, ends) in elements.iter().zip(ends.chunks_mut(per_element as usize)) {
-                let mut n_rays = 0;
-                let key = shared_key(key, element);
-                trace::area_samples(inner, element, per_element, key, control, |sample| {
-                    let end = trace::from_area(inner, sample, &mut n_rays);
-                    ends[sample.index as usize] = end.map_or(StoredEnd::INSIDE, |end| StoredEnd::new(&end));
-                })?;
-                control.count(0, n_rays);
-            }
-        }
+        let (lanes, requested) = (elements.len(), self.rows.key.requested);
+        let per_element = inner.plan.samples(requested, Sampling::Point, inner.order.doublings_of(chunk));
+        let mut ends = vec![StoredEnd::SKY; lanes * per_element as usize];
+        let group = Group::new(&*inner.receivers, elements);
+        let rays = Rays { per_element, dim: Dim::Hemisphere };
+        let mut next = vec![0; lanes];
+        trace::at_points(
+            inner,
+            &group,
+            rays,
+            |element| self.rows.key.of(element),
+            control,
+            |i, end| {
+                ends[next[i] * lanes + i] = StoredEnd::new(&end);
+                next[i] += 1;
+            },
+        )?;
+        Ok(ends.into())
     }
-    Ok(ends.into())
 }
 
 /// The mean of `value(end, its place)` over each row of `lanes` interleaved ones.
@@ -336,7 +331,8 @@ impl<B: Basis, R: Receivers> Transport for CachedTransport<B, R> {
         self.inner.sizes()
     }
 
-    /// Other passes than the first, direct light of lights alone and all direct light over areas go without the rows.
+    /// Other passes than the first go without the rows, and so does direct light where the rows say nothing about it: at
+    /// points that of lights alone, over areas that of samples in other places.
     fn measure(
         &self,
         job: &Job<'_>,
@@ -344,11 +340,13 @@ impl<B: Basis, R: Receivers> Transport for CachedTransport<B, R> {
         control: &Control,
         sink: &dyn ChunkSink,
     ) -> Result<(), TransportError> {
-        let at_points = self.inner.receivers.sampling() == Sampling::Point;
+        let at_points = self.areas.is_none();
+        let lights_on_rows = self.areas.as_ref().is_some_and(|areas| areas.lights.is_some());
         let reflected = match job.source {
             _ if job.pass != SHARED_PASS => return self.inner.measure(job, chunks, control, sink),
             Source::Field(field) => Some(self.reflectance.of(&*self.inner.basis, field)),
-            Source::Nothing if at_points && self.rows.key.per_element >= VALIDITY_RAYS => None,
+            Source::Nothing if at_points && self.rows.key.requested >= VALIDITY_RAYS => None,
+            Source::Emitters(_) if lights_on_rows => None,
             Source::Emitters(_) if at_points && self.inner.lights.needs_hemisphere() => None,
             Source::Emitters(_) | Source::Nothing => return self.inner.measure(job, chunks, control, sink),
         };

@@ -1,5 +1,6 @@
 //! The operator that traces rays for every job.
 
+use crate::area_pattern::AreaPatterns;
 use crate::group::Group;
 use crate::job::{ChunkSink, Control, Job, Shape, Transport, TransportError};
 use crate::operator::CpuTransport;
@@ -21,9 +22,10 @@ impl<B: Basis, R: Receivers> Transport for CpuTransport<B, R> {
         control: &Control,
         sink: &dyn ChunkSink,
     ) -> Result<(), TransportError> {
+        let patterns = (self.receivers.sampling() == Sampling::Area).then(|| measure::patterns(self, job));
         // Scattered, so that what is known of a measurement under way is known everywhere.
         scattered(chunks).into_par_iter().try_for_each(|chunk| {
-            sink.accept(chunk, measure_chunk(self, job, chunk, control)?);
+            sink.accept(chunk, measure_chunk(self, job, chunk, patterns.as_ref(), control)?);
             Ok(())
         })
     }
@@ -33,13 +35,14 @@ fn measure_chunk<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     job: &Job<'_>,
     chunk: u32,
+    patterns: Option<&AreaPatterns>,
     control: &Control,
 ) -> Result<Sums, TransportError> {
     control.check()?;
     let active = op.active(job, chunk);
-    let sums = match op.receivers.sampling() {
-        Sampling::Point => measure::at_points(op, job, &Group::new(&*op.receivers, &active), control)?,
-        Sampling::Area => measure::over_areas(op, job, &active, control)?,
+    let sums = match patterns {
+        None => measure::at_points(op, job, &Group::new(&*op.receivers, &active), control)?,
+        Some(patterns) => measure::over_areas(op, job, &active, patterns.parts(&op.order, chunk), control)?,
     };
     control.count(op.elements(chunk).len() as u64, 0);
     Ok(sums)

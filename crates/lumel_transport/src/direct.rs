@@ -4,18 +4,18 @@ use crate::emitters::{Emitter, EmitterMask};
 use crate::job::{Control, TransportError};
 use crate::light_points::LightPoints;
 use crate::light_tree::LightTree;
-use crate::light_view::{LightSample, LightView};
+use crate::light_view::LightView;
 use crate::lights::{AreaLight, DeltaLight, LightSet};
 use crate::plan::{LightSampling, Plan};
 use crate::shadow_rays::{ShadowRays, Tally, Visible};
 use glam::{DVec3, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_basis::Site;
-use lumel_sample::{Dim, Sampler, StreamKey};
+use lumel_sample::{Dim, StreamKey};
 use lumel_scene::{Irradiance, Scene};
 
 /// Shadow rays of the pilot that sets the weight of the closed form: at most this many, and a quarter of the samples.
-const MAX_PILOT: u32 = 16;
+pub(crate) const MAX_PILOT: u32 = 16;
 
 /// The segment beyond which a directional light has no occluders, in units of the scene's diagonal.
 const BEYOND_SCENE: f32 = 4.0;
@@ -69,51 +69,12 @@ impl Direct<'_> {
         Ok(())
     }
 
-    /// One sample of the irradiance at a site that is itself one sample of an area.
-    ///
-    /// `u` places the point on each light.
-    pub(crate) fn one_sample(&self, site: &Site, key: StreamKey, index: u32, u: [f32; 2], tally: &mut Tally) {
-        self.delta_lights(site, tally);
-        if let Some(tree) = &self.lights.tree {
-            let Some(choice) = tree.choose(site.origin.as_dvec3(), site.frame.normal.as_dvec3(), u[0]) else {
-                return;
-            };
-            let (emitter, light) = &self.lights.area[choice.light];
-            if self.shines(*emitter)
-                && let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling)
-            {
-                let weight = 1.0 / choice.probability;
-                // What is left of the coordinate within its light is uniform again.
-                self.add_if_seen(site, view.sample([choice.rest, u[1]]), weight, tally);
-            }
-            return;
-        }
-        for (l, light) in self.area_lights() {
-            let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
-                continue;
-            };
-            match (self.plan.light_sampling, view.unblocked) {
-                (LightSampling::Analytic, Some(unblocked)) => {
-                    // A weight need not be stratified, only independent.
-                    let pilot = view.sample(Sampler::Random.sample_2d(key, index, Dim::LightPilot(l as u32)));
-                    let beta = pilot.map_or(1.0, |pilot| self.visibility(site, &pilot, &mut *tally));
-                    let sample = view.sample(u);
-                    let rest = sample.map_or(DVec3::ZERO, |sample| {
-                        sample.unblocked.0.as_dvec3() * (self.visibility(site, &sample, &mut *tally) - beta)
-                    });
-                    tally.sum += unblocked.0.as_dvec3() * beta + rest;
-                }
-                _ => self.add_if_seen(site, view.sample(u), 1.0, tally),
-            }
-        }
-    }
-
-    fn shines(&self, emitter: Emitter) -> bool {
+    pub(crate) fn shines(&self, emitter: Emitter) -> bool {
         self.mask.is_none_or(|mask| mask.shines(emitter))
     }
 
     /// The lights with an area that shine. Each keeps the sample points of its place among all.
-    fn area_lights(&self) -> impl Iterator<Item = (usize, &AreaLight)> {
+    pub(crate) fn area_lights(&self) -> impl Iterator<Item = (usize, &AreaLight)> {
         let all = self.lights.area.iter().enumerate();
         all.filter(|(_, (emitter, _))| self.shines(*emitter)).map(|(l, (_, light))| (l, light))
     }
@@ -182,19 +143,6 @@ impl Direct<'_> {
         Ok(rays.finish(tally).lit)
     }
 
-    fn add_if_seen(&self, site: &Site, sample: Option<LightSample>, weight: f64, tally: &mut Tally) {
-        if let Some(sample) = sample
-            && !self.blocked(site, sample.target, tally)
-        {
-            tally.sum += sample.unblocked.0.as_dvec3() * weight;
-        }
-    }
-
-    /// 1 if a point of a light is seen, 0 if not.
-    fn visibility(&self, site: &Site, sample: &LightSample, tally: &mut Tally) -> f64 {
-        if self.blocked(site, sample.target, tally) { 0.0 } else { 1.0 }
-    }
-
     fn blocked(&self, site: &Site, target: Vec3, tally: &mut Tally) -> bool {
         tally.n_rays += 1;
         self.tracer.occluded(&Ray { skip: site.skip, ..Ray::between(site.origin, target) })
@@ -202,6 +150,15 @@ impl Direct<'_> {
 
     /// Lights without an area: one shadow ray each, nothing random.
     fn delta_lights(&self, site: &Site, tally: &mut Tally) {
+        self.delta_arrivals(site, |target, value| {
+            if !self.blocked(site, target, tally) {
+                tally.sum += value;
+            }
+        });
+    }
+
+    /// What lights without an area send to a site if nothing is in the way, and where from.
+    pub(crate) fn delta_arrivals(&self, site: &Site, mut each: impl FnMut(Vec3, DVec3)) {
         let reach = BEYOND_SCENE * self.scene.bounds().diagonal();
         for (_, light) in self.lights.delta.iter().filter(|(emitter, _)| self.shines(*emitter)) {
             let (target, arriving) = match light {
@@ -219,12 +176,8 @@ impl Direct<'_> {
             };
             let Some(direction) = (target - site.origin).try_normalize() else { continue };
             let cos = site.frame.normal.dot(direction);
-            if cos > 0.0
-                && arriving != Vec3::ZERO
-                && arriving.is_finite()
-                && !self.blocked(site, target, tally)
-            {
-                tally.sum += (arriving * cos).as_dvec3();
+            if cos > 0.0 && arriving != Vec3::ZERO && arriving.is_finite() {
+                each(target, (arriving * cos).as_dvec3());
             }
         }
     }

@@ -28,6 +28,8 @@ const SAME_FACING: f32 = 0.95;
 #[derive(Default)]
 pub(crate) struct Gather {
     directions: Vec<Vec3>,
+    /// Where each ray starts; empty where all of a site start there.
+    origins: Vec<Vec3>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
 }
@@ -36,6 +38,14 @@ impl Gather {
     /// Adds the rays of a site through points of the unit square, in the order of their cells.
     pub(crate) fn add(&mut self, site: &Site, points: &[[f32; 2]]) {
         self.directions.extend(points.iter().map(|&u| hemisphere::direction(site, u)));
+    }
+
+    /// Adds the rays of an area, each from a site of its own, through points in the order of their cells.
+    pub(crate) fn add_sites<'a>(&mut self, sites: impl Iterator<Item = &'a Site>, points: &[[f32; 2]]) {
+        for (site, &u) in sites.zip(points) {
+            self.origins.push(site.origin);
+            self.directions.push(hemisphere::direction(site, u));
+        }
     }
 
     /// Traces the rays of the sites that were added, `strata` each, and tells where they end: `each(site, hit)`, for
@@ -54,14 +64,23 @@ impl Gather {
             let block = first..strata.min(first + BLOCK);
             if together {
                 self.rays.clear();
+                let Self { rays, directions, origins, .. } = self;
                 for k in block {
-                    let of_site =
-                        |(i, site): (usize, &Site)| hemisphere::ray(site, self.directions[i * strata + k]);
-                    self.rays.extend(sites.iter().enumerate().map(of_site));
+                    let of_site = |(i, site)| ray(site, origins, directions, i * strata + k);
+                    rays.extend(sites.iter().enumerate().map(of_site));
                 }
                 self.hits.resize(self.rays.len(), None);
                 tracer.closest_hits_of(&self.rays, &mut self.hits);
                 self.hits.iter().enumerate().for_each(|(k, hit)| each(k % sites.len(), *hit));
+            } else if !self.origins.is_empty() {
+                for (i, site) in sites.iter().enumerate() {
+                    self.rays.clear();
+                    let Self { rays, directions, origins, .. } = self;
+                    rays.extend(block.clone().map(|k| ray(site, origins, directions, i * strata + k)));
+                    self.hits.resize(self.rays.len(), None);
+                    tracer.closest_hits_of(&self.rays, &mut self.hits);
+                    self.hits.iter().for_each(|hit| each(i, *hit));
+                }
             } else {
                 for (i, site) in sites.iter().enumerate() {
                     let directions = &self.directions[i * strata..][block.clone()];
@@ -81,7 +100,10 @@ impl Gather {
         if sites.len() < CHUNK / 2 || !others.iter().all(facing) {
             return false;
         }
-        let radius = 0.5 * others.iter().map(|s| s.origin.distance(first.origin)).fold(0.0, f32::max);
+        // Over areas, the first rays of all tell as well as any how far apart origins are.
+        let origin = |i: usize| self.origins.get(i * strata).map_or(sites[i].origin, |&origin| origin);
+        let distance = |i: usize| origin(i).distance(first.origin);
+        let radius = 0.5 * (1..sites.len()).map(distance).fold(0.0, f32::max);
         let probe = |i: usize| {
             let ray = hemisphere::ray(first, self.directions[i * strata / PROBES]);
             tracer.closest_hit(&ray).map_or(f32::INFINITY, |hit| hit.t)
@@ -91,4 +113,11 @@ impl Gather {
             (0..PROBES.min(strata)).map(|i| 1.0 / probe(i)).sum::<f32>() / PROBES.min(strata) as f32;
         radius * nearness < NEAR / (strata as f32).sqrt()
     }
+}
+
+/// Ray number `at`, from a site or an origin of its own.
+#[inline]
+fn ray(site: &Site, origins: &[Vec3], directions: &[Vec3], at: usize) -> Ray {
+    let ray = hemisphere::ray(site, directions[at]);
+    origins.get(at).map_or(ray, |&origin| Ray { origin, ..ray })
 }

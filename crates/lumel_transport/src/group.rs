@@ -18,9 +18,9 @@ impl Group {
         let mut towards = NodeWeights::default();
         let mut ends = Vec::with_capacity(elements.len());
         let mut site = |&element: &ElementId| {
-            let site = receivers.site(element, CENTER, &mut towards);
+            receivers.towards(element, CENTER, &mut towards);
             ends.push(towards.len());
-            site
+            receivers.central_site(element)
         };
         let sites = elements.iter().map(&mut site).collect();
         Self { elements: elements.to_vec(), sites, towards, ends }

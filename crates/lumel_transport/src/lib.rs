@@ -10,9 +10,12 @@
 //! another device or other machines; `examples/own_transport.rs` of the crate `lumel` does it.
 
 mod accumulate;
+mod area_pattern;
 mod cached;
+mod cached_area;
 mod cpu;
 mod direct;
+mod direct_area;
 mod emitters;
 mod ends;
 mod gather;

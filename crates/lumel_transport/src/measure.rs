@@ -4,7 +4,9 @@
 //! projected onto the nodes that the element counts towards. Points and areas differ in their sites: a point has one
 //! site for all of its rays, an area has a site for each.
 
+use crate::area_pattern::{AreaChunk, AreaPart, AreaPatterns};
 use crate::direct::Direct;
+use crate::direct_area::AreaSites;
 use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::hemisphere;
@@ -16,7 +18,7 @@ use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
 use glam::DVec3;
-use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling};
+use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling, Site};
 use lumel_sample::Dim;
 
 /// Rays that decide whether an element is valid.
@@ -58,7 +60,7 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
     let plan = &op.plan;
     let key = |element| op.key(job, element);
     if matches!(job.source, Source::Nothing) {
-        let per_element = plan.samples(VALIDITY_RAYS, Sampling::Point);
+        let per_element = plan.samples(VALIDITY_RAYS, Sampling::Point, 0);
         let mut back_faces = vec![0u32; group.len()];
         let rays = Rays { per_element, dim: Dim::Validity };
         trace::at_points(op, group, rays, key, control, |i, end| {
@@ -72,7 +74,7 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
         add_direct_at_points(op, job, mask, group, &mut values, control)?;
     }
     if needs_hemisphere(op, job.source) {
-        let per_element = plan.samples(plan.indirect_samples, Sampling::Point);
+        let per_element = plan.samples(plan.indirect_samples, Sampling::Point, 0);
         let (mut sums, mut reader) = (vec![DVec3::ZERO; group.len()], Reader::new(op, job.source));
         let rays = Rays { per_element, dim: Dim::Hemisphere };
         trace::at_points(op, group, rays, key, control, |i, end| sums[i] += reader.read(&end))?;
@@ -106,48 +108,116 @@ pub(crate) fn needs_hemisphere<B, R>(op: &CpuTransport<B, R>, source: Source<'_>
     !matches!(source, Source::Emitters(_)) || op.lights.needs_hemisphere()
 }
 
+/// The patterns in which areas are sampled for a job.
+pub(crate) fn patterns<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, job: &Job<'_>) -> AreaPatterns {
+    let requested = match job.source {
+        Source::Emitters(_) => op.plan.direct_samples,
+        Source::Field(_) => op.plan.indirect_samples,
+        Source::Nothing => VALIDITY_RAYS,
+    };
+    AreaPatterns::new(&op.plan, &op.order, requested, op.shared_key(job))
+}
+
 /// Measures elements over areas: a ray from each of many sites.
 ///
-/// Position and direction are one 4-D point, and so are position and point on a light: what lights, sky and
-/// surfaces send adds up under one integral, so all of them share the point. Points of another stream would not
-/// be stratified together with the position. Sites inside geometry are left out, so that what is hidden does
-/// not darken what is not.
-pub(crate) fn over_areas<B: Basis, R: Receivers>(
+/// Position and direction are one 4-D point, and so are position and point on a light. Sites inside geometry are left
+/// out, so that what is hidden does not darken what is not.
+pub(crate) fn over_areas<'a, B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     job: &Job<'_>,
     elements: &[ElementId],
+    parts: impl Iterator<Item = AreaPart<'a>>,
     control: &Control,
 ) -> Result<Sums, TransportError> {
-    let plan = &op.plan;
-    let mask = if let Source::Emitters(mask) = job.source { Some(mask) } else { None };
-    let requested = if mask.is_some() { plan.direct_samples } else { plan.indirect_samples };
-    let samples = plan.samples(requested, Sampling::Area);
-    let direct = mask.map(|mask| direct(op, mask, control));
-    let (mut sums, mut towards) = (Sums::default(), ElementSums::default());
-    let mut reader = Reader::new(op, job.source);
-    for &element in elements {
-        control.check()?;
-        let mut n_rays = 0;
-        trace::area_samples(op, element, samples, op.key(job, element), control, |sample| {
-            let Some(end) = trace::from_area(op, sample, &mut n_rays) else { return };
-            let mut value = reader.read(&end);
-            if let Some(direct) = &direct {
-                let mut tally = Tally::default();
-                direct.one_sample(&sample.site, sample.key, sample.index, sample.u, &mut tally);
-                value += tally.sum;
-                n_rays += tally.n_rays;
-            }
-            for (node, weight) in sample.towards.iter() {
-                towards.add(node, weight.into(), value);
-            }
-        })?;
-        sums.append(&mut towards);
-        control.count(0, n_rays);
+    let mut sums = ElementSums::some(elements.len());
+    for part in parts {
+        let chunk = AreaChunk::new(elements, &part, |element| op.key(job, element));
+        part_over_areas(op, job, &chunk, &mut sums, control)?;
     }
-    Ok(sums)
+    Ok(Sums::of_elements(sums, matches!(job.source, Source::Nothing)))
 }
 
-fn direct<'a, B, R>(
+/// Adds a part of the samples to the sums of each element.
+fn part_over_areas<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    job: &Job<'_>,
+    chunk: &AreaChunk<'_>,
+    sums: &mut [ElementSums],
+    control: &Control,
+) -> Result<(), TransportError> {
+    let ends = trace::over_areas(op, chunk, control)?;
+    let (lanes, n) = (chunk.elements.len(), chunk.pattern.len() as usize);
+    let at = |slot: u32, i: usize| slot as usize * lanes + i;
+    let (mut reader, mut lit) = (Reader::new(op, job.source), Vec::new());
+    let mut lights = if let Source::Emitters(mask) = job.source {
+        Some((direct(op, mask, control), LightPoints::default()))
+    } else {
+        None
+    };
+    for (i, sums) in sums.iter_mut().enumerate() {
+        let turn = chunk.keys[i].1;
+        if let Some((direct, points)) = &mut lights {
+            lit.clear();
+            lit.resize(n, DVec3::ZERO);
+            let is_outside = |number| ends[at(chunk.pattern.slot(number, turn), i)].is_some();
+            lights_over_area(op, direct, (chunk, i), is_outside, points, &mut lit)?;
+        }
+        add_samples(op, chunk, i, sums, |slot, number| {
+            let end = ends[at(slot, i)];
+            if matches!(job.source, Source::Nothing) {
+                let met_back_face = end.is_none_or(|end| end == RayEnd::BackFace);
+                return Some(DVec3::splat(f64::from(u8::from(met_back_face))));
+            }
+            let light = lit.get(number as usize).copied().unwrap_or_default();
+            end.map(|end| reader.read(&end) + light)
+        });
+    }
+    Ok(())
+}
+
+/// Adds the samples of element `i` of a chunk to its sums: `value` of slot and number, `None` for those left out.
+#[inline]
+pub(crate) fn add_samples<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    chunk: &AreaChunk<'_>,
+    i: usize,
+    sums: &mut ElementSums,
+    mut value: impl FnMut(u32, u32) -> Option<DVec3>,
+) {
+    let (element, turn) = (chunk.elements[i], chunk.keys[i].1);
+    let mut towards = NodeWeights::default();
+    for slot in 0..chunk.pattern.len() {
+        let number = chunk.pattern.number(slot, turn);
+        let Some(value) = value(slot, number) else { continue };
+        let (place, weight) = chunk.pattern.place(number);
+        towards.clear();
+        op.receivers.towards(element, place, &mut towards);
+        let weight = chunk.share * f64::from(weight);
+        for (k, (node, towards)) in towards.iter().enumerate() {
+            sums.add(k, node, weight * f64::from(towards), value);
+        }
+    }
+}
+
+/// Adds what lights send to each sample of element `i` of a chunk, by number.
+pub(crate) fn lights_over_area<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    direct: &Direct<'_>,
+    (chunk, i): (&AreaChunk<'_>, usize),
+    is_outside: impl Fn(u32) -> bool,
+    points: &mut LightPoints,
+    values: &mut [DVec3],
+) -> Result<(), TransportError> {
+    let mut all = Vec::with_capacity(values.len());
+    op.receivers.sites(chunk.elements[i], chunk.pattern.places(), &mut all);
+    let outside = |(number, site)| is_outside(number).then_some(site);
+    let sites: Vec<Option<Site>> = (0..).zip(all).map(outside).collect();
+    let (key, turn) = chunk.keys[i];
+    let area = AreaSites { sites: &sites, key, number: |slot| chunk.pattern.number(slot, turn) };
+    direct.over_area(&area, points, values)
+}
+
+pub(crate) fn direct<'a, B, R>(
     op: &'a CpuTransport<B, R>,
     mask: Option<&'a EmitterMask>,
     control: &'a Control,

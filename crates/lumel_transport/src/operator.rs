@@ -58,7 +58,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     ///
     /// All else is shared, and so `plan.emitters` has no effect. Nodes beside those asked for may be measured in part.
     pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
-        let order: Order = self.elements_towards(nodes).collect();
+        let order = self.order.towards(&*self.receivers, nodes);
         let whole = order.elements().len() == self.order.elements().len();
         Self {
             scene: Arc::clone(&self.scene),
@@ -70,16 +70,6 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
             elements: if whole { self.elements } else { order.identity_within(&self.elements) },
             order,
         }
-    }
-
-    /// The elements that count towards one of certain nodes.
-    pub(crate) fn elements_towards(&self, nodes: &[bool]) -> impl Iterator<Item = ElementId> {
-        let mut towards = Vec::new();
-        self.order.elements().iter().copied().filter(move |&element| {
-            towards.clear();
-            self.receivers.nodes_of(element, &mut towards);
-            towards.iter().any(|node| nodes[node.index()])
-        })
     }
 
     /// What decides its elements and their sites.
@@ -99,9 +89,18 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
 
     /// The sample points of an element in a job.
     pub(crate) fn key(&self, job: &Job<'_>, element: ElementId) -> StreamKey {
+        Self::key_in(job, StreamKey::new(self.plan.seed).element(element.0))
+    }
+
+    /// The sample points that all elements share in a job.
+    pub(crate) fn shared_key(&self, job: &Job<'_>) -> StreamKey {
+        Self::key_in(job, StreamKey::new(self.plan.seed))
+    }
+
+    fn key_in(job: &Job<'_>, key: StreamKey) -> StreamKey {
         // Validity is no bounce; it must not share the points of one.
         let bounce = if matches!(job.source, Source::Nothing) { u32::MAX } else { job.bounce };
-        StreamKey::new(self.plan.seed).element(element.0).bounce(bounce).pass(job.pass)
+        key.bounce(bounce).pass(job.pass)
     }
 
     /// Its sizes.

@@ -2,8 +2,9 @@
 //!
 //! Rays of neighbours meet the same parts of the tree, and neighbours that face the same way can send theirs together.
 
+use crate::plan::Plan;
 use glam::Vec3;
-use lumel_basis::{CENTER, ElementId, Identity, NodeWeights, Receivers};
+use lumel_basis::{ElementId, Identity, Receivers, Sampling};
 use std::sync::Arc;
 
 /// Elements per chunk: few enough to spread over cores and to stop quickly, and as many neighbours as the tracer's packets
@@ -13,52 +14,101 @@ pub(crate) const CHUNK: usize = 16;
 /// Bits of a Morton code per axis.
 const BITS: u32 = 16;
 
-/// Elements of some receivers: those that face the same way along a space-filling curve, one facing after the
-/// other. Cheap to clone, for operators of the same receivers.
+/// Elements of some receivers in chunks: those with the same number of samples, that face the same way, along a
+/// space-filling curve. Cheap to clone, for operators of the same receivers.
 #[derive(Clone, Debug)]
-pub struct Order(Arc<[ElementId]>);
+pub struct Order {
+    elements: Arc<[ElementId]>,
+    chunks: Arc<[Chunk]>,
+    sampling: Sampling,
+}
+
+/// Neighbours with the same number of samples.
+#[derive(Clone, Copy, Debug)]
+struct Chunk {
+    /// The place after its last element.
+    end: u32,
+    doublings: i8,
+}
 
 impl Order {
     /// Sorts the elements.
     pub fn new<R: Receivers>(receivers: &R) -> Self {
-        Self(spatial(receivers).into())
+        Self::of(receivers, spatial(receivers))
+    }
+
+    /// Some elements, in an order of their own in which those with the same number of samples follow each other.
+    fn of<R: Receivers>(receivers: &R, elements: Vec<ElementId>) -> Self {
+        let (mut chunks, mut end) = (Vec::with_capacity(elements.len() / CHUNK + 1), 0);
+        for same in elements.chunk_by(|&a, &b| receivers.doublings(a) == receivers.doublings(b)) {
+            for chunk in same.chunks(CHUNK) {
+                end += chunk.len() as u32;
+                chunks.push(Chunk { end, doublings: receivers.doublings(chunk[0]) });
+            }
+        }
+        Self { elements: elements.into(), chunks: chunks.into(), sampling: receivers.sampling() }
+    }
+
+    /// The elements that count towards one of certain nodes.
+    pub(crate) fn towards<R: Receivers>(&self, receivers: &R, nodes: &[bool]) -> Self {
+        let mut towards = Vec::new();
+        let elements = self.elements.iter().copied().filter(|&element| {
+            towards.clear();
+            receivers.nodes_of(element, &mut towards);
+            towards.iter().any(|node| nodes[node.index()])
+        });
+        Self::of(receivers, elements.collect())
     }
 
     pub(crate) fn elements(&self) -> &[ElementId] {
-        &self.0
+        &self.elements
     }
 
     /// Tells these elements from others of the same receivers.
     pub(crate) fn identity_within(&self, receivers: &Identity) -> Identity {
-        let elements: Vec<u8> = self.0.iter().flat_map(|element| element.0.to_le_bytes()).collect();
+        let elements: Vec<u8> = self.elements.iter().flat_map(|element| element.0.to_le_bytes()).collect();
         Identity::new("some elements", [&receivers.as_bytes()[..], &elements])
     }
 
     pub(crate) fn chunk_count(&self) -> u32 {
-        self.0.len().div_ceil(CHUNK) as u32
+        self.chunks.len() as u32
     }
 
     /// The elements of a chunk.
     pub(crate) fn chunk(&self, chunk: u32) -> &[ElementId] {
-        let first = chunk as usize * CHUNK;
-        &self.0[first..self.0.len().min(first + CHUNK)]
+        let begin = if chunk == 0 { 0 } else { self.chunks[chunk as usize - 1].end };
+        &self.elements[begin as usize..self.chunks[chunk as usize].end as usize]
     }
-}
 
-impl FromIterator<ElementId> for Order {
-    fn from_iter<I: IntoIterator<Item = ElementId>>(elements: I) -> Self {
-        Self(elements.into_iter().collect())
+    /// How many doublings of their samples the elements of a chunk get.
+    pub(crate) fn doublings_of(&self, chunk: u32) -> i8 {
+        self.chunks[chunk as usize].doublings
+    }
+
+    /// All doublings that there are, in ascending order.
+    pub(crate) fn doublings(&self) -> Vec<i8> {
+        let mut all: Vec<i8> = self.chunks.iter().map(|chunk| chunk.doublings).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Hemisphere rays of all elements in one application of an operator.
+    pub fn rays(&self, plan: &Plan) -> u64 {
+        let of = |chunk: u32| {
+            let samples = plan.samples(plan.indirect_samples, self.sampling, self.doublings_of(chunk));
+            self.chunk(chunk).len() as u64 * u64::from(samples)
+        };
+        (0..self.chunk_count()).map(of).sum()
     }
 }
 
 fn spatial<R: Receivers>(receivers: &R) -> Vec<ElementId> {
-    let mut weights = NodeWeights::default();
-    let mut place = |e: u32| {
-        weights.clear();
-        let site = receivers.site(ElementId(e), CENTER, &mut weights);
+    let place = |e: u32| {
+        let site = receivers.central_site(ElementId(e));
         (site.origin, site.frame.normal)
     };
-    let places: Vec<(Vec3, Vec3)> = (0..receivers.element_count() as u32).map(&mut place).collect();
+    let places: Vec<(Vec3, Vec3)> = (0..receivers.element_count() as u32).map(place).collect();
     let finite = || places.iter().map(|(origin, _)| *origin).filter(|p| p.is_finite());
     let min = finite().fold(Vec3::INFINITY, Vec3::min);
     let max = finite().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -67,10 +117,13 @@ fn spatial<R: Receivers>(receivers: &R) -> Vec<ElementId> {
         let cell = ((origin - min) * scale).to_array().map(|x| x as u64);
         facing(normal) << (3 * BITS) | morton(cell)
     };
-    let mut order: Vec<(u64, ElementId)> =
-        places.iter().enumerate().map(|(e, place)| (key(place), ElementId(e as u32))).collect();
+    let entry = |(e, place)| {
+        let element = ElementId(e as u32);
+        (receivers.doublings(element), key(place), element)
+    };
+    let mut order: Vec<(i8, u64, ElementId)> = places.iter().enumerate().map(entry).collect();
     order.sort_unstable();
-    order.into_iter().map(|(_, element)| element).collect()
+    order.into_iter().map(|(.., element)| element).collect()
 }
 
 /// Twelve classes of normals: the nearest axis, and the sign of z, where frames jump.

@@ -63,19 +63,14 @@ pub enum SampleRange {
     Second,
 }
 
-/// Origins per triangle for each ray that a vertex would get: as there are about twice as many triangles as
-/// vertices, both bases trace the same number of rays.
+/// Of this many samples that a vertex would get, an element with an area gets one: as there are about twice as many
+/// triangles as vertices, both are measured by the same number of rays.
 const AREA_SHARE: u32 = 2;
 
-/// At least this many origins per triangle, so that each of its corners gets something.
+/// At least this many samples of an area, so that each corner of a triangle gets something.
 const MIN_AREA_SAMPLES: u32 = 4;
 
 impl Plan {
-    /// Hemisphere rays of an element, per application of the operator.
-    pub fn rays_per_element(&self, sampling: Sampling) -> u32 {
-        self.samples(self.indirect_samples, sampling)
-    }
-
     /// The stream of an element's `samples` points for one purpose.
     pub(crate) fn stream(&self, samples: u32, key: StreamKey, dim: Dim) -> Stream {
         let stream = self.sampler.for_count(samples).stream(key, dim);
@@ -85,11 +80,16 @@ impl Plan {
         }
     }
 
-    /// The number of samples taken when `requested` are asked for.
-    pub(crate) fn samples(&self, requested: u32, sampling: Sampling) -> u32 {
+    /// The number of samples taken of an element when `requested` are asked for, with so many
+    /// [doublings](lumel_basis::Receivers::doublings).
+    pub(crate) fn samples(&self, requested: u32, sampling: Sampling, doublings: i8) -> u32 {
+        let doubled = |n: u32| match doublings {
+            0.. => n.saturating_mul(1 << doublings.min(30)),
+            _ => n >> doublings.unsigned_abs().min(31),
+        };
         self.sampler.sample_count(match sampling {
-            Sampling::Point => requested,
-            Sampling::Area => (requested / AREA_SHARE).max(MIN_AREA_SAMPLES),
+            Sampling::Point => doubled(requested),
+            Sampling::Area => doubled(requested / AREA_SHARE).max(MIN_AREA_SAMPLES),
         })
     }
 }

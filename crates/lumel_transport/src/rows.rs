@@ -4,7 +4,6 @@
 //! scene under other lights.
 
 use crate::ends::StoredEnd;
-use crate::order::CHUNK;
 use crate::plan::SampleRange;
 use lumel_basis::Identity;
 use lumel_sample::SamplerKind;
@@ -23,23 +22,24 @@ pub struct Rows {
 pub(crate) struct RowsKey {
     /// Where rays start, which tells the surfaces too.
     pub(crate) elements: Identity,
-    pub(crate) per_element: u32,
+    /// Rays that were asked for of each element.
+    pub(crate) requested: u32,
     pub(crate) sampler: SamplerKind,
     pub(crate) seed: u64,
     pub(crate) range: SampleRange,
 }
 
 impl Rows {
-    pub(crate) fn new(key: RowsKey, n_elements: usize) -> Self {
-        Self { key, chunks: (0..n_elements.div_ceil(CHUNK)).map(|_| OnceLock::new()).collect() }
+    pub(crate) fn new(key: RowsKey, chunks: u32) -> Self {
+        Self { key, chunks: (0..chunks).map(|_| OnceLock::new()).collect() }
     }
 
-    /// Bytes of the rows of `elements` elements with `rays_per_element` rays each, once all are traced.
+    /// Bytes of rows with so many rays in all, once all are traced.
     ///
     /// `textured` adds the albedo at the end of each ray, which is kept where it changes within triangles.
-    pub fn bytes_for(elements: usize, rays_per_element: u32, textured: bool) -> u64 {
+    pub fn bytes_for(rays: u64, textured: bool) -> u64 {
         let per_ray = size_of::<StoredEnd>() + if textured { size_of::<[u16; 3]>() } else { 0 };
-        elements as u64 * u64::from(rays_per_element) * per_ray as u64
+        rays * per_ray as u64
     }
 
     /// Whether all rays have been traced.

@@ -51,32 +51,62 @@ impl Sums {
         self.back_faces.push(share * weight);
     }
 
-    /// Adds an entry for each node of an element, and empties the element.
-    pub(crate) fn append(&mut self, element: &mut ElementSums) {
-        for (node, weight, value) in element.0.drain(..) {
-            self.nodes.push(node);
-            self.weights.push(weight);
-            self.values.push(value);
+    /// An entry for each node of each element. Where only back faces were counted, the values are the shares of rays
+    /// that met them.
+    pub(crate) fn of_elements(elements: Vec<ElementSums>, are_back_faces: bool) -> Self {
+        let mut sums = Self::with_capacity(elements.iter().map(|element| element.0.len()).sum());
+        for (node, weight, value) in elements.into_iter().flat_map(|element| element.0) {
+            sums.nodes.push(node);
+            sums.weights.push(weight);
+            if are_back_faces {
+                sums.back_faces.push(value.x);
+            }
+            sums.values.push(if are_back_faces { DVec3::ZERO } else { value });
         }
+        sums
     }
 }
 
 /// Sums of the few nodes of one element, whose measurements come one by one.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ElementSums(Vec<(NodeId, f64, DVec3)>);
 
 impl ElementSums {
-    /// Adds a measurement of irradiance.
+    /// Adds a measurement of irradiance; `place` is where the node stands among those of the measurement.
+    ///
+    /// Measurements of an element mostly count towards the same nodes in the same order.
     #[inline]
-    pub(crate) fn add(&mut self, node: NodeId, weight: f64, value: DVec3) {
+    pub(crate) fn add(&mut self, place: usize, node: NodeId, weight: f64, value: DVec3) {
         let value = value * weight;
-        match self.0.iter_mut().find(|(known, ..)| *known == node) {
-            Some((_, sum_of_weights, sum)) => {
+        let known = match self.0.get(place) {
+            Some((known, ..)) if *known == node => Some(place),
+            _ => self.0.iter().position(|(known, ..)| *known == node),
+        };
+        match known {
+            Some(place) => {
+                let (_, sum_of_weights, sum) = &mut self.0[place];
                 *sum_of_weights += weight;
                 *sum += value;
             }
             None => self.0.push((node, weight, value)),
         }
+    }
+
+    /// Adds what another measurement of the same element has found: its mean, with the weights that are here.
+    ///
+    /// Nodes that only one of the two has measured get the light of that one.
+    pub(crate) fn add_means(&mut self, other: &Self) {
+        for &(node, weight, value) in &other.0 {
+            match self.0.iter_mut().find(|(known, ..)| *known == node) {
+                Some((_, own, sum)) => *sum += value * (*own / weight),
+                None => self.0.push((node, weight, value)),
+            }
+        }
+    }
+
+    /// Empty sums of so many elements.
+    pub(crate) fn some(elements: usize) -> Vec<Self> {
+        vec![Self::default(); elements]
     }
 }
 
@@ -86,13 +116,24 @@ mod tests {
 
     #[test]
     fn measurements_of_one_element_share_an_entry_per_node() {
-        let (mut sums, mut element) = (Sums::default(), ElementSums::default());
-        sums.push(NodeId(1), 1.0, DVec3::ONE);
-        element.add(NodeId(1), 2.0, DVec3::ONE);
-        element.add(NodeId(1), 1.0, DVec3::splat(4.0));
-        sums.append(&mut element);
+        let mut elements = ElementSums::some(2);
+        elements[0].add(0, NodeId(1), 1.0, DVec3::ONE);
+        elements[1].add(0, NodeId(1), 2.0, DVec3::ONE);
+        elements[1].add(0, NodeId(1), 1.0, DVec3::splat(4.0));
+        let sums = Sums::of_elements(elements, false);
         assert_eq!((sums.len(), sums.weights[1], sums.values[1]), (2, 3.0, DVec3::splat(6.0)));
-        sums.append(&mut element);
-        assert_eq!(sums.len(), 2);
+    }
+
+    #[test]
+    fn means_of_two_measurements_of_one_element_add_up() {
+        let [mut a, mut b] = [ElementSums::default(), ElementSums::default()];
+        a.add(0, NodeId(1), 2.0, DVec3::ONE);
+        b.add(0, NodeId(7), 1.0, DVec3::ONE);
+        b.add(1, NodeId(1), 0.5, DVec3::splat(3.0));
+        a.add_means(&b);
+        let sums = Sums::of_elements(vec![a], false);
+        assert_eq!(sums.nodes, [NodeId(1), NodeId(7)]);
+        assert_eq!(sums.weights, [2.0, 1.0]);
+        assert_eq!(sums.values, [DVec3::splat(8.0), DVec3::ONE]);
     }
 }

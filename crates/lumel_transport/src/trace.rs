@@ -1,12 +1,13 @@
 //! From sites to the ends of hemisphere rays: the first step of every measurement, whether ends are read at once or stored.
 
+use crate::area_pattern::AreaChunk;
 use crate::ends::RayEnd;
 use crate::gather::Gather;
 use crate::group::Group;
 use crate::hemisphere;
 use crate::job::{Control, TransportError};
 use crate::operator::CpuTransport;
-use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Site};
+use lumel_basis::{Basis, ElementId, Receivers, Site};
 use lumel_sample::{CellOrder, Dim, Sampler, StreamKey};
 
 /// Rays that decide whether an origin on an area lies inside geometry, and how many must meet the back of a surface:
@@ -45,57 +46,47 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
     Ok(())
 }
 
-/// One sample of an area: a place and a direction that are one 4-D point.
-pub(crate) struct AreaSample<'a> {
-    /// Its number within the element.
-    pub(crate) index: u32,
-    pub(crate) site: Site,
-    /// The nodes it counts towards.
-    pub(crate) towards: &'a NodeWeights,
-    /// The half of the point that chooses the direction.
-    pub(crate) u: [f32; 2],
-    /// Names the streams of the element.
-    pub(crate) key: StreamKey,
-}
-
-/// The samples of an element with an area.
-#[inline]
-pub(crate) fn area_samples<B: Basis, R: Receivers>(
+/// Traces the ray of every sample of a chunk of areas; where each ends, slot by slot, with the elements side by side.
+///
+/// `None` for samples inside geometry: they are left out, so that what is hidden does not darken what is not.
+pub(crate) fn over_areas<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
-    element: ElementId,
-    samples: u32,
-    key: StreamKey,
+    chunk: &AreaChunk<'_>,
     control: &Control,
-    mut each: impl FnMut(&AreaSample<'_>),
-) -> Result<(), TransportError> {
-    let stream = op.plan.stream(samples, key, Dim::Area);
-    let mut towards = NodeWeights::default();
-    for index in 0..samples {
-        control.check_at(index)?;
-        let [s, t, u @ ..] = stream.sample_4d(index);
-        towards.clear();
-        let site = op.receivers.site(element, [s, t], &mut towards);
-        each(&AreaSample { index, site, towards: &towards, u, key });
+) -> Result<Vec<Option<RayEnd>>, TransportError> {
+    let (lanes, samples) = (chunk.elements.len(), chunk.pattern.len());
+    let (mut gather, mut cells) = (Gather::default(), CellOrder::default());
+    let mut sites = Vec::with_capacity(lanes);
+    let mut all = Vec::with_capacity(samples as usize);
+    for (&element, &(key, turn)) in chunk.elements.iter().zip(&chunk.keys) {
+        control.check()?;
+        all.clear();
+        op.receivers.sites(element, chunk.pattern.places(), &mut all);
+        let stream = op.plan.stream(samples, key, Dim::Hemisphere);
+        let in_slot = |slot: u32| &all[chunk.pattern.number(slot, turn) as usize];
+        gather.add_sites((0..samples).map(in_slot), cells.points(&stream, samples));
+        sites.push(op.receivers.central_site(element));
     }
-    Ok(())
-}
-
-/// Where the ray of a sample ends, and how many rays that took; `None` if the sample lies inside geometry.
-#[inline]
-pub(crate) fn from_area<B: Basis, R: Receivers>(
-    op: &CpuTransport<B, R>,
-    sample: &AreaSample<'_>,
-    n_rays: &mut u64,
-) -> Option<RayEnd> {
-    let end = in_direction(op, &sample.site, sample.u);
-    *n_rays += 1;
-    if end == RayEnd::BackFace {
-        *n_rays += u64::from(INSIDE_RAYS);
-        if is_inside(op, &sample.site, sample.key.pass(sample.index)) {
-            return None;
+    let mut ends = vec![None; lanes * samples as usize];
+    let mut next = vec![0; lanes];
+    gather.trace(&*op.tracer, &sites, samples as usize, control, |i, hit| {
+        ends[next[i] * lanes + i] = Some(RayEnd::new(&op.scene, hit));
+        next[i] += 1;
+    })?;
+    let mut n_rays = ends.len() as u64;
+    for (at, end) in ends.iter_mut().enumerate().filter(|(_, end)| **end == Some(RayEnd::BackFace)) {
+        control.check()?;
+        let (slot, i) = ((at / lanes) as u32, at % lanes);
+        let (key, turn) = chunk.keys[i];
+        n_rays += u64::from(INSIDE_RAYS);
+        let number = chunk.pattern.number(slot, turn);
+        let site = op.receivers.site(chunk.elements[i], chunk.pattern.place(number).0);
+        if is_inside(op, &site, key.pass(number)) {
+            *end = None;
         }
     }
-    Some(end)
+    control.count(0, n_rays);
+    Ok(ends)
 }
 
 /// Where the ray from a site in the direction of `u` ends.

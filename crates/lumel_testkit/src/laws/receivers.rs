@@ -65,7 +65,8 @@ fn site(
     nodes: &[NodeId],
 ) -> Result<Site, Violation> {
     let mut towards = NodeWeights::default();
-    let site = receivers.site(element, u, &mut towards);
+    let site = receivers.site(element, u);
+    receivers.towards(element, u, &mut towards);
     let covered = towards.iter().all(|(node, _)| nodes.contains(&node));
     check(covered, Law::NodesOf, || format!("{element:?} has {nodes:?}, but counts towards {towards:?}"))?;
     let sound = towards.iter().all(|(_, weight)| weight.is_finite() && weight >= 0.0);

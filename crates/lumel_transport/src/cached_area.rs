@@ -1,0 +1,132 @@
+//! Areas on stored rows.
+
+use crate::area_pattern::{AreaChunk, AreaPart, AreaPatterns};
+use crate::cached::{CachedTransport, ChunkRows};
+use crate::ends::{RayEnd, StoredEnd};
+use crate::job::{Control, Job, TransportError};
+use crate::light_points::LightPoints;
+use crate::measure::{self, Reader};
+use crate::reflectance::Reflected;
+use crate::sums::ElementSums;
+use crate::{EmitterMask, Sums, trace};
+use glam::DVec3;
+use lumel_basis::{Basis, NodeWeights, Receivers};
+
+impl<B: Basis, R: Receivers> CachedTransport<B, R> {
+    /// Traces the rays of a chunk of areas, part by part.
+    pub(crate) fn trace_area_rows(
+        &self,
+        patterns: &AreaPatterns,
+        chunk: u32,
+        control: &Control,
+    ) -> Result<Box<[StoredEnd]>, TransportError> {
+        let mut rows = Vec::new();
+        for part in patterns.parts(&self.inner.order, chunk) {
+            let ends = trace::over_areas(&self.inner, &self.area_chunk(&part, chunk), control)?;
+            let stored = |end: Option<RayEnd>| end.map_or(StoredEnd::INSIDE, |end| StoredEnd::new(&end));
+            rows.extend(ends.into_iter().map(stored));
+        }
+        Ok(rows.into())
+    }
+
+    /// A part of the samples that rays are stored of.
+    fn area_chunk<'a>(&'a self, part: &'a AreaPart<'_>, chunk: u32) -> AreaChunk<'a> {
+        AreaChunk::new(self.inner.elements(chunk), part, |element| self.rows.key.of(element))
+    }
+
+    /// One bounce of the elements of a chunk, at the sites that their rays started from.
+    pub(crate) fn bounce_over_areas(
+        &self,
+        job: &Job<'_>,
+        (patterns, chunk): (&AreaPatterns, u32),
+        rows: ChunkRows<'_>,
+        reflected: &Reflected<'_>,
+        albedos: Option<&[[u16; 3]]>,
+        control: &Control,
+    ) -> Result<Sums, TransportError> {
+        let inner = &self.inner;
+        let mut sums = ElementSums::some(rows.elements.len());
+        let mut weights = NodeWeights::default();
+        for part in patterns.parts(&inner.order, chunk) {
+            let area = self.area_chunk(&part, chunk);
+            for i in measured(job, rows) {
+                control.check()?;
+                measure::add_samples(inner, &area, i, &mut sums[i], |slot, _| {
+                    let at = rows.at(area.first + slot, i);
+                    let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
+                    let value = || reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);
+                    (end != StoredEnd::INSIDE).then(value).map(|value| value.truncate().as_dvec3())
+                });
+            }
+        }
+        Ok(Sums::of_elements(sums, false))
+    }
+
+    /// Direct light of the elements of a chunk: of lights by shadow rays from places of `lights`, which are among those that
+    /// the stored rays start from, and of sky and emissive surfaces that these meet.
+    pub(crate) fn direct_over_areas(
+        &self,
+        job: &Job<'_>,
+        mask: Option<&EmitterMask>,
+        (patterns, lights, chunk): (&AreaPatterns, &AreaPatterns, u32),
+        rows: ChunkRows<'_>,
+        control: &Control,
+    ) -> Result<Sums, TransportError> {
+        let inner = &self.inner;
+        let direct = measure::direct(inner, mask, control);
+        let (mut points, mut reader) = (LightPoints::default(), Reader::new(inner, job.source));
+        let mut sums = ElementSums::some(rows.elements.len());
+        let mut by_rays = sums.clone();
+        let mut lit = Vec::new();
+        let mut lights = lights.parts(&inner.order, chunk);
+        for part in patterns.parts(&inner.order, chunk) {
+            let rays = self.area_chunk(&part, chunk);
+            let lights = lights.next();
+            let lights = lights
+                .as_ref()
+                .map(|lights| AreaChunk::new(rows.elements, lights, |element| inner.key(job, element)));
+            for i in measured(job, rows) {
+                control.check()?;
+                let end = |slot: u32| rows.ends[rows.at(rays.first + slot, i)];
+                if let Some(lights) = &lights {
+                    let turn = rays.keys[i].1;
+                    let is_outside = |number| end(rays.pattern.slot(number, turn)) != StoredEnd::INSIDE;
+                    lit.clear();
+                    lit.resize(lights.pattern.len() as usize, DVec3::ZERO);
+                    measure::lights_over_area(
+                        inner,
+                        &direct,
+                        (lights, i),
+                        is_outside,
+                        &mut points,
+                        &mut lit,
+                    )?;
+                    measure::add_samples(inner, lights, i, &mut sums[i], |_, number| {
+                        is_outside(number).then(|| lit[number as usize])
+                    });
+                }
+                if inner.lights.needs_hemisphere() {
+                    measure::add_samples(inner, &rays, i, &mut by_rays[i], |slot, _| {
+                        end(slot).end().map(|end| reader.read(&end))
+                    });
+                }
+            }
+        }
+        sums.iter_mut().zip(&by_rays).for_each(|(sums, by_rays)| sums.add_means(by_rays));
+        Ok(Sums::of_elements(sums, false))
+    }
+
+    /// The patterns of the shadow rays of direct light, if their places are among those of the rows; then no ray is needed
+    /// to tell which of them lie inside geometry.
+    pub(crate) fn light_patterns(&self, rows: &AreaPatterns) -> Option<AreaPatterns> {
+        let plan = &self.inner.plan;
+        let lights = AreaPatterns::new(plan, &self.inner.order, plan.direct_samples, self.rows.key.shared());
+        lights.are_within(rows).then_some(lights)
+    }
+}
+
+/// The places in a chunk of the elements that a job measures.
+fn measured(job: &Job<'_>, rows: ChunkRows<'_>) -> impl Iterator<Item = usize> {
+    let elements = rows.elements.iter().enumerate();
+    elements.filter(|(_, element)| job.measures(**element)).map(|(i, _)| i)
+}
