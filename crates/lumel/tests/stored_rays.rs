@@ -223,10 +223,10 @@ fn memory_is_what_was_announced() {
             operators(name, &Settings { indirect_samples: 16, ..settings() });
         assert_eq!(cached.rows().bytes(), 0);
         applied(&cached, Source::Field(&Field::zeros(cached.shape().nodes)), 1);
-        let rows = Rows::bytes_for(cached.shape().elements, 16, false);
+        let rows = Rows::bytes_for(16 * cached.shape().elements as u64, false);
         assert_eq!(cached.rows().bytes(), rows);
         assert_eq!(basis.scene().has_varying_albedo(), textured);
-        assert_eq!(cached.memory(), Rows::bytes_for(cached.shape().elements, 16, textured));
+        assert_eq!(cached.memory(), Rows::bytes_for(16 * cached.shape().elements as u64, textured));
     }
 }
 
@@ -249,11 +249,8 @@ fn with_little_memory_few_rays_are_stored_and_a_final_gather_smooths_them() {
     let reference = total(settings(u64::MAX, 2048, 1)).0;
     let (full, method, _) = total(settings(u64::MAX, 256, 2));
     assert!(matches!(method, Method::Cached { .. }), "{method:?}");
-    let eighth = Rows::bytes_for(
-        solved(&Baker::new(Arc::clone(&scene), settings(u64::MAX, 1, 2))).0.valid.len(),
-        32,
-        false,
-    );
+    let n_vertices = solved(&Baker::new(Arc::clone(&scene), settings(u64::MAX, 1, 2))).0.valid.len();
+    let eighth = Rows::bytes_for(32 * n_vertices as u64, false);
     let (gathered, method, state) = total(settings(eighth, 256, 2));
     assert_eq!(method, Method::FinalGather { stored: 32, memory: Memory(eighth) });
     let few = Field::sum(full.node_count(), &state.bounces);

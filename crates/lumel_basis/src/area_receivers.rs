@@ -47,6 +47,9 @@ impl AreaReceivers {
     }
 }
 
+/// The mean number of samples may become this many times what was asked for: powers of two cannot keep it.
+const MAX_MEAN: f64 = 1.15;
+
 /// The doublings of each triangle that are nearest to the square root of its area and keep the mean number of samples.
 fn doublings(areas: &[f32]) -> Vec<i8> {
     let roots: Vec<f32> = areas.iter().map(|area| 0.5 * area.max(f32::MIN_POSITIVE).log2()).collect();
@@ -54,7 +57,7 @@ fn doublings(areas: &[f32]) -> Vec<i8> {
         |root: f32, offset: f32| ((root + offset).round() as i8).clamp(*DOUBLINGS.start(), *DOUBLINGS.end());
     // In samples of the smallest, so that sums are exact.
     let samples = |doublings: i8| 1u64 << (doublings - DOUBLINGS.start());
-    let all = samples(0) * areas.len() as u64;
+    let all = (MAX_MEAN * (samples(0) * areas.len() as u64) as f64) as u64;
     let fits = |offset: f32| roots.iter().map(|&root| samples(of(root, offset))).sum::<u64>() <= all;
     let (mut low, mut high) = (-80.0, 80.0);
     for _ in 0..16 {

@@ -65,7 +65,7 @@ fn is_floor((p, n): &(Vec3, Vec3)) -> bool {
 
 /// Direct light of several independent solves.
 fn runs(stage: &Stage, method: Method, n: u64) -> Vec<SolveState> {
-    let plan = |seed| Plan { seed, indirect_samples: 256, direct_samples: 512, ..Plan::default() };
+    let plan = |seed| Plan { seed, indirect_samples: 1024, direct_samples: 512, ..Plan::default() };
     (0..n).map(|seed| solved(stage, method, plan(seed), Stop::Bounces(0))).collect()
 }
 
