@@ -2,13 +2,15 @@
 
 use crate::{go_on, integrals, mean, solved, solved_by};
 use glam::Vec3;
+use lumel_basis::Basis;
 use lumel_sample::SamplerKind;
 use lumel_scene::SceneBuilder;
 use lumel_solve::{SolveState, Stop};
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::scene::{bulb, cube, grey, scene};
 use lumel_testkit::{Estimate, Method, ROUNDING, Solver, Stage, measure, ratio_bias, replicates};
-use lumel_transport::{EmitterSampling, Plan, Source};
+use lumel_transport::{ChunkSink, Control, EmitterSampling, Job, Plan, Source, Sums};
+use std::sync::Mutex;
 
 fn plan(sampler: SamplerKind, n_rays: u32) -> Plan {
     Plan {
@@ -27,6 +29,42 @@ fn cluttered() -> SceneBuilder {
     builder.materials[5] = grey(0.6, 1.0);
     builder.objects.extend(cuboid(Vec3::splat(0.3), Vec3::new(0.7, 0.6, 0.5), 1, Facing::Outward, [1; 6]));
     builder
+}
+
+/// Adds the weights of all measurements of each node.
+struct Weights(Mutex<Vec<f64>>);
+
+impl ChunkSink for Weights {
+    fn accept(&self, _: u32, sums: Sums) {
+        let mut weights = self.0.lock().unwrap();
+        for (node, weight) in sums.nodes.iter().zip(&sums.weights) {
+            weights[node.index()] += weight;
+        }
+    }
+}
+
+#[test]
+fn between_samples_and_nodes_no_power_is_lost() {
+    // The sum over nodes of area times light is that over samples of their share of the area times what arrives, if
+    // the weights of a node add up to its area.
+    let stage = Stage::new(cube(3, [0; 6].map(|_| grey(0.5, 1.0))));
+    for method in Method::OVER_AREAS {
+        for sampler in SamplerKind::ALL {
+            let operator = stage.operator(method, plan(sampler, 128));
+            let field = stage.field(|p, _| p.x);
+            for source in [Source::Emitters(None), Source::Field(&field)] {
+                let weights = Weights(Mutex::new(vec![0.0; field.node_count()]));
+                let job = Job { source, bounce: 0, pass: 0, active: None };
+                let chunks = 0..operator.transport.shape().chunks;
+                operator.transport.measure(&job, chunks, &Control::default(), &weights).unwrap();
+                for (weight, area) in weights.0.into_inner().unwrap().iter().zip(operator.basis.node_areas())
+                {
+                    let off = weight / f64::from(*area) - 1.0;
+                    assert!(off.abs() < ROUNDING.into(), "{method}, {sampler}, {source:?}: {off:e}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
