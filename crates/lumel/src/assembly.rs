@@ -1,10 +1,10 @@
 //! The operators that settings ask for.
 
 use crate::method::Method;
-use crate::settings::{BasisKind, Memory, Settings, SolverKind, TargetError};
+use crate::settings::{Memory, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
-use lumel_basis::Receivers;
+use lumel_basis::{Receivers, Sampling};
 use lumel_scene::Scene;
 use lumel_solve::{REPLICATES, Replicates, Target};
 use lumel_transport::{CachedTransport, CpuTransport, Order, Plan, Rows, Stored, Transport};
@@ -37,11 +37,11 @@ impl Assembly {
         settings: &Settings,
         stored: Option<&Stored>,
     ) -> Self {
-        match settings.basis {
-            BasisKind::Vertex => {
+        match settings.projection.sampling() {
+            Sampling::Point => {
                 Parts { scene, surfaces, measured: surfaces.at_vertices(), settings }.assembly(stored)
             }
-            BasisKind::VertexArea => {
+            Sampling::Area => {
                 Parts { scene, surfaces, measured: surfaces.over_areas(), settings }.assembly(stored)
             }
         }

@@ -215,7 +215,7 @@ impl Baked {
     }
 
     fn at_scene_vertices(&self) -> Vec<Vec3> {
-        self.baker.at_vertices(&self.state.total())
+        self.baker.light_at_vertices(&self.state)
     }
 
     /// Irradiance at points with normals, with its standard error, by fresh rays.

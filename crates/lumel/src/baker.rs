@@ -3,16 +3,14 @@
 use crate::assembly::{Assembly, Rest};
 use crate::layers;
 use crate::method::Method;
-use crate::settings::{BasisKind, Layers, Settings, Tail};
+use crate::settings::{Layers, Projection, Settings, Tail};
 use crate::surfaces::Surfaces;
-use glam::Vec3;
 use lumel_accel::{Bvh, RayTracer};
-use lumel_basis::{Basis, Field, Receivers, VertexBasis, reflecting_areas};
-use lumel_export::{Solution, SolutionLayer, SolutionMeta};
+use lumel_basis::{Basis, Field, Readout, Receivers, Sampling, VertexBasis, reflecting_areas};
 use lumel_scene::Scene;
 use lumel_solve::{
-    Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, mix,
-    solve, solve_layers, solve_to_error,
+    Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, solve,
+    solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Order, Transport};
 use std::sync::Arc;
@@ -100,17 +98,17 @@ impl Baker {
 
     /// Where light is measured.
     pub(crate) fn receivers(&self) -> &dyn Receivers {
-        match self.settings.basis {
-            BasisKind::Vertex => &*self.surfaces.at_vertices().receivers,
-            BasisKind::VertexArea => &*self.surfaces.over_areas().receivers,
+        match self.settings.projection.sampling() {
+            Sampling::Point => &*self.surfaces.at_vertices().receivers,
+            Sampling::Area => &*self.surfaces.over_areas().receivers,
         }
     }
 
     /// The order in which light is measured.
     pub(crate) fn order(&self) -> &Order {
-        match self.settings.basis {
-            BasisKind::Vertex => &self.surfaces.at_vertices().order,
-            BasisKind::VertexArea => &self.surfaces.over_areas().order,
+        match self.settings.projection.sampling() {
+            Sampling::Point => &self.surfaces.at_vertices().order,
+            Sampling::Area => &self.surfaces.over_areas().order,
         }
     }
 
@@ -197,57 +195,20 @@ impl Baker {
         Problem {
             operator: self.operator(&*self.assembly.transport),
             integrals: &self.integrals,
+            readout: self.readout(),
             stop: self.settings.stop(),
             tail: self.settings.tail == Tail::Geometric,
         }
-    }
-
-    /// The layers of a state at all vertices.
-    fn layers(&self, state: &SolveState) -> Vec<SolutionLayer> {
-        let names = layers::light_layers(&self.scene, &self.settings).into_iter().map(|layer| layer.name);
-        let layer = |(name, field)| SolutionLayer { name, irradiance: self.at_vertices(field) };
-        names.zip(&state.layers).map(layer).collect()
-    }
-
-    /// All light at every vertex of the scene, W·m⁻², with each layer dimmed to a share: no ray is traced.
-    ///
-    /// `share` is told the name of a layer; 1 leaves it as it was solved. `None` if `state` has no layers.
-    pub fn mixed(&self, state: &SolveState, share: impl Fn(&str) -> Vec3) -> Option<Vec<Vec3>> {
-        let names = layers::light_layers(&self.scene, &self.settings);
-        let shares: Vec<Vec3> = names.iter().map(|layer| share(&layer.name)).collect();
-        (!state.layers.is_empty()).then(|| self.at_vertices(&mix(&state.layers, &shares)))
     }
 
     fn operator<'a>(&'a self, transport: &'a dyn Transport) -> Operator<'a> {
         Operator { transport, basis: &*self.surfaces.basis }
     }
 
-    /// A field's value at every vertex of the scene, W·m⁻².
-    pub fn at_vertices(&self, field: &Field) -> Vec<Vec3> {
-        self.surfaces.points.read(&*self.surfaces.basis, field)
-    }
-
-    /// What holds for the nodes of the basis, for every vertex of the scene; true where it is not known of the node.
-    pub fn flags_at_vertices(&self, nodes: &[bool]) -> Vec<bool> {
-        self.surfaces.points.all(&*self.surfaces.basis, nodes)
-    }
-
-    /// The light at every vertex of the scene.
-    pub fn solution(&self, state: &SolveState) -> Solution {
-        let at_vertices = |field: &Field| self.at_vertices(field);
-        let settings = serde_json::to_value(&self.settings).unwrap_or_default();
-        let no_light = || vec![Vec3::ZERO; self.scene.vertex_count()];
-        Solution {
-            meta: SolutionMeta::new(&self.scene, settings),
-            positions: self.scene.positions().to_vec(),
-            normals: self.scene.normals().to_vec(),
-            irradiance: if state.bounces.is_empty() { no_light() } else { at_vertices(&state.total()) },
-            bounces: state.bounces.iter().map(at_vertices).collect(),
-            tail: state.tail.as_ref().map(at_vertices),
-            valid: self.flags_at_vertices(&state.valid),
-            standard_error: state.errors.as_ref().map(|errors| at_vertices(&errors.standard_error)),
-            layers: self.layers(state),
-        }
+    /// How carried light is read, where that is a function of its own.
+    pub(crate) fn readout(&self) -> Option<&dyn Readout> {
+        let reads_as_carried = self.settings.projection != Projection::LeastSquares;
+        (!reads_as_carried).then(|| self.surfaces.least_squares() as &dyn Readout)
     }
 }
 
@@ -258,7 +219,8 @@ fn integrals(scene: &Scene, basis: &VertexBasis) -> Integrals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BounceLimit, Light, OpenOptions, Silent};
+    use crate::{BounceLimit, Light, OpenOptions, Projection, Silent};
+    use glam::Vec3;
 
     #[test]
     fn a_relit_baker_has_the_bits_of_a_new_one() {
@@ -277,16 +239,16 @@ mod tests {
             baker.run(&mut state, &Control::default(), &Silent).unwrap();
             (baker.remainder(&state), state)
         };
-        for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+        for projection in [Projection::Point, Projection::Area, Projection::LeastSquares] {
             let settings = Settings {
-                basis,
+                projection,
                 bounces: BounceLimit::Count(1),
                 direct_samples: 4,
                 indirect_samples: 8,
                 ..Settings::default()
             };
             let new = Baker::new(Arc::clone(&relit), settings.clone());
-            assert_eq!(solved(&old.relit(Arc::clone(&relit), settings)), solved(&new), "{basis:?}");
+            assert_eq!(solved(&old.relit(Arc::clone(&relit), settings)), solved(&new), "{projection:?}");
         }
     }
 

@@ -15,6 +15,7 @@
 //! ```
 
 mod assembly;
+mod at_vertices;
 mod bake;
 mod baker;
 mod dark;
@@ -66,7 +67,7 @@ pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError,
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{
-    BasisKind, BounceLimit, Layers, Memory, Preset, Settings, SettingsError, SettingsPatch, Share,
+    BounceLimit, Layers, Memory, Preset, Projection, Settings, SettingsError, SettingsPatch, Share,
     SolverKind, Tail, TargetError,
 };
 pub use workload::Remainder;

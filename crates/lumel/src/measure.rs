@@ -73,7 +73,9 @@ pub fn vertex_errors(
     let n_nodes = transport.shape().nodes;
     let active = (transport.shape().sampling == Sampling::Point).then_some(state.valid.as_slice());
     let steps = replicates(&*transport, state, active, control)?;
-    Ok(baker.at_vertices(&Field::from_values(standard_error(n_nodes, &totals(n_nodes, &steps)))))
+    let totals: Vec<Field> =
+        totals(n_nodes, &steps).iter().map(|total| baker.read(total).into_owned()).collect();
+    Ok(baker.carried_at_vertices(&Field::from_values(standard_error(n_nodes, &totals))))
 }
 
 /// The direct and the hemisphere samples of one of the replicates.

@@ -1,6 +1,6 @@
 //! Continuing a bake that was stopped.
 
-use crate::{Baker, Method, Settings, assembly};
+use crate::{Baker, Method, Projection, Settings, assembly};
 use glam::Vec3;
 use lumel_basis::{Basis, Field};
 use lumel_export::{Checkpoint, CheckpointMeta, Saved, Solution, SolutionError};
@@ -96,13 +96,17 @@ impl Baker {
         if !solution.has_lighting_of(self.scene()) {
             return Err(ResumeError::Lighting);
         }
-        self.check_settings(&solution.meta.settings)?;
+        let found = self.check_settings(&solution.meta.settings)?;
         if let Method::Replicates { .. } = self.method() {
             return Err(ResumeError::TargetError);
         }
         let first_vertices = self.basis().first_vertices();
+        // What was read as the nearest function is carried as means.
+        let unread = (found.projection == Projection::LeastSquares).then(|| self.surfaces().least_squares());
         let at_nodes = |values: &Vec<Vec3>| {
-            Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect())
+            let mut field = Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect());
+            unread.inspect(|least_squares| least_squares.unproject(&mut field));
+            field
         };
         let valid = first_vertices.iter().map(|&v| solution.valid[v as usize]).collect();
         Ok(self.continued(self.state(valid, solution.bounces.iter().map(at_nodes).collect())))
@@ -132,15 +136,15 @@ impl Baker {
         SolveState { basis: Some(self.basis().identity()), valid, bounces, ..SolveState::new() }
     }
 
-    /// Whether bounces that were computed with settings from a file are those of this baker.
-    fn check_settings(&self, found: &Value) -> Result<(), ResumeError> {
+    /// The settings from a file, if the bounces that were computed with them are those of this baker.
+    fn check_settings(&self, found: &Value) -> Result<Settings, ResumeError> {
         let Some(found) = serde_json::from_value::<Settings>(found.clone()).ok() else {
             let differences = "they are unknown to this version".to_owned();
             return Err(ResumeError::Settings { differences });
         };
         let method = assembly::method(self.scene(), self.order(), &found);
         if found.same_bounces_as(self.settings()) && method == self.method() {
-            return Ok(());
+            return Ok(found);
         }
         Err(ResumeError::Settings { differences: self.settings().differences_of_bounces(&found) })
     }

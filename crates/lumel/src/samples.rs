@@ -1,9 +1,9 @@
 //! Where a bake measures light, for looking at.
 
-use crate::{Baker, BasisKind};
+use crate::Baker;
 use glam::Vec3;
 use lumel_accel::Ray;
-use lumel_basis::{Basis, CENTER, ElementId, NodeId, NodeWeights, Receivers};
+use lumel_basis::{Basis, CENTER, ElementId, NodeId, NodeWeights, Receivers, Sampling};
 use lumel_sample::{Dim, StreamKey};
 use lumel_transport::hemisphere_direction;
 
@@ -21,9 +21,9 @@ impl Baker {
         let point = |element: usize| {
             let element = ElementId(element as u32);
             weights.clear();
-            let u = match self.settings().basis {
-                BasisKind::Vertex => CENTER,
-                BasisKind::VertexArea => {
+            let u = match receivers.sampling() {
+                Sampling::Point => CENTER,
+                Sampling::Area => {
                     let key = StreamKey::new(self.settings().seed).element(element.0).bounce(0).pass(0);
                     let [s, t, ..] = self.settings().sampler.for_count(1).stream(key, Dim::Area).sample_4d(0);
                     [s, t]
@@ -65,7 +65,7 @@ impl Baker {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Baker, BasisKind, OpenOptions, Settings};
+    use crate::{Baker, OpenOptions, Projection, Settings};
     use std::sync::Arc;
 
     fn baker(settings: Settings) -> Baker {
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn points_over_areas_lie_on_surfaces() {
-        let baker = baker(Settings { basis: BasisKind::VertexArea, ..Settings::default() });
+        let baker = baker(Settings { projection: Projection::Area, ..Settings::default() });
         let bounds = baker.scene().bounds();
         let inside = |p: glam::Vec3| (bounds.min - 0.01).cmple(p).all() && p.cmple(bounds.max + 0.01).all();
         assert!(baker.sample_points(&[], 1000).into_iter().all(|(p, _)| inside(p)));

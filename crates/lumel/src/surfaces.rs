@@ -1,7 +1,7 @@
 //! What is prepared once for a scene's surfaces, whatever its lights.
 
 use lumel_accel::RayTracer;
-use lumel_basis::{AreaReceivers, PointReceivers, Receivers, VertexBasis, VertexPoints};
+use lumel_basis::{AreaReceivers, LeastSquares, PointReceivers, Receivers, VertexBasis, VertexPoints};
 use lumel_scene::Scene;
 use lumel_transport::Order;
 use std::sync::{Arc, OnceLock};
@@ -15,6 +15,7 @@ pub(crate) struct Surfaces {
     pub(crate) points: Arc<VertexPoints>,
     at_vertices: Arc<OnceLock<Ordered<PointReceivers>>>,
     over_areas: Arc<OnceLock<Ordered<AreaReceivers>>>,
+    least_squares: Arc<OnceLock<LeastSquares>>,
 }
 
 /// Receivers in the order in which they are measured.
@@ -35,7 +36,14 @@ impl Surfaces {
     pub(crate) fn new(scene: &Arc<Scene>, tracer: Arc<dyn RayTracer>) -> Self {
         let basis = Arc::new(VertexBasis::new(Arc::clone(scene)));
         let points = Arc::new(VertexPoints::new(scene));
-        Self { tracer, basis, points, at_vertices: Arc::default(), over_areas: Arc::default() }
+        Self {
+            tracer,
+            basis,
+            points,
+            at_vertices: Arc::default(),
+            over_areas: Arc::default(),
+            least_squares: Arc::default(),
+        }
     }
 
     /// Measures at the vertices.
@@ -46,5 +54,10 @@ impl Surfaces {
     /// Measures over the triangles around vertices.
     pub(crate) fn over_areas(&self) -> &Ordered<AreaReceivers> {
         self.over_areas.get_or_init(|| Ordered::new(AreaReceivers::new(Arc::clone(&self.basis))))
+    }
+
+    /// Reads what is measured over areas as the nearest function.
+    pub(crate) fn least_squares(&self) -> &LeastSquares {
+        self.least_squares.get_or_init(|| LeastSquares::new(&self.basis, LeastSquares::ALPHA))
     }
 }

@@ -4,7 +4,8 @@ use crate::Baker;
 use crate::layers::light_layers;
 use crate::method::Method;
 use crate::reading::Reading;
-use crate::settings::{BasisKind, BounceLimit, Layers, Settings};
+use crate::settings::{BounceLimit, Layers, Settings};
+use lumel_basis::Sampling;
 use lumel_solve::Step;
 
 /// Below this share of a step that is done, its speed says little.
@@ -58,7 +59,7 @@ impl Workload {
     /// Without layers.
     pub(crate) fn of(elements: u64, settings: &Settings, method: Method) -> Self {
         // A mesh has about twice as many triangles as vertices; each gets half the rays of a vertex.
-        let share = if settings.basis == BasisKind::Vertex { 1.0 } else { 0.5 };
+        let share = if settings.projection.sampling() == Sampling::Point { 1.0 } else { 0.5 };
         let all = share * f64::from(settings.indirect_samples);
         // Over areas, a layer traces one ray more with each of them.
         let shadow = f64::from(settings.direct_samples);

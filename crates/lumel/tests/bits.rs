@@ -10,14 +10,14 @@
 
 use glam::Vec3;
 use lumel::{
-    Baker, BasisKind, BounceLimit, Control, Memory, Method, SamplerKind, Settings, Share, Silent, Solution,
+    Baker, BounceLimit, Control, Memory, Method, Projection, SamplerKind, Settings, Share, Silent, Solution,
     SolveState, SolverKind, Tail, TargetError,
 };
 use std::fmt::Write as _;
 use std::sync::Arc;
 
 const SCENES: [&str; 4] = ["cornell-box", "atrium", "sphere", "furnace"];
-const BASES: [BasisKind; 2] = [BasisKind::Vertex, BasisKind::VertexArea];
+const PROJECTIONS: [Projection; 2] = [Projection::Point, Projection::Area];
 
 /// Few samples: what is checked is the arithmetic, not the light.
 fn settings() -> Settings {
@@ -41,20 +41,20 @@ fn memory_for_a_final_gather(scene: &lumel::Scene) -> Memory {
 /// All variants of a bake in a scene, by name.
 fn variants(scene: &lumel::Scene) -> Vec<(String, Settings)> {
     let mut variants = Vec::new();
-    for basis in BASES {
-        let base = Settings { basis, ..settings() };
+    for projection in PROJECTIONS {
+        let base = Settings { projection, ..settings() };
         for sampler in SamplerKind::ALL {
             for solver in [SolverKind::Cached, SolverKind::Neumann] {
                 let settings = Settings { sampler, solver, ..base.clone() };
-                variants.push((format!("{basis:?} {sampler} {solver:?}"), settings));
+                variants.push((format!("{projection:?} {sampler} {solver:?}"), settings));
             }
         }
         let memory = memory_for_a_final_gather(scene);
         let gather = Settings { memory, indirect_samples: 64, ..base.clone() };
-        variants.push((format!("{basis:?} final gather"), gather));
+        variants.push((format!("{projection:?} final gather"), gather));
         let target_error = TargetError::At(Share::new(0.4).unwrap());
         let target = Settings { target_error, indirect_samples: 128, ..base };
-        variants.push((format!("{basis:?} target error"), target));
+        variants.push((format!("{projection:?} target error"), target));
     }
     variants
 }
@@ -136,14 +136,15 @@ fn bakes_have_the_recorded_bits() {
 fn a_bake_that_is_stopped_and_resumed_has_the_recorded_bits() {
     for name in ["cornell-box", "sphere"] {
         let scene = scene(name);
-        for basis in BASES {
+        for projection in PROJECTIONS {
             for solver in [SolverKind::Cached, SolverKind::Neumann] {
-                let whole = Settings { basis, solver, ..settings() };
+                let whole = Settings { projection, solver, ..settings() };
                 let part = Settings { bounces: BounceLimit::Count(1), ..whole.clone() };
                 let part = baked(&Baker::new(Arc::clone(&scene), part), SolveState::new());
                 let baker = Baker::new(Arc::clone(&scene), whole);
                 let resumed = hash(&baked(&baker, baker.resume_solution(&part).unwrap()));
-                let variant = format!("{resumed} {name} {basis:?} {} {solver:?}", SamplerKind::default());
+                let variant =
+                    format!("{resumed} {name} {projection:?} {} {solver:?}", SamplerKind::default());
                 assert!(
                     include_str!("bits.txt").lines().any(|line| line == variant),
                     "not recorded: {variant}"

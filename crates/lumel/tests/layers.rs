@@ -4,9 +4,9 @@
 
 use glam::{EulerRot, Quat, Vec3};
 use lumel::{
-    Baker, BasisKind, BounceLimit, Control, Emitter, EmitterSampling, Layers, Light, Memory, Method,
-    Observer, Progress, Reading, Saved, Scene, SceneBuilder, Settings, Silent, SolveError, SolveState,
-    SolverKind, Step, Tail, Tracker, light_layers,
+    Baker, BounceLimit, Control, Emitter, EmitterSampling, Layers, Light, Memory, Method, Observer, Progress,
+    Projection, Reading, Saved, Scene, SceneBuilder, Settings, Silent, SolveError, SolveState, SolverKind,
+    Step, Tail, Tracker, light_layers,
 };
 use lumel_basis::Field;
 use lumel_scene::{DirectionalLight, PointLight, Radiance, RectLight, SpotLight};
@@ -130,7 +130,7 @@ fn ways() -> Vec<(&'static str, Settings)> {
         ("emission by rays", Settings { emitters: EmitterSampling::Rays, ..settings() }),
     ];
     let over_areas =
-        ways.clone().map(|(way, settings)| (way, Settings { basis: BasisKind::VertexArea, ..settings }));
+        ways.clone().map(|(way, settings)| (way, Settings { projection: Projection::Area, ..settings }));
     ways.into_iter().chain(over_areas).collect()
 }
 
@@ -144,7 +144,7 @@ fn layers_add_up_to_all_light() {
         assert_eq!(state.tail.is_some(), settings.tail == Tail::Geometric);
         let expected = ["small", "large", "bulb", "spot", "sun", "sky", "screen"];
         assert_eq!(names(&scene, &settings), expected);
-        assert_whole(&state, &format!("{way}, {:?}", settings.basis));
+        assert_whole(&state, &format!("{way}, {:?}", settings.projection));
     }
 }
 
@@ -214,11 +214,11 @@ fn wherever_a_coarse_scene_lies_layers_add_up_and_a_stop_changes_no_bit() {
         // Turned, walls are not exact: at a hundred metres, corners of the room count as inside geometry.
         ("all at once", reordered(placed(given, turn, 0.02 * far))),
     ];
-    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+    for projection in [Projection::Point, Projection::Area] {
         let mut as_given = None;
         for (name, builder) in &scenes {
-            let (scene, what) = (built(builder.clone()), format!("{basis:?}, {name}"));
-            let stored = Settings { basis, tail: Tail::Geometric, ..settings() };
+            let (scene, what) = (built(builder.clone()), format!("{projection:?}, {name}"));
+            let stored = Settings { projection, tail: Tail::Geometric, ..settings() };
             let (baker, state, _) = solved(&scene, &stored);
             let light = baker.power(&state.total());
             let ratio = light / *as_given.get_or_insert(light);
@@ -283,7 +283,7 @@ fn the_layer_of_a_light_is_a_bake_with_that_light_alone() {
     for (way, settings) in ways().into_iter().filter(|(_, settings)| settings.tail == Tail::Off) {
         let (_, state, _) = solved(&scene, &settings);
         for (number, light) in lights.iter().enumerate() {
-            let what = format!("{way}, {:?}, {}", settings.basis, light.0);
+            let what = format!("{way}, {:?}, {}", settings.projection, light.0);
             let alone = |seed| {
                 let settings = Settings { seed, layers: Layers::Off, ..settings.clone() };
                 let state = solved(&built(with_lights(dark.clone(), [light])), &settings).1;

@@ -4,19 +4,25 @@
 
 use lumel::setting::{self, Influence};
 use lumel::{
-    Baker, BasisKind, BounceLimit, Control, EmitterSampling, Layers, LightSampling, Memory, SamplerKind,
+    Baker, BounceLimit, Control, EmitterSampling, Layers, LightSampling, Memory, Projection, SamplerKind,
     Scene, Settings, Silent, SolveState, SolverKind, Tail,
 };
 use std::sync::Arc;
 
 fn usual() -> Settings {
-    Settings { bounces: BounceLimit::Count(2), direct_samples: 4, indirect_samples: 8, ..Settings::default() }
+    Settings {
+        projection: Projection::Point,
+        bounces: BounceLimit::Count(2),
+        direct_samples: 4,
+        indirect_samples: 8,
+        ..Settings::default()
+    }
 }
 
 /// Every setting other than usual. A new setting belongs here.
 fn unusual() -> Settings {
     Settings {
-        basis: BasisKind::VertexArea,
+        projection: Projection::Area,
         bounces: BounceLimit::Count(3),
         remainder: 0.25,
         tail: Tail::Geometric,

@@ -4,7 +4,7 @@
 
 use glam::{DVec3, Vec3};
 use lumel::{
-    Baker, BasisKind, BounceLimit, Bvh, Control, Light, Memory, Method, OpenOptions, RayTracer, Scene,
+    Baker, BounceLimit, Bvh, Control, Light, Memory, Method, OpenOptions, Projection, RayTracer, Scene,
     Settings, Silent, SolveState, SolverKind,
 };
 use lumel_accel::InstructionSet;
@@ -134,9 +134,9 @@ fn each_bounce_agrees_with_a_fresh_gather_of_the_one_before() {
 
 #[test]
 fn the_furnace_is_exact_to_rounding() {
-    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+    for projection in [Projection::Point, Projection::Area] {
         let scene = scene("furnace");
-        let settings = Settings { basis, bounces: BounceLimit::Count(8), ..settings() };
+        let settings = Settings { projection, bounces: BounceLimit::Count(8), ..settings() };
         let (state, _) = solved(&Baker::new(scene, settings));
         // Each bounce is the one before times the albedo.
         for pair in state.bounces.windows(2) {
@@ -148,7 +148,7 @@ fn the_furnace_is_exact_to_rounding() {
                 .collect();
             let first = ratios[0];
             let worst = ratios.iter().map(|r| (*r - first).abs().max_element()).fold(0.0, f32::max);
-            assert!(worst < 2e-6 && first.is_finite(), "{basis:?}: {worst}");
+            assert!(worst < 2e-6 && first.is_finite(), "{projection:?}: {worst}");
         }
     }
 }

@@ -8,8 +8,8 @@
 
 use glam::{DVec3, Vec3};
 use lumel::{
-    Baker, BasisKind, BounceLimit, CONFIDENCE_95, Control, EmitterSampling, Ended, Light, Memory, Method,
-    Observer, Saved, Scene, SceneBuilder, Settings, Silent, Snapshot, SolveError, SolveState, Step, Tail,
+    Baker, BounceLimit, CONFIDENCE_95, Control, EmitterSampling, Ended, Light, Memory, Method, Observer,
+    Projection, Saved, Scene, SceneBuilder, Settings, Silent, Snapshot, SolveError, SolveState, Step, Tail,
     TargetError,
 };
 use lumel_basis::Field;
@@ -160,15 +160,13 @@ fn reference(scene: &Arc<Scene>, settings: &Settings, samples: u32) -> SolveStat
 #[test]
 fn with_all_that_bounces_carry_the_truth_lies_within_95_of_100_intervals() {
     let scene = room();
-    for (basis, target, text) in [
-        (BasisKind::Vertex, 0.05, "5%"),
-        (BasisKind::Vertex, 0.02, "2%"),
-        (BasisKind::VertexArea, 0.05, "5%"),
-    ] {
-        let settings = Settings { basis, ..settings(text, 4) };
+    for (projection, target, text) in
+        [(Projection::Point, 0.05, "5%"), (Projection::Point, 0.02, "2%"), (Projection::Area, 0.05, "5%")]
+    {
+        let settings = Settings { projection, ..settings(text, 4) };
         let truth = reference(&scene, &settings, 1 << 16);
         let honesty = Honesty::of(&scene, &truth.total(), &settings, 0..16);
-        honesty.assert_kept(target, &format!("room at {text}, {basis:?}"));
+        honesty.assert_kept(target, &format!("room at {text}, {projection:?}"));
     }
 }
 
@@ -188,12 +186,12 @@ fn on_the_varying_sphere_the_known_irradiance_lies_within_95_of_100_intervals() 
 #[test]
 fn a_solve_to_an_error_has_the_same_bits_on_any_number_of_threads() {
     let scene = room();
-    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+    for projection in [Projection::Point, Projection::Area] {
         let states = [1, 3].map(|n| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-            pool.install(|| solved(&scene, Settings { basis, ..settings("5%", 2) }))
+            pool.install(|| solved(&scene, Settings { projection, ..settings("5%", 2) }))
         });
-        assert!(states[0] == states[1], "{basis:?}");
+        assert!(states[0] == states[1], "{projection:?}");
         assert!(states[0].errors.as_ref().unwrap().accuracy.rounds > 1, "nothing was added");
     }
 }
@@ -262,14 +260,14 @@ fn run(baker: &Baker, mut state: SolveState) -> SolveState {
 fn a_solve_that_has_reached_its_target_has_the_bits_of_one_with_the_bounces_it_is_resumed_with() {
     // After the first round, so that all have the same.
     let (scene, usual) = (room(), settings("90%", 2));
-    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
-        let usual = Settings { basis, ..usual.clone() };
+    for projection in [Projection::Point, Projection::Area] {
+        let usual = Settings { projection, ..usual.clone() };
         let baker = Baker::new(Arc::clone(&scene), usual.clone());
         let state = run(&baker, SolveState::new());
         assert_eq!(state.errors.as_ref().unwrap().accuracy.ended, Some(Ended::Reached));
         let saved = Saved::Checkpoint(Box::new(baker.checkpoint(&state)));
         for other in other_bounces(&usual) {
-            let what = format!("{basis:?}, {} bounces, tail {:?}", other.bounces, other.tail);
+            let what = format!("{projection:?}, {} bounces, tail {:?}", other.bounces, other.tail);
             let there = baker.relit(Arc::clone(&scene), other.clone());
             let resumed = there.resume(&saved).unwrap();
             assert!(resumed.errors.is_none() && resumed.tail.is_none(), "{what}: errors of another sum");

@@ -9,7 +9,7 @@ use crate::schedule::Stop;
 use crate::solver::{self, Operator, SolveError};
 use crate::{Integrals, PowerLog, SolveState};
 use glam::DVec3;
-use lumel_basis::{Field, Sampling};
+use lumel_basis::{Field, Readout, Sampling};
 use lumel_transport::{
     Control, Job, Measured, Pass, Passes, Source, Sums, Transport, TransportError, accumulate,
 };
@@ -49,6 +49,8 @@ pub struct Problem<'a> {
     pub operator: Operator<'a>,
     /// The integrals of the basis.
     pub integrals: &'a Integrals,
+    /// How users read the light, if not as it is carried: errors are those of what they read.
+    pub readout: Option<&'a dyn Readout>,
     /// Which bounces.
     pub stop: Stop,
     /// Whether a geometric series stands for those that are left out.
@@ -175,7 +177,7 @@ struct Replicate {
 struct Solved {
     bounces: Vec<Field>,
     tail: Option<Field>,
-    /// Of each replicate, the sum of all bounces and the tail.
+    /// Of each replicate, the sum of all bounces and the tail, as users read it.
     totals: Vec<Vec<DVec3>>,
 }
 
@@ -216,7 +218,7 @@ impl Solve<'_> {
 
     /// Solves all replicates, bounce by bounce together, so that all end with the same.
     fn all_bounces(&self) -> Result<Solved, TransportError> {
-        let Problem { integrals, stop, tail, .. } = self.problem;
+        let Problem { integrals, stop, tail, readout, .. } = self.problem;
         let mut last: Vec<Field> = self.replicates.iter().map(|replicate| self.direct(replicate)).collect();
         let mut before = Vec::new();
         let mut totals: Vec<Vec<DVec3>> =
@@ -242,6 +244,9 @@ impl Solve<'_> {
             before.iter().zip(&last).map(of).collect()
         });
         tails.iter().for_each(|tails| add_to(&mut totals, tails));
+        if let Some(readout) = readout {
+            totals.iter_mut().for_each(|total| read(readout, total));
+        }
         Ok(Solved { bounces, tail: tails.map(|tails| mean(&tails)), totals })
     }
 
@@ -264,6 +269,12 @@ impl Solve<'_> {
         }
         field
     }
+}
+
+fn read(readout: &dyn Readout, total: &mut [DVec3]) {
+    let mut field = Field::from_values(total.iter().map(|value| value.as_vec3()).collect());
+    readout.read(&mut field);
+    total.iter_mut().zip(field.values()).for_each(|(total, value)| *total = value.as_dvec3());
 }
 
 fn add_to(totals: &mut [Vec<DVec3>], fields: &[Field]) {

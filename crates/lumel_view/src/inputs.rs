@@ -27,12 +27,14 @@ pub struct Changes {
     pub lights: bool,
     /// Materials.
     pub materials: bool,
-    /// Where light is stored.
-    pub basis: bool,
+    /// Where light is measured.
+    pub sites: bool,
     /// Any other setting that bounces depend on, such as the number of samples.
     pub samples: bool,
     /// How many bounces there are to be, and what stands for the rest: the known bounces stay as they are.
     pub bounces: bool,
+    /// How the known bounces are read: no ray and no bounce is missing.
+    pub reading: bool,
 }
 
 impl Inputs {
@@ -40,15 +42,18 @@ impl Inputs {
     pub fn changes(&self, now: &Self) -> Changes {
         let same_surfaces = self.scene.has_surfaces_of(&now.scene);
         let settings = self.settings.as_ref().zip(now.settings.as_ref());
-        let basis = settings.is_none_or(|(old, new)| old.basis != new.basis);
-        let same_bounces = settings.is_some_and(|(old, new)| old.same_bounces_as(new));
+        let sites = settings.is_none_or(|(old, new)| old.projection.sampling() != new.projection.sampling());
+        let same_bounces = settings.filter(|(old, new)| old.same_bounces_as(new));
+        let read_as_now =
+            |old: &Settings, new: &Settings| Settings { projection: new.projection, ..old.clone() };
         Changes {
             geometry: !same_surfaces && self.scene.geometry_hash() != now.scene.geometry_hash(),
             lights: self.lights.is_none() || self.lights != now.lights,
             materials: !same_surfaces && self.scene.materials() != now.scene.materials(),
-            basis,
-            samples: !basis && !same_bounces,
-            bounces: same_bounces && self.settings != now.settings,
+            sites,
+            samples: !sites && same_bounces.is_none(),
+            bounces: same_bounces.is_some_and(|(old, new)| read_as_now(old, new) != *new),
+            reading: same_bounces.is_some_and(|(old, new)| old.projection != new.projection),
         }
     }
 }
@@ -66,12 +71,12 @@ impl Changes {
 
     /// Whether any setting is different.
     pub fn settings(self) -> bool {
-        self.basis || self.samples || self.bounces
+        self.sites || self.samples || self.bounces || self.reading
     }
 
     /// Whether the known bounces are no longer those that are asked for.
     pub fn outdates(self) -> bool {
-        self.lighting() || self.basis || self.samples
+        self.lighting() || self.sites || self.samples
     }
 }
 
@@ -104,7 +109,7 @@ impl fmt::Display for Changes {
 mod tests {
     use super::*;
     use glam::Vec3;
-    use lumel::{BasisKind, BounceLimit, Light, OpenOptions};
+    use lumel::{BounceLimit, Light, OpenOptions, Projection};
 
     fn inputs() -> Inputs {
         let opened = lumel::open("cornell-box", &OpenOptions::default()).unwrap();
@@ -127,8 +132,12 @@ mod tests {
         let painted = Inputs { scene: Arc::new(old.scene.repainted(&white)), ..old.clone() };
         assert_eq!(old.changes(&painted), Changes { materials: true, ..none });
         let with = |settings| Inputs { settings: Some(settings), ..old.clone() };
-        let area = with(Settings { basis: BasisKind::VertexArea, ..Settings::default() });
-        assert_eq!(old.changes(&area), Changes { basis: true, ..none });
+        let read = |projection| with(Settings { projection, ..Settings::default() });
+        let [point, area, least_squares] =
+            [Projection::Point, Projection::Area, Projection::LeastSquares].map(read);
+        assert_eq!(point.changes(&area), Changes { sites: true, ..none });
+        assert_eq!(area.changes(&least_squares), Changes { reading: true, ..none });
+        assert!(!area.changes(&least_squares).outdates());
         let seed = with(Settings { seed: 7, ..Settings::default() });
         assert_eq!(old.changes(&seed), Changes { samples: true, ..none });
         let bounces = with(Settings { bounces: BounceLimit::Count(9), ..Settings::default() });
@@ -141,7 +150,7 @@ mod tests {
         let now = inputs();
         let file = Inputs { lights: None, settings: None, ..now.clone() };
         let changes = file.changes(&now);
-        assert!(changes.lights && changes.basis && changes.outdates());
+        assert!(changes.lights && changes.sites && changes.outdates());
         assert!(file.changes(&file).lights, "unknown lights are never the same");
     }
 

@@ -121,15 +121,15 @@ impl Illumination {
         self.layers.iter().any(|layer| layer.share != 1.0)
     }
 
-    /// All light with each layer times its share, which needs no solve.
+    /// All light with each layer times its share, which needs no solve, never negative.
     fn mixed(&self, n: usize) -> Vec<Vec3> {
         let part = |layer: &Layer, v: usize| layer.values[v].as_dvec3() * f64::from(layer.share);
         let at = |v| self.layers.iter().map(|layer| part(layer, v)).sum::<DVec3>();
-        (0..n).map(|v| at(v).as_vec3()).collect()
+        (0..n).map(|v| at(v).as_vec3().max(Vec3::ZERO)).collect()
     }
 
     /// The chosen part at all of `n` vertices, W·m⁻²; zero where there is none. All light is that of the layers if they
-    /// are mixed; bounces stay as solved.
+    /// are mixed; bounces stay as solved. All light is never negative; its parts may be, beside edges.
     pub fn select(&self, selection: Selection, n: usize) -> Vec<Vec3> {
         if selection.is_all() && self.is_mixed() {
             return self.mixed(n);
@@ -141,11 +141,15 @@ impl Illumination {
         let mut parts: Vec<&VertexValues> =
             bounces.filter(|(k, _)| selection.contains(*k)).map(|(_, values)| values).collect();
         parts.extend(self.tail.iter().filter(|_| selection.contains_tail()));
-        match parts.as_slice() {
+        let mut sum = match parts.as_slice() {
             [] => vec![Vec3::ZERO; n],
             [only] => only.to_vec(),
             parts => (0..n).map(|v| parts.iter().map(|p| p[v].as_dvec3()).sum::<DVec3>().as_vec3()).collect(),
+        };
+        if selection.is_all() {
+            sum.iter_mut().for_each(|value| *value = value.max(Vec3::ZERO));
         }
+        sum
     }
 }
 
@@ -173,6 +177,15 @@ mod tests {
         assert_eq!(first(Selection::bounce(3)), 8.0, "the bounce being measured");
         assert_eq!(first(Selection::bounce(7)), 0.0);
         assert_eq!(light().bounce_count(), 4);
+    }
+
+    #[test]
+    fn all_light_is_never_negative_though_a_bounce_may_be() {
+        let mut light = light();
+        light.tail = Some(Arc::new(vec![Vec3::splat(-20.0); 2]));
+        light.bounces[1] = Arc::new(vec![Vec3::splat(-1.0); 2]);
+        assert_eq!(light.select(Selection::All, 2), [Vec3::ZERO, Vec3::splat(109.0)]);
+        assert_eq!(light.select(Selection::bounce(1), 2)[0].x, -1.0);
     }
 
     #[test]

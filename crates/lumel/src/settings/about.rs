@@ -42,11 +42,13 @@ impl Bounds {
 pub struct About {
     /// Its name in files and in [`Settings`](crate::Settings): `direct_samples`.
     pub name: &'static str,
+    /// Its names in files and command lines of earlier versions, which are still read.
+    pub former: &'static [&'static str],
     /// Its name in a window: `Direct samples`.
     pub label: &'static str,
     /// What stands for its value in the help of the command line: `N`.
     pub placeholder: &'static str,
-    /// What it has an influence on.
+    /// What it has an influence on, at most.
     pub influence: Influence,
     /// The numbers that it can have.
     pub bounds: Bounds,
@@ -87,6 +89,7 @@ mod tests {
     fn the_first_paragraph_of_a_comment_is_the_help_and_the_others_are_details() {
         let about = |doc| About {
             name: "a_b",
+            former: &[],
             label: "",
             placeholder: "",
             influence: Influence::Sum,

@@ -1,7 +1,6 @@
 //! What users choose. The table of all settings is in `table.rs`; their types have files of their own.
 
 mod about;
-mod basis_kind;
 mod bounce_limit;
 mod compare;
 mod error;
@@ -10,6 +9,7 @@ mod memory;
 mod number_or_text;
 mod plan;
 mod preset;
+mod projection;
 mod sampling;
 mod share;
 mod solver_kind;
@@ -20,12 +20,12 @@ mod validate;
 mod value;
 
 pub use about::{About, Bounds, Influence};
-pub use basis_kind::BasisKind;
 pub use bounce_limit::BounceLimit;
 pub use error::SettingsError;
 pub use layers::Layers;
 pub use memory::Memory;
 pub use preset::Preset;
+pub use projection::Projection;
 pub use share::Share;
 pub use solver_kind::SolverKind;
 pub use table::{Settings, SettingsPatch};

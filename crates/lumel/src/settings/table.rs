@@ -5,12 +5,12 @@
 //! so that the command line, the window, validation, comparison and resuming know it.
 
 use super::about::{About, Bounds, Influence};
-use super::basis_kind::BasisKind;
 use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
 use super::layers::Layers;
 use super::memory::Memory;
 use super::preset::Preset;
+use super::projection::Projection;
 use super::share::Share;
 use super::solver_kind::SolverKind;
 use super::tail::Tail;
@@ -55,8 +55,13 @@ pub trait Setting: Sync {
     /// Its value, to be edited.
     fn slot<'a>(&self, settings: &'a mut Settings) -> Slot<'a>;
 
+    /// What its change from one value to the other influences; `None` if both have the same value.
+    fn influence(&self, from: &Settings, to: &Settings) -> Option<Influence>;
+
     /// Whether it has the same value in both.
-    fn is_same(&self, a: &Settings, b: &Settings) -> bool;
+    fn is_same(&self, a: &Settings, b: &Settings) -> bool {
+        self.influence(a, b).is_none()
+    }
 
     /// Takes its value from other settings.
     fn copy(&self, from: &Settings, to: &mut Settings);
@@ -113,8 +118,9 @@ impl<T: Value> Setting for Definition<T> {
         (self.slot)(settings).slot()
     }
 
-    fn is_same(&self, a: &Settings, b: &Settings) -> bool {
-        (self.get)(a) == (self.get)(b)
+    fn influence(&self, from: &Settings, to: &Settings) -> Option<Influence> {
+        let (from, to) = ((self.get)(from), (self.get)(to));
+        (from != to).then(|| from.influence(&to, self.about.influence))
     }
 
     fn copy(&self, from: &Settings, to: &mut Settings) {
@@ -136,7 +142,7 @@ impl<T: Value> Setting for Definition<T> {
 macro_rules! settings {
     ($(
         $(#[doc = $doc:literal])+
-        $constant:ident = $field:ident: $kind:ty {
+        $constant:ident = $field:ident $(| $former:literal)?: $kind:ty {
             presets: $presets:expr,
             $($part:ident: $value:expr,)+
         }
@@ -160,6 +166,7 @@ macro_rules! settings {
             $(
                 $(#[doc = $doc])+
                 #[serde(skip_serializing_if = "Option::is_none")]
+                $(#[serde(alias = $former)])?
                 pub $field: Option<$kind>,
             )+
         }
@@ -169,6 +176,7 @@ macro_rules! settings {
             pub static $constant: Definition<$kind> = Definition {
                 about: About {
                     name: stringify!($field),
+                    former: &[$($former)?],
                     doc: concat!($($doc, "\n"),+),
                     $($part: $value,)+
                 },
@@ -221,11 +229,15 @@ const fn always<T: Copy>(value: T) -> [T; Preset::ALL.len()] {
 const MAX_SAMPLES: f64 = 16_777_216.0;
 
 settings! {
-    /// Where light is measured.
-    BASIS = basis: BasisKind {
-        presets: always(BasisKind::Vertex),
-        label: "Basis",
-        placeholder: "BASIS",
+    /// How light becomes values at the vertices.
+    ///
+    /// What is measured over areas also counts the light between vertices, and carries all of its power from bounce to
+    /// bounce. Least squares reads the same measurements more sharply, and may overshoot beside the edges of shadows.
+    /// The former name basis, with vertex for point and vertex-area for area, is still accepted.
+    PROJECTION = projection | "basis": Projection {
+        presets: always(Projection::Point),
+        label: "Projection",
+        placeholder: "KIND",
         influence: Influence::Rays,
         bounds: Bounds::Any,
         offered: None,
@@ -413,7 +425,7 @@ mod tests {
 
     /// A value of each setting that is not its default, and one that it cannot have.
     const EXAMPLES: [(&str, &str, &str); 15] = [
-        ("basis", "vertex-area", "lightmap"),
+        ("projection", "area", "lightmap"),
         ("bounces", "7", "10001"),
         ("remainder", "0.25", "1"),
         ("tail", "geometric", "long"),
@@ -471,6 +483,27 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn former_names_are_still_read_in_place_of_the_names_of_today() {
+        for setting in ALL {
+            let about = setting.about();
+            let value = |patch: &SettingsPatch| setting.text(&patch.settings());
+            for choice in setting.choices() {
+                for former in choice.former {
+                    assert_eq!(value(&setting.parse(former).unwrap()), choice.name);
+                    for name in about.former.iter().chain([&about.name]) {
+                        let patch: SettingsPatch = serde_json::from_value(json!({ *name: former })).unwrap();
+                        assert_eq!((value(&patch).as_str(), setting.is_set(&patch)), (choice.name, true));
+                    }
+                }
+            }
+        }
+        let patch: SettingsPatch = serde_json::from_value(json!({ "basis": "vertex-area" })).unwrap();
+        assert_eq!(patch.projection, Some(Projection::Area));
+        let both = json!({ "basis": "vertex-area", "projection": "area" });
+        assert!(serde_json::from_value::<SettingsPatch>(both).is_err());
     }
 
     #[test]
@@ -541,7 +574,7 @@ mod tests {
         });
         let settings: Settings = serde_json::from_value(old.clone()).unwrap();
         let expected = Settings {
-            basis: BasisKind::VertexArea,
+            projection: Projection::Area,
             bounces: BounceLimit::All,
             remainder: 0.01,
             tail: Tail::Geometric,

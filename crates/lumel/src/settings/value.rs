@@ -1,6 +1,6 @@
 //! Types of settings: how their values are written and read, and what they can be.
 
-use super::about::Bounds;
+use super::about::{Bounds, Influence};
 use super::bounce_limit::BounceLimit;
 use super::memory::Memory;
 use super::share::Share;
@@ -27,6 +27,11 @@ pub trait Value: Copy + PartialEq + Send + Sync + 'static {
         &[]
     }
 
+    /// What a change from this value to another one influences, where a change of its setting usually has an influence.
+    fn influence(&self, _other: &Self, usual: Influence) -> Influence {
+        usual
+    }
+
     /// The value, to be edited.
     fn slot(&mut self) -> Slot<'_>;
 }
@@ -36,6 +41,8 @@ pub trait Value: Copy + PartialEq + Send + Sync + 'static {
 pub struct Choice {
     /// Its name in files and on the command line.
     pub name: &'static str,
+    /// Its names in files and command lines of earlier versions, which are still read.
+    pub former: &'static [&'static str],
     /// Its name in a window.
     pub label: &'static str,
     /// What it means, in a few words that begin with a lower-case letter.
@@ -65,7 +72,12 @@ pub enum Slot<'a> {
 
 /// Gives a type with few values their names.
 macro_rules! choices {
-    ($kind:ident { $($variant:ident = $name:literal, $label:literal, $help:literal;)+ }) => {
+    (
+        $kind:ident {
+            $($variant:ident = $name:literal $(| $former:literal)*, $label:literal, $help:literal;)+
+        }
+        $($method:item)*
+    ) => {
         impl $crate::settings::value::Value for $kind {
             fn text(&self) -> String {
                 match self { $(Self::$variant => $name,)+ }.to_owned()
@@ -73,7 +85,7 @@ macro_rules! choices {
 
             fn read(text: &str) -> Option<Self> {
                 match text {
-                    $($name => Some(Self::$variant),)+
+                    $($name $(| $former)* => Some(Self::$variant),)+
                     _ => None,
                 }
             }
@@ -83,12 +95,19 @@ macro_rules! choices {
             }
 
             fn choices() -> &'static [$crate::settings::value::Choice] {
-                &[$($crate::settings::value::Choice { name: $name, label: $label, help: $help },)+]
+                &[$($crate::settings::value::Choice {
+                    name: $name,
+                    former: &[$($former),*],
+                    label: $label,
+                    help: $help,
+                },)+]
             }
 
             fn slot(&mut self) -> $crate::settings::value::Slot<'_> {
                 $crate::settings::value::Slot::Choice
             }
+
+            $($method)*
         }
     };
 }

@@ -5,7 +5,7 @@ mod conjugate_gradients;
 mod incidence;
 mod matrix;
 
-use crate::{Basis, Field, VertexBasis};
+use crate::{Basis, Field, Readout, VertexBasis};
 use bends::Bend;
 use glam::{DVec3, Vec3};
 use incidence::Incidence;
@@ -107,5 +107,11 @@ impl LeastSquares {
             values.zip(found).for_each(|(value, found)| *value = found.as_vec3());
         }
         rest
+    }
+}
+
+impl Readout for LeastSquares {
+    fn read(&self, field: &mut Field) {
+        self.project(field);
     }
 }

@@ -81,7 +81,7 @@ pub(crate) enum Command {
 #[command(after_help = "\
 Examples:
   lumel bake cornell-box -o cornell.glb -o cornell.png
-  lumel bake room.lumel.toml --basis vertex-area -o room.npz -o room.glb
+  lumel bake room.lumel.toml --projection area -o room.npz -o room.glb
   lumel bake room.glb --max-edge 0.1 \\
       --light 'rect center=0,2.4,0 u=0.5,0,0 v=0,0,0.5 radiance=9,9,8'
   lumel bake room.lumel.toml --resume room.checkpoint.npz")]
@@ -242,7 +242,7 @@ pub(crate) struct MeasureArgs {
 
     /// Use the bounces and settings of this solution instead of solving.
     #[arg(long, value_name = "FILE.npz")]
-    #[arg(conflicts_with_all = ["basis", "bounces", "remainder", "tail", "preset", "emitters", "no_emissive"])]
+    #[arg(conflicts_with_all = ["projection", "bounces", "remainder", "tail", "preset", "emitters", "no_emissive"])]
     pub(crate) solution: Option<PathBuf>,
 
     #[command(flatten)]

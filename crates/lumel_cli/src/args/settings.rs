@@ -73,6 +73,7 @@ fn option(setting: &'static dyn Setting) -> Arg {
     let help = format!("{} [default: {default}]", about.help());
     let option = Arg::new(about.name)
         .long(about.flag())
+        .aliases(about.former)
         .value_name(about.placeholder)
         .value_parser(parser)
         .allow_negative_numbers(true)
@@ -109,7 +110,7 @@ fn no_emissive() -> Arg {
 }
 
 fn possible(choice: &Choice, help: String) -> PossibleValue {
-    PossibleValue::new(choice.name).help(help)
+    PossibleValue::new(choice.name).aliases(choice.former).help(help)
 }
 
 fn names(values: impl Iterator<Item = PossibleValue>) -> PossibleValuesParser {
@@ -122,13 +123,13 @@ mod tests {
     use crate::args::{Cli, Command};
     use clap::Parser;
     use lumel::{
-        BasisKind, BounceLimit, Layers, LightSampling, Memory, SamplerKind, Settings, SolverKind, Tail,
+        BounceLimit, Layers, LightSampling, Memory, Projection, SamplerKind, Settings, SolverKind, Tail,
     };
 
     /// Every setting other than by default. A new setting belongs here.
     fn unusual() -> Settings {
         Settings {
-            basis: BasisKind::VertexArea,
+            projection: Projection::Area,
             bounces: BounceLimit::Count(7),
             remainder: 0.25,
             tail: Tail::Geometric,
@@ -168,6 +169,16 @@ mod tests {
             let error = parsed(&[&flag, "nonsense"]).unwrap_err();
             assert!(error.contains(&flag) && error.contains("nonsense"), "{error}");
         }
+    }
+
+    #[test]
+    fn former_names_are_still_options() {
+        for (basis, projection) in [("vertex", Projection::Point), ("vertex-area", Projection::Area)] {
+            let expected = SettingsPatch { projection: Some(projection), ..SettingsPatch::default() };
+            assert_eq!(parsed(&["--basis", basis]), Ok(expected));
+        }
+        let error = parsed(&["--basis", "lightmap"]).unwrap_err();
+        assert!(error.contains("least-squares") && !error.contains("vertex"), "{error}");
     }
 
     #[test]

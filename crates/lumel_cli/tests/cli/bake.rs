@@ -57,15 +57,17 @@ fn the_summary_can_be_json() {
 #[test]
 fn the_number_of_threads_does_not_change_a_bit() {
     let place = Place::new();
-    for basis in ["vertex", "vertex-area"] {
+    for projection in ["point", "area", "least-squares"] {
         for threads in [1, 2, 7] {
             place
-                .bake_furnace(&format!("--basis {basis} --threads {threads} -o {basis}{threads}.npz"))
+                .bake_furnace(&format!(
+                    "--projection {projection} --threads {threads} -o {projection}{threads}.npz"
+                ))
                 .done();
         }
-        let one = place.solution(&format!("{basis}1.npz"));
-        assert_same_light(&one, &place.solution(&format!("{basis}2.npz")));
-        assert_same_light(&one, &place.solution(&format!("{basis}7.npz")));
+        let one = place.solution(&format!("{projection}1.npz"));
+        assert_same_light(&one, &place.solution(&format!("{projection}2.npz")));
+        assert_same_light(&one, &place.solution(&format!("{projection}7.npz")));
     }
 }
 

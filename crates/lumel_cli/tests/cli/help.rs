@@ -1,4 +1,6 @@
 use crate::common::{Place, run};
+use lumel::Settings;
+use lumel::setting::{PROJECTION, Setting as _};
 
 /// What other programs may rely on, beside the options of settings.
 const FLAGS: [(&str, &[&str]); 5] = [
@@ -63,8 +65,8 @@ fn every_flag_is_in_the_help_and_in_the_manual() {
 fn defaults_and_units_are_in_the_help() {
     let place = Place::new();
     let help = run(&mut place.lumel("bake --help")).done().stdout;
-    for part in
-        ["[default: medium]", "[default: vertex]", "[default: sobol]", "metres", "W/(m² sr)", "cornell-box: "]
+    let projection = format!("[default: {}]", PROJECTION.text(&Settings::default()));
+    for part in ["[default: medium]", &projection, "[default: sobol]", "metres", "W/(m² sr)", "cornell-box: "]
     {
         assert!(help.contains(part), "no {part} in {help}");
     }

@@ -57,7 +57,7 @@ fn numbers_that_make_no_sense_are_refused() {
         "--seed -1",
         "--subdivide 99",
         "--sampler dice",
-        "--basis lightmap",
+        "--projection lightmap",
         "--preset best",
         "--tail long",
         "--light-sampling none",

@@ -173,6 +173,7 @@ impl Session {
         self.poll_files();
         self.paint();
         self.poll_solve(hand);
+        self.follow_reading();
         self.follow_changes(hand);
         if hand == Hand::Free {
             self.history.commit(&self.edit());

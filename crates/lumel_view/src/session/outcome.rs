@@ -11,14 +11,14 @@ impl Session {
     pub(super) fn poll_solve(&mut self, hand: Hand) {
         let Some(running) = &mut self.running else { return };
         let (generation, phase) = running.job.glance();
-        let shown_whole = running.errand == Errand::Follow && phase != Phase::Ended(Ending::Done);
+        let shown_whole = running.follows() && phase != Phase::Ended(Ending::Done);
         if generation != running.seen && !shown_whole {
             running.seen = generation;
             let published = running.job.published();
             match running.errand {
                 // The old light stays in sight until there is some of the new.
-                Errand::Solve | Errand::Follow if published.light.is_empty() => {}
-                Errand::Solve | Errand::Follow => {
+                Errand::Solve | Errand::Follow | Errand::Read { .. } if published.light.is_empty() => {}
+                Errand::Solve | Errand::Follow | Errand::Read { .. } => {
                     self.light = published.light;
                     self.stats = published.stats;
                     self.computed = Some(Computed::unfinished(running.inputs.clone()));
@@ -45,7 +45,8 @@ impl Session {
         } else if changes.outdates() || self.settings.target_error != TargetError::Off {
             (Then::Restart, format!("{changes}: solving again"))
         } else {
-            (Then::GoOn, "Continuing with the new number of bounces".to_owned())
+            let what = if changes.bounces { "number of bounces" } else { "projection" };
+            (Then::GoOn, format!("Continuing with the new {what}"))
         };
         let Some(running) = &mut self.running else { return };
         running.then = then;
@@ -64,7 +65,7 @@ impl Session {
         if running.errand == Errand::StandardError {
             return self.finish_standard_error(&ending);
         }
-        if running.errand == Errand::Follow && ending != Ending::Done {
+        if running.follows() && ending != Ending::Done {
             if let Ending::Failed(problem) = ending {
                 self.live = false;
                 self.notices.push(Level::Error, format!("Live relighting failed: {problem}"));
@@ -77,11 +78,13 @@ impl Session {
             document.baker = Arc::clone(&solved.baker);
         }
         if let (Some(solved), Some(computed)) = (running.job.solved(), &mut self.computed) {
-            computed.complete = done;
-            computed.seconds = Some(running.job.seconds());
+            (computed.complete, computed.seconds) = match running.errand {
+                Errand::Read { complete, seconds } => (complete, seconds),
+                _ => (done, Some(running.job.seconds())),
+            };
             computed.solved = Some(solved);
         }
-        if running.errand == Errand::Follow {
+        if running.follows() {
             return self.note_completion();
         }
         match (ending, running.then) {

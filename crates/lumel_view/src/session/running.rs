@@ -16,7 +16,7 @@ pub(super) struct Running {
 }
 
 /// What a job was started for.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 pub(super) enum Errand {
     /// A solve that was asked for.
     Solve,
@@ -24,6 +24,13 @@ pub(super) enum Errand {
     Follow,
     /// The standard error of a finished solve.
     StandardError,
+    /// What a solve has found, read as the settings ask now: shown when it is done.
+    Read {
+        /// Whether the solve had finished.
+        complete: bool,
+        /// How long it took.
+        seconds: Option<f64>,
+    },
 }
 
 /// What to do when a job that was asked to stop has stopped.
@@ -45,6 +52,6 @@ impl Running {
 
     /// Whether it follows the hand: nobody has asked for it.
     pub(super) fn follows(&self) -> bool {
-        self.errand == Errand::Follow
+        matches!(self.errand, Errand::Follow | Errand::Read { .. })
     }
 }

@@ -6,7 +6,8 @@ use crate::document::Document;
 use crate::inputs::Inputs;
 use crate::notice::Level;
 use crate::solver::{Keep, Phase, SolveJob, SolveStart, Task, Work};
-use lumel::{BasisKind, Saved, Scene, Settings, SolveState};
+use lumel::{Saved, Scene, Settings, SolveState};
+use lumel_basis::Sampling;
 use std::sync::Arc;
 
 impl Session {
@@ -102,7 +103,7 @@ impl Session {
         // What lies inside geometry is known already, where points are measured.
         let solved = self.computed.as_ref().and_then(|computed| computed.solved.as_ref());
         let start = match solved {
-            Some(solved) if settings.basis == BasisKind::Vertex => {
+            Some(solved) if settings.projection.sampling() == Sampling::Point => {
                 let SolveState { basis, ref valid, .. } = solved.state;
                 let known = SolveState { basis, valid: valid.clone(), ..SolveState::new() };
                 SolveStart::From(Box::new(known))
@@ -114,6 +115,20 @@ impl Session {
         let keep = if at_rest { self.keeper() } else { None };
         let inputs = self.inputs(&scene, &settings);
         self.run(inputs, task, Work::Solve(start), keep, Errand::Follow);
+    }
+
+    /// Reads the light again when the settings ask for another reading of the same bounces.
+    pub(super) fn follow_reading(&mut self) {
+        let Some(computed) = self.computed.as_ref().filter(|_| self.running.is_none()) else { return };
+        let (Some(solved), Some(settings)) = (&computed.solved, computed.settings()) else { return };
+        let changes = self.changes_since(&computed.inputs);
+        let (Some(document), true) = (&self.document, changes.reading && !changes.outdates()) else { return };
+        let settings = Settings { projection: self.settings.projection, ..settings.clone() };
+        let task = task(document, solved.baker.scene(), &settings);
+        let errand = Errand::Read { complete: computed.complete, seconds: computed.seconds };
+        let inputs = Inputs { settings: Some(settings), ..computed.inputs.clone() };
+        let work = Work::Read(Arc::clone(solved));
+        self.run(inputs, task, work, None, errand);
     }
 
     /// Starts a job; `inputs` is what its light is computed from.

@@ -95,7 +95,7 @@ impl<'a> Publisher<'a> {
         let tail = state.tail.as_ref().map(|tail| Arc::new(self.baker.at_vertices(tail)));
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         let errors = state.errors.as_ref();
-        let standard_error = errors.map(|e| Arc::new(self.baker.at_vertices(&e.standard_error)));
+        let standard_error = errors.map(|e| Arc::new(self.baker.carried_at_vertices(&e.standard_error)));
         self.shared.publish_light(|p| {
             p.light = Illumination { bounces, tail, valid, standard_error, ..Illumination::new() };
             p.stats = stats;
@@ -131,10 +131,11 @@ impl<'a> Publisher<'a> {
             Step::Round(0) => 0,
             Step::Round(_) | Step::Validity | Step::FinalGather | Step::Layer(_) => return,
         };
-        // A guess for looking at, where nothing is measured yet.
+        // A guess for looking at, where nothing is measured yet. It is not read as the nearest function, which would
+        // swing between what is measured and what is not.
         let mut field = (*snapshot.current).clone();
         self.baker.basis().adjacency().extrapolate(&mut field, &snapshot.measured);
-        let current = Some(Arc::new(self.baker.at_vertices(&field)));
+        let current = Some(Arc::new(self.baker.carried_at_vertices(&field)));
         // The bounce may have been finished meanwhile.
         self.shared.change_light(|p| {
             if p.light.bounces.len() == bounce as usize {

@@ -24,6 +24,12 @@ pub(super) fn run(task: &Task, work: Work, control: &Control, shared: &Shared, k
                 Err(_) => Ending::Stopped,
             }
         }
+        Work::Read(solved) => {
+            let baker = Arc::new(solved.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
+            Publisher::new(&baker, control, shared, keep).resumed(&solved.state);
+            conclude(shared, baker, solved.state.clone());
+            Ending::Done
+        }
     }
 }
 
@@ -48,6 +54,16 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
         let _closing = publisher.closing();
         baker.run(&mut state, control, &publisher)
     });
+    conclude(shared, baker, state);
+    match result {
+        Ok(()) => Ending::Done,
+        Err(lumel::SolveError::Cancelled) => Ending::Stopped,
+        Err(error) => Ending::Failed(error.to_string()),
+    }
+}
+
+/// Publishes what there is besides the bounces, and hands over what was computed.
+fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let tail = beyond_bounces(&state).map(|tail| Arc::new(baker.at_vertices(&tail)));
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
     let layers = layers(&baker, &state);
@@ -58,11 +74,6 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
         p.light.layers = layers;
     });
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
-    match result {
-        Ok(()) => Ending::Done,
-        Err(lumel::SolveError::Cancelled) => Ending::Stopped,
-        Err(error) => Ending::Failed(error.to_string()),
-    }
 }
 
 /// The layers of a state, none of them dimmed.

@@ -20,6 +20,8 @@ pub enum Work {
     Solve(SolveStart),
     /// The standard error of a finished solve.
     StandardError(Arc<Solved>),
+    /// The bounces of a solve, read as other settings ask.
+    Read(Arc<Solved>),
 }
 
 /// Where a solve begins.

@@ -4,7 +4,7 @@ use crate::expected::bits;
 use crate::harness::Window;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
-use lumel::{BasisKind, BounceLimit, EmitterSampling, LightSampling, SamplerKind};
+use lumel::{BounceLimit, EmitterSampling, LightSampling, Projection, SamplerKind};
 
 #[test]
 fn samples_and_bounces_are_set_by_sliders() {
@@ -67,7 +67,7 @@ fn seed_basis_and_estimators_are_under_more() {
     window.choose("Light sampling", "Area");
     window.choose("Emissive", "Off");
     let settings = window.session().settings.clone();
-    assert_eq!(settings.basis, BasisKind::VertexArea);
+    assert_eq!(settings.projection, Projection::Area);
     assert_eq!((settings.light_sampling, settings.emitters), (LightSampling::Area, EmitterSampling::Off));
 }
 
