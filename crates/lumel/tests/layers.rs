@@ -318,20 +318,20 @@ fn layers_cost_their_shadow_rays_and_no_hemisphere_ray() {
     // A sky brings light along the stored rays.
     builder.materials[1].emission = Radiance::ZERO;
     let scene = built(builder);
-    for basis in [BasisKind::Vertex, BasisKind::VertexArea] {
+    for projection in [Projection::Point, Projection::Area] {
         // With that many rays, vertices inside geometry are found with the stored ones.
-        let with = Settings { basis, indirect_samples: 128, ..settings() };
+        let with = Settings { projection, indirect_samples: 128, ..settings() };
         let without = Settings { layers: Layers::Off, ..with.clone() };
         let (baker, _, rays) = solved(&scene, &without);
         // On rays that are stored, only those to lights are traced.
         let control = Control::default();
         baker.run(&mut SolveState::new(), &control, &Silent).unwrap();
         let shadow = control.rays();
-        assert!(shadow > 0 && shadow < rays / 2, "{basis:?}");
+        assert!(shadow > 0 && shadow < rays / 2, "{projection:?}");
         let (_, state, rays_with_layers) = solved(&scene, &with);
         assert_eq!(state.layers.len(), 6);
         // Each light's shadow rays once more, in its layer.
-        assert_eq!(rays_with_layers, rays + shadow, "{basis:?}");
+        assert_eq!(rays_with_layers, rays + shadow, "{projection:?}");
     }
 }
 
