@@ -1,6 +1,6 @@
 //! Settings of the solve, and the slots that keep them.
 
-use crate::expected::bits;
+use crate::expected::{bits, reference};
 use crate::harness::Window;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
@@ -53,7 +53,7 @@ fn the_sampler_is_chosen_from_a_list_or_by_f2() {
 }
 
 #[test]
-fn seed_basis_and_estimators_are_under_more() {
+fn seed_projection_and_estimators_are_under_more() {
     let Some(mut window) = Window::solved_room() else { return };
     let before = bits(window.state());
     window.find(Role::DisclosureTriangle, "More").click();
@@ -63,12 +63,34 @@ fn seed_basis_and_estimators_are_under_more() {
     assert_eq!(window.session().settings.seed, 7);
     window.solve();
     assert!(bits(window.state()) != before, "another seed, other noise");
-    window.choose("Basis", "Over areas");
+    window.choose("Projection", "Over areas");
     window.choose("Light sampling", "Area");
     window.choose("Emissive", "Off");
     let settings = window.session().settings.clone();
     assert_eq!(settings.projection, Projection::Area);
     assert_eq!((settings.light_sampling, settings.emitters), (LightSampling::Area, EmitterSampling::Off));
+}
+
+#[test]
+fn means_over_areas_are_read_by_least_squares_without_a_solve() {
+    let Some(mut window) = Window::room() else { return };
+    window.session().settings.projection = Projection::Area;
+    window.solve();
+    let (means, seconds) = (bits(window.state()), window.session().computed().unwrap().seconds);
+    window.find(Role::DisclosureTriangle, "More").click();
+    window.run_steps(10);
+    window.choose("Projection", "Least squares");
+    window.wait_until("the light to be read again", |app| bits(app) != means);
+    window.run_steps(2);
+    assert!(!window.session().is_solving() && window.session().out_of_date().is_none());
+    let computed = window.session().computed().unwrap().clone();
+    assert!(computed.complete && computed.seconds == seconds && !computed.saved);
+    assert_eq!(computed.settings().unwrap().projection, Projection::LeastSquares);
+    assert!(bits(window.state()) == reference(window.state()), "other bits than those of a solve");
+    window.press(Key::Enter);
+    assert!(window.told("Already solved"));
+    window.session().settings.projection = Projection::Area;
+    window.wait_until("the means", |app| bits(app) == means);
 }
 
 /// Changes camera, light and settings.
