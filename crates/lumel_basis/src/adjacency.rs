@@ -18,19 +18,41 @@ pub struct Adjacency {
 
 impl Adjacency {
     /// The graph of `n_nodes` nodes in which all nodes of a cell are neighbours.
-    pub fn from_cells<const N: usize>(n_nodes: usize, cells: impl Iterator<Item = [NodeId; N]>) -> Self {
+    pub fn from_cells<const N: usize>(
+        n_nodes: usize,
+        cells: impl Iterator<Item = [NodeId; N]> + Clone,
+    ) -> Self {
+        let pairs =
+            || cells.clone().flat_map(|cell| cell.into_iter().flat_map(move |a| cell.map(|b| (a, b))));
+        let pairs = || pairs().filter(|(a, b)| a != b);
         // Every node is in its own row, with or without cells.
-        let mut pairs: Vec<[NodeId; 2]> = (0..n_nodes as u32).map(|node| [NodeId(node); 2]).collect();
-        for cell in cells {
-            pairs.extend(cell.into_iter().flat_map(|a| cell.map(|b| [a, b])));
+        let mut lengths = vec![1u32; n_nodes];
+        pairs().for_each(|(node, _)| lengths[node.index()] += 1);
+        let mut rows: Vec<NodeId> = Vec::with_capacity(lengths.iter().sum::<u32>() as usize);
+        let mut next = Vec::with_capacity(n_nodes);
+        for (node, &length) in (0..).map(NodeId).zip(&lengths) {
+            next.push(rows.len() + 1);
+            rows.extend(std::iter::repeat_n(node, length as usize));
         }
-        pairs.sort_unstable();
-        let mut adjacency = Self { ends: vec![0; n_nodes], nodes: Vec::new(), weights: Vec::new() };
-        for same in pairs.chunk_by(|a, b| a == b) {
-            let [node, neighbour] = same[0];
-            adjacency.nodes.push(neighbour);
-            adjacency.weights.push(u16::try_from(same.len()).unwrap_or(u16::MAX));
-            adjacency.ends[node.index()] = adjacency.nodes.len() as u32;
+        for (node, neighbour) in pairs() {
+            let next = &mut next[node.index()];
+            rows[*next] = neighbour;
+            *next += 1;
+        }
+        // Inside a surface, two cells share an edge.
+        let some = rows.len() / 2 + n_nodes;
+        let (nodes, weights) = (Vec::with_capacity(some), Vec::with_capacity(some));
+        let mut adjacency = Self { ends: Vec::with_capacity(n_nodes), nodes, weights };
+        let mut rest = rows.as_mut_slice();
+        for &length in &lengths {
+            let (row, after) = rest.split_at_mut(length as usize);
+            rest = after;
+            row.sort_unstable();
+            for same in row.chunk_by(|a, b| a == b) {
+                adjacency.nodes.push(same[0]);
+                adjacency.weights.push(u16::try_from(same.len()).unwrap_or(u16::MAX));
+            }
+            adjacency.ends.push(adjacency.nodes.len() as u32);
         }
         adjacency
     }
