@@ -109,4 +109,9 @@ impl Receivers for AreaReceivers {
             nodes.push(node, weight * area);
         }
     }
+
+    #[inline]
+    fn corners(&self, element: ElementId) -> Option<([NodeId; 3], f32)> {
+        Some((self.basis.nodes_of(TriId(element.0)), self.areas[element.index()]))
+    }
 }

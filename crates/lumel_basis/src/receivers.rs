@@ -45,6 +45,7 @@ pub enum Sampling {
 ///
 /// - `nodes_of` covers all nodes that a site of the element counts towards, and every node is measured by some element.
 /// - Weights are not negative, and every site has one that is greater than zero.
+/// - `corners`, if there are any, agree with `towards` everywhere.
 /// - Elements that are sampled at a [point](Sampling::Point) have the same site for every `u`.
 /// - `identity` is the same for the same geometry and construction and another one for any other.
 pub trait Receivers: Send + Sync {
@@ -85,6 +86,13 @@ pub trait Receivers: Send + Sync {
     ///
     /// A node's value is the mean of all its measurements by weight, so weights need no common scale.
     fn towards(&self, element: ElementId, u: [f32; 2], nodes: &mut NodeWeights);
+
+    /// The nodes at the corners of an element, and its area, if measurements count towards them by barycentrics and area.
+    ///
+    /// A fast path, as [`Basis::corner_nodes`](crate::Basis::corner_nodes) is: it says the same as `towards`.
+    fn corners(&self, _element: ElementId) -> Option<([NodeId; 3], f32)> {
+        None
+    }
 
     /// A place that stands for all of an element: its own, or about the middle of its area.
     fn central_site(&self, element: ElementId) -> Site {

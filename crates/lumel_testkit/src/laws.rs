@@ -29,7 +29,7 @@ pub enum Law {
     LinearFunctions,
     /// `node_areas` are the integrals of the basis functions and sum to the area of the surfaces.
     NodeAreas,
-    /// `corner_nodes` agree with `weights_at`.
+    /// `corner_nodes` agree with `weights_at`, `corners` with `towards`.
     CornerNodes,
     /// The adjacency is symmetric and has all nodes; the nodes of a triangle are adjacent.
     Adjacency,

@@ -243,6 +243,7 @@ struct Broken {
     nodes: fn(&mut Vec<NodeId>),
     site: fn(&mut Site),
     towards: fn(&mut NodeWeights),
+    corners: fn(&mut ([NodeId; 3], f32)),
     identity: fn(Identity) -> Identity,
     extra_nodes: usize,
 }
@@ -279,13 +280,19 @@ impl Receivers for Broken {
         self.inner.towards(element, u, nodes);
         (self.towards)(nodes);
     }
+
+    fn corners(&self, element: ElementId) -> Option<([NodeId; 3], f32)> {
+        let mut corners = self.inner.corners(element)?;
+        (self.corners)(&mut corners);
+        Some(corners)
+    }
 }
 
 #[test]
 fn each_law_of_receivers_can_fail() {
     let (_, builder) = scenes().into_iter().find(|(kind, _)| *kind == "round").unwrap();
     type Break = fn(&mut Broken);
-    let flaws: [(&str, Break, Option<Law>); 11] = [
+    let flaws: [(&str, Break, Option<Law>); 12] = [
         ("nothing", |_| (), None),
         ("a node is not announced", |b| b.nodes = |nodes| nodes.truncate(2), Some(Law::NodesOf)),
         ("a node does not exist", |b| b.nodes = |nodes| nodes.push(NodeId(1 << 20)), Some(Law::NodesOf)),
@@ -301,6 +308,7 @@ fn each_law_of_receivers_can_fail() {
             Some(Law::Weights),
         ),
         ("sites count towards nothing", |b| b.towards = |to| to.clear(), Some(Law::Weights)),
+        ("a corner is another", |b| b.corners = |(nodes, _)| nodes.swap(0, 1), Some(Law::CornerNodes)),
         ("an origin is nowhere", |b| b.site = |site| site.origin.x = f32::NAN, Some(Law::Sites)),
         ("a normal is long", |b| b.site = |site| site.frame.normal *= 1.01, Some(Law::Sites)),
         ("a frame is left-handed", |b| b.site = |site| site.frame.tangent *= -1.0, Some(Law::Sites)),
@@ -315,6 +323,7 @@ fn each_law_of_receivers_can_fail() {
                 nodes: |_| (),
                 site: |_| (),
                 towards: |_| (),
+                corners: |_| (),
                 identity: |identity| identity,
                 extra_nodes: 0,
             };

@@ -2,6 +2,7 @@
 
 use crate::order::Order;
 use crate::plan::{Plan, SampleRange};
+use glam::Vec4;
 use lumel_basis::{ElementId, Sampling};
 use lumel_sample::{Dim, SamplerKind, StreamKey, numbers_by_cell, uniform_triangle};
 use std::borrow::Cow;
@@ -24,6 +25,8 @@ pub(crate) struct AreaPattern {
     /// Coordinates in the unit square, by the number of the sample.
     places: Vec<[f32; 2]>,
     weights: Vec<f32>,
+    /// The barycentrics of the place in each slot times its weight, before turning.
+    corner_weights: Vec<Vec4>,
     /// The number of the sample in each slot, before turning; slots are in the order of the cells of directions.
     numbers: Vec<u32>,
     /// The inverse of that.
@@ -42,7 +45,12 @@ impl AreaPattern {
         }
         let places: Vec<[f32; 2]> = points.iter().map(|&[.., s, t]| [s, t]).collect();
         let weights = quadrature_weights(&places);
-        Self { places, weights, numbers, slots }
+        let of_corners = |&number: &u32| {
+            let [a, b] = uniform_triangle(places[number as usize]);
+            Vec4::new(a, b, 1.0 - a - b, 0.0) * weights[number as usize]
+        };
+        let corner_weights = numbers.iter().map(of_corners).collect();
+        Self { places, weights, corner_weights, numbers, slots }
     }
 
     pub(crate) fn len(&self) -> u32 {
@@ -59,8 +67,19 @@ impl AreaPattern {
     /// the count is no power of two are slots shifted.
     #[inline]
     pub(crate) fn number(&self, slot: u32, turn: u32) -> u32 {
+        self.numbers[self.turned(slot, turn)]
+    }
+
+    /// What the sample in a slot counts towards each corner of a triangle of unit area.
+    #[inline]
+    pub(crate) fn corner_weights(&self, slot: u32, turn: u32) -> Vec4 {
+        self.corner_weights[self.turned(slot, turn)]
+    }
+
+    #[inline]
+    fn turned(&self, slot: u32, turn: u32) -> usize {
         let n = self.len();
-        self.numbers[if n.is_power_of_two() { slot ^ turn } else { (slot + turn) % n } as usize]
+        (if n.is_power_of_two() { slot ^ turn } else { (slot + turn) % n }) as usize
     }
 
     /// The slot of a sample: the inverse of [`number`](Self::number).

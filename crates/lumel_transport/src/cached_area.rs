@@ -55,7 +55,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                     let at = rows.at(area.first + slot, i);
                     let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
                     let value = || reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);
-                    (end != StoredEnd::INSIDE).then(value).map(|value| value.truncate().as_dvec3())
+                    (end != StoredEnd::INSIDE).then(value)
                 });
             }
         }
@@ -102,12 +102,12 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                         &mut lit,
                     )?;
                     measure::add_samples(inner, lights, i, &mut sums[i], |_, number| {
-                        is_outside(number).then(|| lit[number as usize])
+                        is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
                     });
                 }
                 if inner.lights.needs_hemisphere() {
                     measure::add_samples(inner, &rays, i, &mut by_rays[i], |slot, _| {
-                        end(slot).end().map(|end| reader.read(&end))
+                        end(slot).end().map(|end| reader.read(&end).as_vec3().extend(0.0))
                     });
                 }
             }

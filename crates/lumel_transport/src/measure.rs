@@ -17,7 +17,7 @@ use crate::shadow_rays::Tally;
 use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling, Site};
 use lumel_sample::Dim;
 
@@ -166,27 +166,53 @@ fn part_over_areas<B: Basis, R: Receivers>(
             let end = ends[at(slot, i)];
             if matches!(job.source, Source::Nothing) {
                 let met_back_face = end.is_none_or(|end| end == RayEnd::BackFace);
-                return Some(DVec3::splat(f64::from(u8::from(met_back_face))));
+                return Some(Vec4::splat(f32::from(u8::from(met_back_face))));
             }
             let light = lit.get(number as usize).copied().unwrap_or_default();
-            end.map(|end| reader.read(&end) + light)
+            end.map(|end| (reader.read(&end) + light).as_vec3().extend(0.0))
         });
     }
     Ok(())
 }
 
+/// Samples whose light is summed in single precision before it goes into a sum in double precision.
+const BLOCK: u32 = 16;
+
 /// Adds the samples of element `i` of a chunk to its sums: `value` of slot and number, `None` for those left out.
-#[inline]
+#[inline(always)]
 pub(crate) fn add_samples<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     chunk: &AreaChunk<'_>,
     i: usize,
     sums: &mut ElementSums,
-    mut value: impl FnMut(u32, u32) -> Option<DVec3>,
+    mut value: impl FnMut(u32, u32) -> Option<Vec4>,
 ) {
-    let (element, turn) = (chunk.elements[i], chunk.keys[i].1);
+    let (element, turn, samples) = (chunk.elements[i], chunk.keys[i].1, chunk.pattern.len());
+    if let Some((nodes, area)) = op.receivers.corners(element) {
+        let mut all = [(0.0, DVec3::ZERO); 3];
+        for first in (0..samples).step_by(BLOCK as usize) {
+            let (mut weights, mut values) = (Vec4::ZERO, [Vec4::ZERO; 3]);
+            for slot in first..samples.min(first + BLOCK) {
+                let Some(value) = value(slot, chunk.pattern.number(slot, turn)) else { continue };
+                let of_corners = chunk.pattern.corner_weights(slot, turn);
+                weights += of_corners;
+                values[0] += value * of_corners.x;
+                values[1] += value * of_corners.y;
+                values[2] += value * of_corners.z;
+            }
+            for (k, (weight, sum)) in all.iter_mut().enumerate() {
+                *weight += f64::from(weights[k]);
+                *sum += values[k].truncate().as_dvec3();
+            }
+        }
+        let share = chunk.share * f64::from(area);
+        for (k, (weight, sum)) in all.into_iter().enumerate().filter(|(_, (weight, _))| *weight > 0.0) {
+            sums.add(k, nodes[k], share * weight, sum / weight);
+        }
+        return;
+    }
     let mut towards = NodeWeights::default();
-    for slot in 0..chunk.pattern.len() {
+    for slot in 0..samples {
         let number = chunk.pattern.number(slot, turn);
         let Some(value) = value(slot, number) else { continue };
         let (place, weight) = chunk.pattern.place(number);
@@ -194,7 +220,7 @@ pub(crate) fn add_samples<B: Basis, R: Receivers>(
         op.receivers.towards(element, place, &mut towards);
         let weight = chunk.share * f64::from(weight);
         for (k, (node, towards)) in towards.iter().enumerate() {
-            sums.add(k, node, weight * f64::from(towards), value);
+            sums.add(k, node, weight * f64::from(towards), value.truncate().as_dvec3());
         }
     }
 }

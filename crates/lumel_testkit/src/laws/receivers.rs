@@ -3,6 +3,7 @@
 use super::{Law, Violation, built, check, check_identity};
 use crate::surface_points::unit_4d;
 use lumel_basis::{CENTER, ElementId, NodeId, NodeWeights, Receivers, Sampling, Site};
+use lumel_sample::uniform_triangle;
 use lumel_scene::{Scene, SceneBuilder};
 use std::fmt::Display;
 use std::sync::Arc;
@@ -72,6 +73,15 @@ fn site(
     let sound = towards.iter().all(|(_, weight)| weight.is_finite() && weight >= 0.0);
     let sound = sound && towards.iter().any(|(_, weight)| weight > 0.0);
     check(sound, Law::Weights, || format!("{element:?} at {u:?} counts towards {towards:?}"))?;
+    if let Some((corners, area)) = receivers.corners(element) {
+        let [a, b] = uniform_triangle(u);
+        let expected = corners.into_iter().zip([a, b, 1.0 - a - b].map(|weight| weight * area));
+        let agree = towards.iter().eq(expected.clone());
+        let found = || {
+            format!("{element:?} counts towards {towards:?}, by corners {:?}", expected.collect::<Vec<_>>())
+        };
+        check(agree, Law::CornerNodes, found)?;
+    }
     let frame = site.frame;
     let unit =
         [frame.tangent, frame.bitangent, frame.normal].iter().all(|v| (v.length() - 1.0).abs() < ROUNDING);
