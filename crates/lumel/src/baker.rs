@@ -259,6 +259,7 @@ mod tests {
         let painted =
             |albedo: f32| Arc::new(scene.repainted(&vec![Vec3::splat(albedo); scene.materials().len()]));
         let settings = Settings {
+            projection: Projection::Point,
             bounces: BounceLimit::Count(2),
             direct_samples: 4,
             indirect_samples: 8,

@@ -48,7 +48,7 @@ impl Baker {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Baker, BounceLimit, Control, Settings, Silent, SolveState};
+    use crate::{Baker, BounceLimit, Control, Projection, Settings, Silent, SolveState};
     use glam::Vec3;
     use lumel_scene::{Face, Material, MaterialId, ObjectMesh, Radiance, SceneBuilder, Smoothing};
     use std::sync::Arc;
@@ -81,7 +81,8 @@ mod tests {
         if let Some(max_edge) = max_edge {
             builder.tessellate(max_edge).unwrap();
         }
-        let settings = Settings { bounces: BounceLimit::Count(0), ..Settings::default() };
+        let settings =
+            Settings { projection: Projection::Point, bounces: BounceLimit::Count(0), ..Settings::default() };
         let baker = Baker::new(Arc::new(builder.build().unwrap().0), settings);
         let mut state = SolveState::new();
         baker.run(&mut state, &Control::default(), &Silent).unwrap();

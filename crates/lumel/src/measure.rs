@@ -131,12 +131,13 @@ fn standard_error(n_points: usize, replicates: &[Field]) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BounceLimit, OpenOptions, SamplerKind};
+    use crate::{BounceLimit, OpenOptions, Projection, SamplerKind};
     use lumel_scene::Scene;
     use lumel_solve::Silent;
 
     fn solved(scene: &Arc<Scene>, sampler: SamplerKind, seed: u64) -> (Baker, SolveState) {
         let settings = Settings {
+            projection: Projection::Point,
             bounces: BounceLimit::Count(1),
             direct_samples: 16,
             indirect_samples: 32,

@@ -142,10 +142,11 @@ impl Tracker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BounceLimit, Settings};
+    use crate::{BounceLimit, Projection, Settings};
 
     fn tracker(bounces: BounceLimit) -> Tracker {
-        let settings = Settings { bounces, indirect_samples: 100, ..Settings::default() };
+        let settings =
+            Settings { projection: Projection::Point, bounces, indirect_samples: 100, ..Settings::default() };
         Tracker::of(Workload::of(1000, &settings, crate::Method::Neumann))
     }
 

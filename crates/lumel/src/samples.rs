@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn every_node_has_a_sample_point_near_its_vertex() {
-        let baker = baker(Settings::default());
+        let baker = baker(Settings { projection: Projection::Point, ..Settings::default() });
         let points = baker.sample_points(&[], usize::MAX);
         assert!(points.len() > 10_000 && points.iter().all(|(_, counts)| *counts));
         let near = |p: &glam::Vec3| {

@@ -144,17 +144,20 @@ impl Workload {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::Memory;
+    use crate::settings::{Memory, Projection};
+
+    fn at_vertices() -> Settings {
+        Settings { projection: Projection::Point, ..Settings::default() }
+    }
 
     fn workload(bounces: BounceLimit) -> Workload {
-        let settings = Settings { bounces, indirect_samples: 100, ..Settings::default() };
+        let settings = Settings { bounces, indirect_samples: 100, ..at_vertices() };
         Workload::of(1000, &settings, Method::Neumann)
     }
 
     #[test]
     fn bounces_on_stored_rays_cost_nothing() {
-        let settings =
-            Settings { bounces: BounceLimit::Count(5), indirect_samples: 100, ..Settings::default() };
+        let settings = Settings { bounces: BounceLimit::Count(5), indirect_samples: 100, ..at_vertices() };
         let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
         let cached = Workload::of(1000, &settings, Method::Cached { memory: Memory(1) });
         assert_eq!(cached.seconds_left(Step::Bounce(1), done, &[]), Some(2.0));
@@ -171,7 +174,7 @@ mod tests {
             bounces: BounceLimit::Count(3),
             direct_samples: 25,
             indirect_samples: 100,
-            ..Settings::default()
+            ..at_vertices()
         };
         let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
         let with = |method| Workload { layers: 4, ..Workload::of(1000, &settings, method) };

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests")]
 
 use lumel::{
-    Bake, BakeError, Control, Face, FaceSide, Light, Material, MaterialId, ObjectMesh, RectLight,
-    SceneBuilder, Smoothing, Step, Vec3,
+    Bake, BakeError, Control, Face, FaceSide, Light, Material, MaterialId, ObjectMesh, Projection, RectLight,
+    SceneBuilder, SettingsPatch, Smoothing, Step, Vec3,
 };
 use std::sync::{Arc, Mutex};
 
@@ -121,7 +121,9 @@ fn progress_is_told_for_every_step_from_its_beginning_to_its_end() {
     let told: Arc<Mutex<Vec<(Step, f64)>>> = Arc::default();
     let note = Arc::clone(&told);
     let on_progress = move |step, share| note.lock().unwrap().push((step, share));
-    Bake::new(scene()).bounces(1).on_progress(on_progress).run().unwrap();
+    // At vertices, as a solve over areas has no step of validity.
+    let at_vertices = SettingsPatch { projection: Some(Projection::Point), ..SettingsPatch::default() };
+    Bake::new(scene()).settings(at_vertices).bounces(1).on_progress(on_progress).run().unwrap();
     let told = told.lock().unwrap();
     for step in [Step::Validity, Step::Bounce(0), Step::Bounce(1)] {
         let shares: Vec<f64> = told.iter().filter(|(s, _)| *s == step).map(|(_, share)| *share).collect();

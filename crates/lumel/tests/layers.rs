@@ -410,7 +410,7 @@ fn a_resumed_bake_has_the_layers_of_an_uninterrupted_one() {
 fn dimmed_layers_are_the_light_of_dimmed_lights() {
     let scene = built(with_lights(room(), &lights()));
     let (baker, state, _) = solved(&scene, &settings());
-    let all = baker.at_vertices(&state.total());
+    let all = baker.light_at_vertices(&state);
     let close = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).all(|(a, b)| a.abs_diff_eq(*b, 1e-5));
     assert!(close(&baker.mixed(&state, |_| Vec3::ONE).unwrap(), &all));
     let dimmed = baker.mixed(&state, |name| Vec3::splat(if name == "sun" { 0.5 } else { 1.0 })).unwrap();
@@ -420,7 +420,7 @@ fn dimmed_layers_are_the_light_of_dimmed_lights() {
     }
     let relit = built(with_lights(room(), &dim));
     let (other, state, _) = solved(&relit, &settings());
-    assert!(close(&dimmed, &other.at_vertices(&state.total())));
+    assert!(close(&dimmed, &other.light_at_vertices(&state)));
     assert!(!close(&dimmed, &all));
     assert_eq!(baker.mixed(&SolveState::new(), |_| Vec3::ONE), None);
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
 use glam::{DVec3, Vec3};
-use lumel::{Baker, BounceLimit, Control, Method, Settings, Silent, SolveState};
+use lumel::{Baker, BounceLimit, Control, Method, Projection, Settings, Silent, SolveState};
 use std::sync::Arc;
 
 const SEEDS: u64 = 4;
@@ -19,6 +19,7 @@ fn bakes(baker_of: &dyn Fn(Settings) -> Baker, indirect_samples: u32) -> Vec<Vec
             direct_samples: 64,
             indirect_samples,
             seed: seed + 1000 * u64::from(indirect_samples),
+            projection: Projection::Point,
             ..Settings::default()
         };
         let baker = baker_of(settings);

@@ -18,6 +18,7 @@ fn scene(name: &str) -> Arc<Scene> {
 
 fn settings() -> Settings {
     Settings {
+        projection: Projection::Point,
         bounces: BounceLimit::Count(4),
         direct_samples: 16,
         indirect_samples: 64,
@@ -238,6 +239,7 @@ fn with_little_memory_few_rays_are_stored_and_a_final_gather_smooths_them() {
         indirect_samples,
         seed,
         bounces: BounceLimit::Count(4),
+        projection: Projection::Point,
         direct_samples: 256,
         ..Settings::default()
     };

@@ -29,6 +29,7 @@ fn built(builder: SceneBuilder) -> Arc<Scene> {
 
 fn settings(target: &str, bounces: u32) -> Settings {
     Settings {
+        projection: Projection::Point,
         bounces: BounceLimit::Count(bounces),
         target_error: target.parse().unwrap(),
         direct_samples: 64,

@@ -79,7 +79,6 @@ pub struct Errors {
 
 /// The spread of replicates and what is still to be done.
 pub(crate) struct Spread {
-    pub(crate) mean: Field,
     pub(crate) standard_error: Field,
     /// Nodes above the target.
     pub(crate) above: Vec<bool>,
@@ -127,7 +126,7 @@ impl Spread {
             rounds: 0,
             ended: None,
         };
-        Self { mean, standard_error: Field::from_values(errors), above, accuracy }
+        Self { standard_error: Field::from_values(errors), above, accuracy }
     }
 }
 
@@ -177,7 +176,6 @@ mod tests {
         let spread = spread(&[0.01, 0.02], 1.0);
         for (node, error) in [(0, 0.01), (1, 0.02)] {
             assert!((spread.standard_error.values()[node] - Vec3::splat(error)).length() < 1e-7);
-            assert_eq!(spread.mean.values()[node], Vec3::ONE);
         }
         assert!((spread.accuracy.worst / (0.02 * CONFIDENCE_95) - 1.0).abs() < 1e-12);
     }

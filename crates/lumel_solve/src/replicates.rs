@@ -143,7 +143,7 @@ pub fn solve_to_error(
         state.rounds.push(spread.above);
         observer.step_done(Step::Round(number), state);
         if observer.wants_snapshot() {
-            observer.snapshot(snapshot(spread.mean, number));
+            observer.snapshot(snapshot(solved.total, number));
         }
         if ended.is_some() {
             break;
@@ -177,6 +177,8 @@ struct Replicate {
 struct Solved {
     bounces: Vec<Field>,
     tail: Option<Field>,
+    /// The mean over replicates of all light.
+    total: Field,
     /// Of each replicate, the sum of all bounces and the tail, as users read it.
     totals: Vec<Vec<DVec3>>,
 }
@@ -244,10 +246,11 @@ impl Solve<'_> {
             before.iter().zip(&last).map(of).collect()
         });
         tails.iter().for_each(|tails| add_to(&mut totals, tails));
+        let total = mean_by(totals[0].len(), |i| totals.iter().map(move |total| total[i]));
         if let Some(readout) = readout {
             totals.iter_mut().for_each(|total| read(readout, total));
         }
-        Ok(Solved { bounces, tail: tails.map(|tails| mean(&tails)), totals })
+        Ok(Solved { bounces, tail: tails.map(|tails| mean(&tails)), total, totals })
     }
 
     fn direct(&self, replicate: &Replicate) -> Field {
@@ -285,7 +288,16 @@ fn add_to(totals: &mut [Vec<DVec3>], fields: &[Field]) {
 
 /// The mean over replicates, rounded once.
 fn mean(fields: &[Field]) -> Field {
-    let sum = |node: usize| fields.iter().map(|field| field.values()[node].as_dvec3()).sum::<DVec3>();
     let n_values = fields.first().map_or(0, |field| field.values().len());
-    Field::from_values((0..n_values).map(|i| (sum(i) / fields.len() as f64).as_vec3()).collect())
+    mean_by(n_values, |i| fields.iter().map(move |field| field.values()[i].as_dvec3()))
+}
+
+/// The mean over replicates of `values(i)`, which has one of each.
+fn mean_by<I: ExactSizeIterator<Item = DVec3>>(n_values: usize, values: impl Fn(usize) -> I) -> Field {
+    let mean = |i: usize| {
+        let values = values(i);
+        let n = values.len() as f64;
+        (values.sum::<DVec3>() / n).as_vec3()
+    };
+    Field::from_values((0..n_values).map(mean).collect())
 }
