@@ -63,7 +63,10 @@ fn a_solve_that_was_closed_is_restored_and_ends_with_the_same_bits() {
 
 #[test]
 fn a_solution_that_an_earlier_version_kept_is_resumed() {
-    let Some(mut window) = Window::solved_room() else { return };
+    // What is read by least squares would be known again to rounding only.
+    let Some(mut window) = Window::room() else { return };
+    window.session().settings.projection = lumel::Projection::Point;
+    window.solve();
     let (before, solution) = (bits(window.state()), window.session().solution().unwrap());
     window.session().settings.bounces = BounceLimit::Count(4);
     window.state_mut().on_exit();

@@ -30,7 +30,10 @@ fn a_solution_is_saved_and_loaded_with_all_its_bounces() {
 
 #[test]
 fn a_loaded_solution_is_gone_on_with() {
-    let Some(mut window) = Window::solved_room() else { return };
+    // What is read by least squares would be known again to rounding only.
+    let Some(mut window) = Window::room() else { return };
+    window.session().settings.projection = lumel::Projection::Point;
+    window.solve();
     let file = window.file("room.npz");
     window.press(Key::K);
     window.answer(&file);
