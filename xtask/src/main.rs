@@ -32,6 +32,7 @@ usage: cargo x COMMAND [ARGUMENTS]
   bench [ARGUMENTS]  measure ray tracing and solving: `rays` and `bake`; arguments go to them, as does --help
   bench rays         measure ray tracing against Embree 4, which it fetches from PyPI
   bench bake         measure solves
+  bench surfaces     measure the projections: power and error of light over all surfaces
   bench instructions count instructions of the ray tracer's kernels (needs valgrind)
   bench peers        measure Mitsuba, Blender Cycles and Radiance beside lumel; fetches them from PyPI
   bench frame        measure what a picture costs on this machine's graphics device

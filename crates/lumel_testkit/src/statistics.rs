@@ -77,6 +77,28 @@ impl Estimate {
     }
 }
 
+/// A ratio of means over independent pairs.
+#[derive(Clone, Copy, Debug)]
+pub struct Ratio {
+    /// The ratio.
+    pub value: f64,
+    /// Its standard error, to first order in the deviations of the means.
+    ///
+    /// What both parts of the pairs share, such as the noise of where they are measured, cancels.
+    pub error: f64,
+}
+
+impl Ratio {
+    /// The mean of `above` over the mean of `below`, of at least two pairs.
+    pub fn new(above: &[f64], below: &[f64]) -> Self {
+        let n = above.len() as f64;
+        let sum = below.iter().sum::<f64>();
+        let value = above.iter().sum::<f64>() / sum;
+        let residuals = above.iter().zip(below).map(|(a, b)| (a - value * b).powi(2));
+        Self { value, error: (residuals.sum::<f64>() * n / (n - 1.0)).sqrt() / sum }
+    }
+}
+
 /// Fails unless every node of the mean of `fields` is what it should be, up to noise and a relative `bound`.
 ///
 /// Nodes without an expected value (NaN) are left out.

@@ -1,6 +1,6 @@
 //! The error of light over all surfaces, not only where it is stored.
 
-use crate::statistics::Estimate;
+use crate::statistics::{Estimate, Ratio};
 use crate::surface_points::random_surface_points;
 use glam::DVec3;
 use lumel_basis::{Basis, Field, FieldLighting, Lighting, PointReceivers};
@@ -40,6 +40,8 @@ pub struct SurfaceError {
     ///
     /// The noise of the reference is in it.
     pub percentile_95: f64,
+    /// The same for 99 % of the points.
+    pub percentile_99: f64,
     /// Number of points.
     pub n_points: usize,
 }
@@ -130,6 +132,7 @@ impl<'a> Reference<'a> {
         distances.sort_by(f64::total_cmp);
         let n = distances.len();
         let power = powers.iter().sum::<f64>() / n as f64;
+        let percentile = |percent: usize| distances[(n * percent / 100).min(n - 1)] / power.sqrt();
         SurfaceError {
             rms,
             // Of a square root: half the relative error. Where nothing but noise is left, the root of its bound.
@@ -140,25 +143,9 @@ impl<'a> Reference<'a> {
             },
             bias: mean.value - 1.0,
             bias_error: mean.error,
-            percentile_95: distances[(n * 95 / 100).min(n - 1)] / power.sqrt(),
+            percentile_95: percentile(95),
+            percentile_99: percentile(99),
             n_points: n,
         }
-    }
-}
-
-/// A ratio of means over independent points.
-struct Ratio {
-    value: f64,
-    /// Its standard error, to first order in the deviations of the means.
-    error: f64,
-}
-
-impl Ratio {
-    fn new(above: &[f64], below: &[f64]) -> Self {
-        let n = above.len() as f64;
-        let sum = below.iter().sum::<f64>();
-        let value = above.iter().sum::<f64>() / sum;
-        let residuals = above.iter().zip(below).map(|(a, b)| (a - value * b).powi(2));
-        Self { value, error: (residuals.sum::<f64>() * n / (n - 1.0)).sqrt() / sum }
     }
 }
