@@ -1,13 +1,18 @@
 """Equal-error times of lumel, Mitsuba 3, Blender Cycles and Radiance: `cargo x bench peers`.
 
-usage: cargo x bench peers [--scene NAME]... [--only PEER]... [--fresh] [--json FILE]
+usage: cargo x bench peers [--scene NAME]... [--places PLACES]... [--only PEER]... [--fresh] [--json FILE]
 
-All compute the irradiance of the same receivers with four reflections after the direct light, on one thread. Each
-climbs a ladder of settings until its error is below the target; the processor time at the target is read off between
-two rungs. Results of peers are kept in target/peers/results and measured again only with --fresh or when the scene or
-the way to measure changes; lumel is measured every time.
+All compute the irradiance of the same receivers with four reflections after the direct light, on one thread. At nodes,
+receivers are the vertices of lumel's mesh, and lumel measures at just these points. Over surfaces, they are random
+points; lumel solves on its mesh and reads what lies between its vertices. The other renderers need no mesh: they
+measure at the points, and the time they take for one is multiplied by the number of lumel's vertices. Each climbs a
+ladder of settings until its error is below the target; the processor time at the target is read off between two rungs.
+Results of peers are kept in target/peers/results and measured again only with --fresh or when the scene or the way to
+measure changes; lumel is measured every time.
 
   --scene NAME   only cornell-box or sponza
+  --places PLACES
+                 only nodes or surfaces
   --only PEER    measure only lumel, mitsuba, cycles, radiance-cached or radiance; others are read from earlier runs
   --fresh        measure everything anew
   --json FILE    write the results as JSON too
@@ -27,6 +32,12 @@ from environment import HOME, PYTHON, last_line
 
 # Error, and the share of the worst receivers that are left out.
 TARGETS = {"cornell-box": (0.02, 0.0), "sponza": (0.05, 0.02)}
+
+# Who is measured where. Radiance's cache is for the vertices of a mesh, and without it the others are faster.
+PEERS = {
+    "nodes": ["lumel", "mitsuba", "cycles", "radiance-cached", "radiance"],
+    "surfaces": ["lumel", "mitsuba", "cycles"],
+}
 
 # Settings, from the cheapest on.
 LADDERS = {
@@ -60,14 +71,18 @@ def main():
     if Path(sys.prefix).resolve() != (HOME / "venv").resolve():
         # From here on with numpy.
         os.execv(PYTHON, [str(PYTHON), __file__, *sys.argv[1:]])
-    results = {scene: measure(scene, options, missing) for scene in options.scene or TARGETS}
+    results = {
+        places: {scene: measure((scene, places), options, missing) for scene in options.scene or TARGETS}
+        for places in options.places or PEERS
+    }
     if options.json:
-        Path(options.json).write_text(json.dumps({"machine": machine(), "scenes": results}, indent=2) + "\n")
+        Path(options.json).write_text(json.dumps({"machine": machine(), "places": results}, indent=2) + "\n")
 
 
 def arguments():
     parser = argparse.ArgumentParser(usage=__doc__, add_help=True)
     parser.add_argument("--scene", action="append", choices=list(TARGETS))
+    parser.add_argument("--places", action="append", choices=list(PEERS))
     parser.add_argument("--only", action="append", choices=list(LADDERS))
     parser.add_argument("--fresh", action="store_true")
     parser.add_argument("--json")
@@ -80,28 +95,43 @@ def machine():
     return {"processor": names[0].split(":")[1].strip() if names else "unknown", "cores": os.cpu_count()}
 
 
-def measure(scene, options, missing):
+def folder_of(case):
+    scene, places = case
+    return HOME / places / scene
+
+
+def results_of(case):
+    scene, places = case
+    return HOME / "results" / places / scene
+
+
+def measure(case, options, missing):
+    """What all peers need for a case: a scene, and the places where they are compared."""
     from world import World
 
-    folder = HOME / scene
-    lumel("export", scene, folder)
+    folder, (scene, places) = folder_of(case), case
+    lumel("export", *case, folder)
     world = World(folder)
-    key = digest(folder / "scene.json", folder / "sample.u32", folder / "positions.f32")
+    key = digest(*(folder / file for file in ("scene.json", "sample.u32", "positions.f32", "receivers.f32")))
     target, left_out = TARGETS[scene]
     description = world.description
     print(
-        f"\n{scene}: {description['valid']} of {description['vertices']} vertices can be measured, "
-        f"{description['sample']} are compared; {world.bounces} bounces\n"
+        f"\n{scene}: {description['valid']} vertices can be measured; {description['sample']} {places_text(places)} are "
+        f"compared; {world.bounces} bounces\n"
         f"target: an RMS error of {target:.0%}" + (f", the worst {left_out:.0%} left out" if left_out else ""),
         flush=True,
     )
-    check = make_reference(scene, world, key, options, missing)
+    check = make_reference(case, world, key, options, missing)
     peers = {}
-    for peer in LADDERS:
-        climbed = climb(peer, scene, key, options, missing)
+    for peer in PEERS[places]:
+        climbed = climb(peer, case, key, options, missing)
         peers[peer] = {**climbed, **at_target(climbed.get("rungs", []), target)}
     show(peers)
     return {"vertices": description["valid"], "target": target, "left_out": left_out, "check": check, "peers": peers}
+
+
+def places_text(places):
+    return {"nodes": "of them", "surfaces": "random points"}[places]
 
 
 def lumel(*words):
@@ -116,9 +146,9 @@ def lumel(*words):
     return json.loads(line) if line.startswith("{") else None
 
 
-def climb(peer, scene, key, options, missing):
+def climb(peer, case, key, options, missing):
     """The rungs of a ladder up to the first whose error is below the target."""
-    file = HOME / "results" / scene / f"{peer}.json"
+    file = results_of(case) / f"{peer}.json"
     script = Path(__file__).with_name(f"peer_{peer.split('-')[0]}.py")
     key = [key, digest(script) if script.exists() else None, LADDERS[peer]]
     key = json.loads(json.dumps(key))
@@ -132,11 +162,11 @@ def climb(peer, scene, key, options, missing):
         return {"failed": "not measured"}
     if reason := missing.get(peer.split("-")[0]):
         return {"failed": reason}
-    target, left_out = TARGETS[scene]
+    target, _ = TARGETS[case[0]]
     rungs = []
     for setting in LADDERS[peer]:
         try:
-            rung = measure_lumel(scene, setting) if peer == "lumel" else measure_peer(script, scene, setting)
+            rung = measure_lumel(case, setting) if peer == "lumel" else measure_peer(script, case, setting)
         except (RuntimeError, subprocess.TimeoutExpired) as problem:
             if not rungs:
                 return {"failed": str(problem)}
@@ -152,26 +182,26 @@ def climb(peer, scene, key, options, missing):
     return result
 
 
-def measure_lumel(scene, setting):
+def measure_lumel(case, setting):
     import numpy as np
     from world import World, error
 
-    folder = HOME / scene
+    folder, (scene, _) = folder_of(case), case
     world = World(folder)
     runs, squares = [], []
     for seed in range(SEEDS):
-        runs.append(lumel("solve", scene, folder, *setting, seed))
+        runs.append(lumel("solve", *case, folder, *setting, seed))
         answer = np.fromfile(folder / "lumel.f32", "<f4").reshape(-1, 3)[world.sample]
         squares.append(error(answer, world.reference()[0], TARGETS[scene][1]) ** 2)
     seconds = sorted(run["cpu_seconds"] for run in runs)
     return {"cpu_seconds": seconds[SEEDS // 2], "cpu_lowest": seconds[0], "error": float(np.sqrt(np.mean(squares)))}
 
 
-def measure_peer(script, scene, setting):
+def measure_peer(script, case, setting):
     import numpy as np
     from world import World, error
 
-    world = World(HOME / scene)
+    world = World(folder_of(case))
     start = time.monotonic()
     printed = run_peer(script, world.folder, setting, "answer.npz")
     if time.monotonic() - start < SHORT:
@@ -180,7 +210,7 @@ def measure_peer(script, scene, setting):
         printed = min([printed, *again], key=lambda run: run["cpu_seconds"])
     irradiance, reference = np.load(world.folder / "answer.npz")["irradiance"], world.reference()[0]
     measured = np.isfinite(irradiance[:, 0])
-    return {**printed, "error": error(irradiance[measured], reference[measured], TARGETS[scene][1])}
+    return {**printed, "error": error(irradiance[measured], reference[measured], TARGETS[case[0]][1])}
 
 
 def run_peer(script, folder, setting, answer):
@@ -229,19 +259,19 @@ def show(peers):
         print(f"  {peer:<16}{seconds:>14.2f}{ratio:>12}   {result['how']}")
 
 
-def make_reference(scene, world, key, options, missing):
+def make_reference(case, world, key, options, missing):
     """Mitsuba's answer with many rays, which lumel's approach as the mesh gets finer; without it, lumel's long solve."""
     import numpy as np
     from world import error, rms
 
-    file = HOME / "results" / scene / "reference.json"
+    file = results_of(case) / "reference.json"
     script = Path(__file__).with_name("peer_mitsuba.py")
     reason = missing.get("mitsuba")
     key = [key, digest(script), REFERENCE, reason]
     result = stored(file)
     if options.fresh or not result or result["key"] != key or not (world.folder / "reference.npz").exists():
         print("  making the reference", flush=True)
-        lumel("long", scene, world.folder)
+        lumel("long", *case, world.folder)
         irradiance, standard_error = world.long_solve()
         np.savez(world.folder / "reference.npz", irradiance=irradiance, standard_error=standard_error)
         result = {"key": key, "from": f"lumel only: {reason}"}

@@ -21,7 +21,8 @@ class World:
         self.materials = self._read("materials.u32")
         receivers = self._read("receivers.f32", 6)
         self.all_origins, self.all_normals = receivers[:, :3], receivers[:, 3:]
-        # Receivers that are compared, in random order, and all that can be measured.
+        # Receivers that are compared, in random order, and all vertices that can be measured, for which times are. At
+        # nodes, these are receivers too.
         self.sample = self._read("sample.u32")
         self.valid = self._read("valid.u32")
         self.origins, self.normals = self.all_origins[self.sample], self.all_normals[self.sample]
@@ -37,7 +38,7 @@ class World:
         return self.positions[used], triangles.reshape(-1, 3).astype(np.uint32)
 
     def share_compared(self):
-        """Receivers that are compared over all that can be measured."""
+        """Receivers that are compared over the vertices that can be measured."""
         return len(self.sample) / len(self.valid)
 
     def reference(self):

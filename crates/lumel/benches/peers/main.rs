@@ -6,29 +6,31 @@
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
 
+mod places;
 mod scenes;
 
 use cpu_time::ProcessTime;
 use glam::Vec3;
-use lumel::{
-    Baker, BounceLimit, Bvh, Control, RayTracer, RectLight, Scene, Settings, Silent, SolveState,
-    measure_points,
-};
+use lumel::{Baker, Bvh, Control, RayTracer, RectLight, Scene, Settings, Silent, SolveState, measure_points};
 use lumel_accel::Ray;
-use lumel_basis::{ElementId, PointReceivers, Receivers, VertexBasis};
+use lumel_basis::{ElementId, PointReceivers, Receivers};
 use lumel_sample::{Dim, Sampler, StreamKey};
 use lumel_scene::{Light, TriId};
+use places::Places;
+use scenes::Detail;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const HELP: &str = "\
-usage: peers export SCENE FOLDER       write the scene, its receivers and which of them are compared
-       peers long SCENE FOLDER         write the irradiance of those that are compared, from a long solve on a finer
-                                       mesh, and its standard error
-       peers solve SCENE FOLDER DIRECT INDIRECT SEED
-                                       write lumel's irradiance of all receivers and print the time it took
-Scenes: cornell-box, sponza. Arrays are of little-endian numbers of four bytes without a header.
+usage: peers export SCENE PLACES FOLDER
+           write the scene, its receivers and which of them are compared
+       peers long SCENE PLACES FOLDER
+           write the irradiance of those that are compared, from a long solve on a finer mesh, and its standard error
+       peers solve SCENE PLACES FOLDER DIRECT INDIRECT SEED
+           write lumel's irradiance of all receivers and print the time it took
+Scenes: cornell-box, sponza. Places: nodes (all nodes are receivers, some are compared) or surfaces (random points of
+the surfaces, all of which are compared). Arrays are of little-endian numbers of four bytes without a header.
 ";
 
 /// Reflections after the direct light.
@@ -43,37 +45,34 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
-        ["export", scene, folder] => export(scene, Path::new(folder)),
-        ["long", scene, folder] => long(scene, Path::new(folder)),
-        ["solve", scene, folder, direct, indirect, seed] => {
+        ["export", scene, places, folder] => export(scene, Places::named(places), Path::new(folder)),
+        ["long", scene, places, folder] => long(scene, Places::named(places), Path::new(folder)),
+        ["solve", scene, places, folder, direct, indirect, seed] => {
+            let places = Places::named(places);
             let settings = Settings {
                 direct_samples: direct.parse().unwrap(),
                 indirect_samples: indirect.parse().unwrap(),
                 seed: seed.parse().unwrap(),
-                ..settings()
+                ..places.settings()
             };
-            solve(scene, Path::new(folder), settings);
+            solve(scene, places, Path::new(folder), settings);
         }
         _ => println!("{HELP}"),
     }
 }
 
-fn settings() -> Settings {
-    Settings { bounces: BounceLimit::Count(BOUNCES), ..Settings::default() }
-}
-
-/// Origin and normal of all nodes of the vertex basis.
-fn receivers(scene: &Arc<Scene>) -> Vec<[Vec3; 2]> {
-    let receivers = PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene)));
-    let site = |e| receivers.central_site(ElementId(e));
-    (0..receivers.element_count() as u32).map(site).map(|site| [site.origin, site.frame.normal]).collect()
-}
-
-fn export(name: &str, folder: &Path) {
-    let scene = Arc::new(scenes::open(name, scenes::Detail::Usual));
-    let receivers = receivers(&scene);
-    let (valid, _, _) = bake(&scene, Settings { direct_samples: 1, indirect_samples: 64, ..settings() });
+fn export(name: &str, places: Places, folder: &Path) {
+    let scene = Arc::new(scenes::open(name, places, Detail::Usual));
     let [Light::Rect(light)] = scene.lights() else { panic!("{name} has other lights than one rectangle") };
+    let gap = CLOSE * scene.bounds().diagonal();
+    let receivers = sites(&places.receivers(&scene));
+    let valid = valid_nodes(&scene);
+    let to_compare = match places {
+        Places::Nodes => valid.clone(),
+        Places::Surfaces => (0..receivers.len() as u32).collect(),
+    };
+    let seen = |i: &u32| !is_behind(light, receivers[*i as usize][0], gap);
+    let sample = sample(to_compare.into_iter().filter(seen).collect());
     let triangles = &scene.triangles()[..scene.traced_count()];
     let materials = (0..triangles.len() as u32).map(|tri| scene.material_id(TriId(tri)).0);
     let albedos: Vec<[f32; 3]> =
@@ -84,14 +83,10 @@ fn export(name: &str, folder: &Path) {
     write(folder, "materials.u32", materials.map(u32::to_le_bytes));
     let numbers = receivers.iter().flatten().flat_map(|v| v.to_array());
     write(folder, "receivers.f32", numbers.map(f32::to_le_bytes));
-    let valid: Vec<u32> = (0..valid.len() as u32).filter(|i| valid[*i as usize]).collect();
     write(folder, "valid.u32", valid.iter().map(|i| i.to_le_bytes()));
-    let gap = CLOSE * scene.bounds().diagonal();
-    let seen = |i: &u32| !is_behind(light, receivers[*i as usize][0], gap);
-    let sample = sample(valid.iter().copied().filter(seen).collect());
     write(folder, "sample.u32", sample.iter().map(|i| i.to_le_bytes()));
     let description = json!({
-        "scene": name, "vertices": receivers.len(), "triangles": triangles.len(), "bounces": BOUNCES,
+        "scene": name, "vertices": scene.vertex_count(), "triangles": triangles.len(), "bounces": BOUNCES,
         "valid": valid.len(), "sample": sample.len(), "albedos": albedos,
         "light": {
             "center": light.center, "u": light.u, "v": light.v, "radiance": light.radiance.0,
@@ -127,20 +122,39 @@ fn sample(mut from: Vec<u32>) -> Vec<u32> {
     (0..count).map(choose).collect()
 }
 
+/// Nodes of the vertex basis that can be measured at their points.
+fn valid_nodes(scene: &Arc<Scene>) -> Vec<u32> {
+    let settings = Settings { direct_samples: 1, indirect_samples: 64, ..Places::Nodes.settings() };
+    let baker = Baker::new(Arc::clone(scene), settings);
+    let valid = solved(&baker).valid;
+    (0..valid.len() as u32).filter(|i| valid[*i as usize]).collect()
+}
+
+/// Origins and normals.
+fn sites(receivers: &PointReceivers) -> Vec<[Vec3; 2]> {
+    let site = |e| receivers.central_site(ElementId(e));
+    (0..receivers.element_count() as u32).map(site).map(|site| [site.origin, site.frame.normal]).collect()
+}
+
+fn solved(baker: &Baker) -> SolveState {
+    let mut state = SolveState::new();
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    state
+}
+
 /// All light at the receivers that are compared, gathered with many rays from a long solve on a finer mesh.
-fn long(name: &str, folder: &Path) {
-    let scene = Arc::new(scenes::open(name, scenes::Detail::Usual));
-    let all = receivers(&scene);
+fn long(name: &str, places: Places, folder: &Path) {
+    let scene = Arc::new(scenes::open(name, places, Detail::Usual));
+    let all = sites(&places.receivers(&scene));
     let sample = std::fs::read(folder.join("sample.u32")).unwrap();
     let sample = sample.chunks(4).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap()));
     let points = PointReceivers::new(sample.map(|i| all[i as usize].into())).unwrap();
-    let fine = Arc::new(scenes::open(name, scenes::Detail::Fine));
+    let fine = Arc::new(scenes::open(name, places, Detail::Fine));
     println!("long solve on {} vertices", fine.vertex_count());
-    let solved = Settings { direct_samples: 256, indirect_samples: 256, ..settings() };
-    let baker = Baker::new(Arc::clone(&fine), solved.clone());
-    let mut state = SolveState::new();
-    baker.run(&mut state, &Control::default(), &Silent).unwrap();
-    let many = Settings { direct_samples: 1 << 14, indirect_samples: 1 << 14, ..solved };
+    let long = Settings { direct_samples: 256, indirect_samples: 256, ..places.settings() };
+    let baker = Baker::new(Arc::clone(&fine), long.clone());
+    let state = solved(&baker);
+    let many = Settings { direct_samples: 1 << 14, indirect_samples: 1 << 14, ..long };
     let baker = Baker::with_tracer(fine, Arc::clone(baker.tracer()), many);
     let measured = measure_points(&baker, &state, &points, &Control::default()).unwrap();
     let flat = |values: &[Vec3]| values.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
@@ -148,34 +162,27 @@ fn long(name: &str, folder: &Path) {
     write(folder, "long_error.f32", flat(&measured.standard_error).into_iter().map(f32::to_le_bytes));
 }
 
-fn solve(name: &str, folder: &Path, settings: Settings) {
-    let scene = Arc::new(scenes::open(name, scenes::Detail::Usual));
+/// Writes the light at all receivers; prints processor time of all threads for the tree, and for the solve.
+fn solve(name: &str, places: Places, folder: &Path, settings: Settings) {
+    let scene = Arc::new(scenes::open(name, places, Detail::Usual));
     let (direct, indirect) = (settings.direct_samples, settings.indirect_samples);
-    let (valid, irradiance, [tree_seconds, seconds]) = bake(&scene, settings);
-    let numbers = irradiance.iter().flat_map(|v| v.to_array());
+    let start = ProcessTime::now();
+    let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(&scene));
+    let tree_seconds = start.elapsed().as_secs_f64();
+    let start = ProcessTime::now();
+    let baker = Baker::with_tracer(Arc::clone(&scene), tracer, settings);
+    let values = places.values(&baker, &solved(&baker));
+    let seconds = start.elapsed().as_secs_f64();
+    let vertices = values.len();
+    let numbers = places.read(&scene, values).into_iter().flat_map(|v| v.to_array());
     write(folder, "lumel.f32", numbers.map(f32::to_le_bytes));
     println!(
         "{}",
         json!({
             "direct_samples": direct, "indirect_samples": indirect, "cpu_seconds": seconds,
-            "tree_cpu_seconds": tree_seconds, "vertices": valid.len(),
+            "tree_cpu_seconds": tree_seconds, "vertices": vertices,
         })
     );
-}
-
-/// Which receivers could be measured, their irradiance, and processor time of all threads: for the tree, and for the
-/// solve.
-fn bake(scene: &Arc<Scene>, settings: Settings) -> (Vec<bool>, Vec<Vec3>, [f64; 2]) {
-    let start = ProcessTime::now();
-    let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(scene));
-    let tree = start.elapsed().as_secs_f64();
-    let start = ProcessTime::now();
-    let baker = Baker::with_tracer(Arc::clone(scene), tracer, settings);
-    let mut state = SolveState::new();
-    baker.run(&mut state, &Control::default(), &Silent).unwrap();
-    let irradiance = state.total().values().to_vec();
-    let seconds = start.elapsed().as_secs_f64();
-    (state.valid, irradiance, [tree, seconds])
 }
 
 fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = [u8; 4]>) {

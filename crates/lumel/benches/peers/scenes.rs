@@ -1,5 +1,6 @@
 //! The scenes that renderers are compared in.
 
+use crate::places::Places;
 use glam::Vec3;
 use lumel::{Light, OpenOptions, Scene};
 use lumel_scene::Sides;
@@ -19,14 +20,20 @@ pub(crate) enum Detail {
 /// The Cornell box, or Marko Dabrovic's Sponza with the light of Aalto University's course.
 ///
 /// Every material has one albedo, the mean of its texture, so that all renderers see the same; and a front only.
-pub(crate) fn open(name: &str, detail: Detail) -> Scene {
+pub(crate) fn open(name: &str, places: Places, detail: Detail) -> Scene {
     let fine = matches!(detail, Detail::Fine);
     let (file, options) = match name {
         "cornell-box" => {
             (name.into(), OpenOptions { subdivide: fine.then_some(1), ..OpenOptions::default() })
         }
         "sponza" => {
-            let max_edge = Some(if fine { 0.25 } else { 3.0 });
+            let max_edge = Some(match (places, detail) {
+                (Places::Nodes, Detail::Usual) => 3.0,
+                (Places::Nodes, Detail::Fine) => 0.25,
+                // What lies between vertices counts.
+                (Places::Surfaces, Detail::Usual) => 1.0,
+                (Places::Surfaces, Detail::Fine) => 0.5,
+            });
             (sponza::file().unwrap(), OpenOptions { max_edge, ..OpenOptions::default() })
         }
         _ => panic!("there is no scene {name} to compare renderers in"),
