@@ -8,7 +8,7 @@ use lumel::{
     Baker, BounceLimit, Bvh, Control, Light, Observer, RayTracer, Scene, Settings, Silent, SolveState, Step,
 };
 use lumel_accel::{Bundle, SHADOW_END};
-use lumel_basis::{ElementId, Field, PointReceivers, Receivers, Site, VertexBasis};
+use lumel_basis::{ElementId, Field, PointReceivers, Receivers, Site, VertexBasis, VertexLighting};
 use lumel_sample::{CellOrder, Dim, SamplerKind, StreamKey, cosine_hemisphere};
 use lumel_testkit::Reference;
 use lumel_transport::{CpuTransport, Plan};
@@ -257,8 +257,8 @@ fn solve_row(
         baked(scene, tracer, settings)
     };
     let (first, second) = (bake(1), bake(2));
-    let over_surfaces = reference.error_of_field(&**first.baker.basis(), &first.state.total());
     let [a, b] = [&first, &second].map(|baked| baked.baker.solution(&baked.state));
+    let over_surfaces = reference.error_of(&VertexLighting::new(scene, &a.irradiance).unwrap());
     let (seconds, rays) = (0.5 * (first.seconds + second.seconds), first.rays);
     let squared = |values: &mut dyn Iterator<Item = DVec3>| values.map(|v| v.length_squared()).sum::<f64>();
     let valid = || a.valid.iter().zip(&b.valid).map(|(a, b)| *a && *b);

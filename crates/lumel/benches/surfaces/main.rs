@@ -9,7 +9,7 @@ mod rows;
 mod scenes;
 mod solves;
 
-use lumel::{BounceLimit, Projection, Settings};
+use lumel::{BounceLimit, Preset, Projection, Settings};
 use lumel_basis::Field;
 use lumel_testkit::Reference;
 use lumel_transport::Plan;
@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 use solves::{Solved, Way};
 
 const HELP: &str = "\
-usage: cargo x bench surfaces [--quick] [--rounds N] [--json FILE] [SCENE]...
+usage: cargo x bench surfaces [--quick] [--draft] [--rounds N] [--json FILE] [SCENE]...
 
 Solves each scene with each projection at equal samples, four bounces, and compares the light over all surfaces.
 
@@ -37,14 +37,15 @@ Solves each scene with each projection at equal samples, four bounces, and compa
 Scenes: coarse-box, cornell-box, atrium, sponza-2m, sponza-0.5m, bathroom; those that are not built in are read from
 LUMEL_TEST_SHARED.
 
-  --quick       a tenth of the paths and reference samples, one run, a quarter of the samples
+  --quick       few paths, points and samples, one run
+  --draft       samples of the preset draft instead of medium
   --rounds N    runs of each projection, 3 unless given
   --json FILE   write the results as JSON too
 ";
 
 /// How much is measured.
 struct Effort {
-    settings: Settings,
+    preset: Preset,
     /// Runs of each projection.
     rounds: usize,
     paths: u32,
@@ -53,124 +54,133 @@ struct Effort {
     samples: u32,
 }
 
+const FULL: Effort =
+    Effort { preset: Preset::Medium, rounds: 3, paths: 1 << 20, points: 20_000, samples: 256 };
+const QUICK: Effort = Effort { preset: Preset::Draft, rounds: 1, paths: 1 << 17, points: 2000, samples: 128 };
+
+/// What is measured in each scene.
+struct Bench {
+    settings: Settings,
+    effort: Effort,
+}
+
 /// Independent measurements of the reference.
 const PASSES: u32 = 4;
 
 fn main() {
     // Cargo adds --bench.
     let mut arguments = std::env::args().skip(1).filter(|a| a != "--bench");
-    let (mut quick, mut rounds, mut json_file, mut names) = (false, None, None, Vec::new());
+    let (mut quick, mut preset, mut rounds, mut json_file) = (false, None, None, None);
+    let mut names = Vec::new();
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
+            "--draft" => preset = Some(Preset::Draft),
             "--rounds" => {
-                rounds =
-                    Some(arguments.next().and_then(|n| n.parse().ok()).expect("--rounds needs a number"));
+                let number = arguments.next().and_then(|n| n.parse().ok()).filter(|n| *n > 0);
+                rounds = Some(number.expect("--rounds needs a number"));
             }
             "--json" => json_file = Some(arguments.next().expect("--json needs a file")),
             name if CASES.iter().any(|case| case.name == name) => names.push(argument),
             _ => return println!("{HELP}"),
         }
     }
-    let mut effort = if quick { quick_effort() } else { full_effort() };
-    effort.rounds = rounds.unwrap_or(effort.rounds).max(1);
+    let effort = if quick { QUICK } else { FULL };
+    let preset = preset.unwrap_or(effort.preset);
+    let bench = Bench {
+        settings: Settings { bounces: BounceLimit::Count(BOUNCES as u32), ..preset.settings() },
+        effort: Effort { rounds: rounds.unwrap_or(effort.rounds), ..effort },
+    };
     let threads = rayon::current_num_threads();
     println!("lumel {} on {threads} threads", env!("CARGO_PKG_VERSION"));
     let wanted = |case: &&Case| names.is_empty() || names.iter().any(|name| name == case.name);
-    let results: Vec<Value> = CASES.iter().filter(wanted).filter_map(|case| measure(case, &effort)).collect();
+    let results: Vec<Value> = CASES.iter().filter(wanted).filter_map(|case| bench.measure(case)).collect();
     if let Some(file) = json_file {
         let all = json!({"version": env!("CARGO_PKG_VERSION"), "threads": threads, "scenes": results});
         std::fs::write(file, serde_json::to_string_pretty(&all).unwrap()).unwrap();
     }
 }
 
-fn full_effort() -> Effort {
-    let settings = Settings { bounces: BounceLimit::Count(BOUNCES as u32), ..Settings::default() };
-    Effort { settings, rounds: 3, paths: 1 << 20, points: 20_000, samples: 256 }
-}
+impl Bench {
+    fn measure(&self, case: &Case) -> Option<Value> {
+        let effort = &self.effort;
+        let place = match case.open() {
+            Ok(place) => place,
+            Err(reason) => {
+                println!("\n{}: {reason}", case.name);
+                return None;
+            }
+        };
+        let (vertices, triangles) = (place.scene.vertex_count(), place.scene.triangle_count());
+        let Settings { direct_samples, indirect_samples, .. } = self.settings;
+        println!(
+            "\n{}: {vertices} vertices, {triangles} triangles; samples {direct_samples}, {indirect_samples}",
+            case.name
+        );
+        let paths = Paths::trace(&place, effort.paths);
+        let [direct, all] = self.references(case, &place);
+        println!(
+            "  exact light of {} paths; references of {} points, noise {:.2} % (direct), {:.2} %",
+            paths.count(),
+            all.points().len(),
+            direct.noise() * 100.0,
+            all.noise() * 100.0
+        );
+        let runs = self.alternate(&place);
+        let rows: Vec<Row> = Way::ALL
+            .iter()
+            .enumerate()
+            .map(|(i, way)| {
+                let first = &runs[0][i];
+                let seconds = median(runs.iter().map(|round| round[i].seconds).collect());
+                let cpu_ratio =
+                    median(runs.iter().map(|round| round[i].cpu_seconds / round[0].cpu_seconds).collect());
+                Row::new(way.name(), [seconds, cpu_ratio], &place, first, &paths, [&direct, &all])
+            })
+            .collect();
+        rows::print(&rows);
+        Some(json!({
+            "scene": case.name, "vertices": vertices, "triangles": triangles, "rounds": effort.rounds,
+            "direct_samples": direct_samples, "indirect_samples": indirect_samples, "paths": paths.count(),
+            "reference_points": all.points().len(), "reference_noise": [direct.noise(), all.noise()],
+            "projections": rows.iter().map(Row::json).collect::<Vec<_>>(),
+        }))
+    }
 
-fn quick_effort() -> Effort {
-    let full = full_effort();
-    let settings = Settings { direct_samples: 16, indirect_samples: 64, ..full.settings };
-    Effort { settings, rounds: 1, paths: 1 << 17, points: 2000, samples: 128 }
-}
+    /// All ways in turn, several times.
+    fn alternate(&self, place: &Place) -> Vec<Vec<Solved>> {
+        let settings = |round: usize| Settings { seed: round as u64 + 1, ..self.settings.clone() };
+        let round = |round| Way::ALL.iter().map(|way| way.solve(place, &settings(round))).collect();
+        (0..self.effort.rounds).map(round).collect()
+    }
 
-fn measure(case: &Case, effort: &Effort) -> Option<Value> {
-    let place = match case.open() {
-        Ok(place) => place,
-        Err(reason) => {
-            println!("\n{}: {reason}", case.name);
-            return None;
-        }
-    };
-    let (vertices, triangles) = (place.scene.vertex_count(), place.scene.triangle_count());
-    let Settings { direct_samples, indirect_samples, .. } = effort.settings;
-    println!(
-        "\n{}: {vertices} vertices, {triangles} triangles; samples {direct_samples}, {indirect_samples}",
-        case.name
-    );
-    let paths = Paths::trace(&place, effort.paths);
-    let [direct, all] = references(case, &place, effort);
-    println!(
-        "  exact light of {} paths; references of {} points, noise {:.2} % (direct), {:.2} %",
-        paths.count(),
-        all.points().len(),
-        direct.noise() * 100.0,
-        all.noise() * 100.0
-    );
-    let runs = alternate(&place, effort);
-    let rows: Vec<Row> = Way::ALL
-        .iter()
-        .enumerate()
-        .map(|(i, way)| {
-            let first = &runs[0][i];
-            let seconds = median(runs.iter().map(|round| round[i].seconds).collect());
-            let cpu_ratio =
-                median(runs.iter().map(|round| round[i].cpu_seconds / round[0].cpu_seconds).collect());
-            Row::new(way.name(), [seconds, cpu_ratio], &place, first, &paths, [&direct, &all])
+    /// Direct light, and all light, at random points of the surfaces.
+    ///
+    /// Bounces come from a solve with least squares, on a finer mesh where the case has one, which the points gather.
+    fn references<'a>(&self, case: &Case, place: &'a Place) -> [Reference<'a>; 2] {
+        let effort = &self.effort;
+        let finer = case.open_reference().unwrap();
+        let fine = finer.as_ref().unwrap_or(place);
+        let settings = Settings {
+            projection: Projection::LeastSquares,
+            bounces: BounceLimit::Count(BOUNCES as u32 - 1),
+            seed: 1000,
+            ..self.settings.clone()
+        };
+        let bounces = Way::Projection(Projection::LeastSquares).solve(fine, &settings).carried;
+        let reflecting = Field::sum(bounces[0].node_count(), &bounces);
+        let plan = Plan {
+            direct_samples: effort.samples,
+            indirect_samples: effort.samples,
+            seed: 2000,
+            ..Plan::default()
+        };
+        [None, Some(&reflecting)].map(|field| {
+            let towards =
+                |points| -> Box<dyn lumel_transport::Transport> { Box::new(fine.towards(points, plan)) };
+            Reference::measured(&place.scene, effort.points, 3, towards, field, PASSES)
         })
-        .collect();
-    rows::print(&rows);
-    Some(json!({
-        "scene": case.name, "vertices": vertices, "triangles": triangles, "rounds": effort.rounds,
-        "direct_samples": direct_samples, "indirect_samples": indirect_samples, "paths": paths.count(),
-        "reference_points": all.points().len(), "reference_noise": [direct.noise(), all.noise()],
-        "projections": rows.iter().map(Row::json).collect::<Vec<_>>(),
-    }))
-}
-
-/// All ways in turn, several times.
-fn alternate(place: &Place, effort: &Effort) -> Vec<Vec<Solved>> {
-    let settings = |round: usize| Settings { seed: round as u64 + 1, ..effort.settings.clone() };
-    let round = |round| Way::ALL.iter().map(|way| way.solve(place, &settings(round))).collect();
-    (0..effort.rounds).map(round).collect()
-}
-
-/// Direct light, and all light, at random points of the surfaces.
-///
-/// Bounces come from a solve with least squares, on a finer mesh where the case has one, which the points gather.
-fn references<'a>(case: &Case, place: &'a Place, effort: &Effort) -> [Reference<'a>; 2] {
-    let finer = case.open_reference().unwrap();
-    let fine = finer.as_ref().unwrap_or(place);
-    let settings = Settings {
-        projection: Projection::LeastSquares,
-        bounces: BounceLimit::Count(BOUNCES as u32 - 1),
-        seed: 1000,
-        ..effort.settings.clone()
-    };
-    let bounces = Way::Projection(Projection::LeastSquares).solve(fine, &settings).carried;
-    let reflecting = Field::sum(bounces[0].node_count(), &bounces);
-    let plan = Plan {
-        direct_samples: effort.samples,
-        indirect_samples: effort.samples,
-        seed: 2000,
-        ..Plan::default()
-    };
-    [None, Some(&reflecting)].map(|field| {
-        let towards =
-            |points| -> Box<dyn lumel_transport::Transport> { Box::new(fine.towards(points, plan)) };
-        Reference::measured(&place.scene, effort.points, 3, towards, field, PASSES)
-    })
+    }
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
