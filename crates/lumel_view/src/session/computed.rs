@@ -3,6 +3,7 @@
 use crate::inputs::Inputs;
 use crate::selection::Illumination;
 use crate::solver::Solved;
+use lumel::setting::{PROJECTION, Setting as _};
 use lumel::{Accuracy, Settings, Solution, TargetError};
 use std::sync::Arc;
 
@@ -45,15 +46,17 @@ impl Computed {
     /// What it is, in a few words.
     pub fn label(&self, light: &Illumination) -> String {
         let bounces = light.bounce_count().saturating_sub(1);
-        match (self.settings(), &self.origin) {
-            (_, Some(origin)) => origin.clone(),
-            (Some(s), None) if s.target_error != TargetError::Off => {
-                format!("{} adaptive rays, {bounces} bounces", s.sampler)
-            }
-            (Some(s), None) => {
-                format!("{} {}+{} rays, {bounces} bounces", s.sampler, s.direct_samples, s.indirect_samples)
-            }
-            (None, None) => format!("{bounces} bounces"),
-        }
+        let Some(s) = self.settings() else {
+            return self.origin.clone().unwrap_or_else(|| format!("{bounces} bounces"));
+        };
+        let rays = match s.target_error {
+            TargetError::Off => format!("{}+{}", s.direct_samples, s.indirect_samples),
+            TargetError::At(_) => "adaptive".to_owned(),
+        };
+        // Side by side, two readings of the same bounces are told apart.
+        let usual = PROJECTION.is_same(s, &Settings::default());
+        let projection = if usual { String::new() } else { format!(", {}", PROJECTION.text(s)) };
+        let computed = || format!("{} {rays} rays, {bounces} bounces{projection}", s.sampler);
+        self.origin.clone().unwrap_or_else(computed)
     }
 }

@@ -77,6 +77,11 @@ fn means_over_areas_are_read_by_least_squares_without_a_solve() {
     window.session().settings.projection = Projection::Area;
     window.solve();
     let (means, seconds) = (bits(window.state()), window.session().computed().unwrap().seconds);
+    let label = |window: &mut Window| {
+        let session = window.session();
+        session.computed().unwrap().label(&session.light)
+    };
+    let label_of_means = label(&mut window);
     window.find(Role::DisclosureTriangle, "More").click();
     window.run_steps(10);
     window.choose("Projection", "Least squares");
@@ -87,6 +92,7 @@ fn means_over_areas_are_read_by_least_squares_without_a_solve() {
     assert!(computed.complete && computed.seconds == seconds && !computed.saved);
     assert_eq!(computed.settings().unwrap().projection, Projection::LeastSquares);
     assert!(bits(window.state()) == reference(window.state()), "other bits than those of a solve");
+    assert_ne!(label(&mut window), label_of_means);
     window.press(Key::Enter);
     assert!(window.told("Already solved"));
     window.session().settings.projection = Projection::Area;
