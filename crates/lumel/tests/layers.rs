@@ -11,7 +11,7 @@ use lumel::{
 use lumel_basis::Field;
 use lumel_scene::{DirectionalLight, PointLight, Radiance, RectLight, SpotLight};
 use lumel_testkit::mesh::{self, Facing, cuboid};
-use lumel_testkit::scene::{ceiling_light, grey};
+use lumel_testkit::scene::{ceiling_light, grey, placed, reordered};
 use std::sync::{Arc, Mutex};
 
 fn settings() -> Settings {
@@ -146,38 +146,6 @@ fn layers_add_up_to_all_light() {
         assert_eq!(names(&scene, &settings), expected);
         assert_whole(&state, &format!("{way}, {:?}", settings.projection));
     }
-}
-
-/// The scene turned about its origin, then moved.
-fn placed(mut builder: SceneBuilder, turn: Quat, shift: Vec3) -> SceneBuilder {
-    let place = |p: &mut Vec3| *p = turn * *p + shift;
-    let turned = |v: &mut Vec3| *v = turn * *v;
-    builder.objects.iter_mut().flat_map(|object| &mut object.positions).for_each(place);
-    for light in &mut builder.lights {
-        match light {
-            Light::Rect(rect) => {
-                place(&mut rect.center);
-                [&mut rect.u, &mut rect.v].into_iter().for_each(turned);
-            }
-            Light::Point(point) => place(&mut point.position),
-            Light::Spot(spot) => {
-                place(&mut spot.point.position);
-                turned(&mut spot.direction);
-            }
-            Light::Directional(sun) => turned(&mut sun.direction),
-        }
-    }
-    builder
-}
-
-/// The scene with its objects and faces the other way round, and each face beginning with another corner.
-fn reordered(mut builder: SceneBuilder) -> SceneBuilder {
-    builder.objects.reverse();
-    for object in &mut builder.objects {
-        object.faces.reverse();
-        object.faces.iter_mut().for_each(|face| face.vertices.rotate_left(1));
-    }
-    builder
 }
 
 /// Stops a solve when a step begins.

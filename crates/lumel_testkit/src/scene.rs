@@ -1,7 +1,7 @@
 //! Materials, lights and small scenes.
 
 use crate::mesh::{self, Facing};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use lumel_scene::{
     Light, Material, ObjectMesh, PointLight, Radiance, Radiosity, RectLight, SceneBuilder, Sides, Texture,
     TextureId, TextureRef, Wrap,
@@ -69,4 +69,38 @@ pub fn varying_sphere(level: u32) -> SceneBuilder {
     let mut material = grey(0.8, 1.0);
     material.emission_texture = Some(TextureRef::plain(TextureId(0)));
     SceneBuilder { textures: vec![ramp], ..scene(vec![mesh], vec![material], Vec::new()) }
+}
+
+/// The scene turned about its origin, then moved.
+#[must_use]
+pub fn placed(mut builder: SceneBuilder, turn: Quat, shift: Vec3) -> SceneBuilder {
+    let place = |p: &mut Vec3| *p = turn * *p + shift;
+    let turned = |v: &mut Vec3| *v = turn * *v;
+    builder.objects.iter_mut().flat_map(|object| &mut object.positions).for_each(place);
+    for light in &mut builder.lights {
+        match light {
+            Light::Rect(rect) => {
+                place(&mut rect.center);
+                [&mut rect.u, &mut rect.v].into_iter().for_each(turned);
+            }
+            Light::Point(point) => place(&mut point.position),
+            Light::Spot(spot) => {
+                place(&mut spot.point.position);
+                turned(&mut spot.direction);
+            }
+            Light::Directional(sun) => turned(&mut sun.direction),
+        }
+    }
+    builder
+}
+
+/// The scene with its objects and faces the other way round, and each face beginning with another corner.
+#[must_use]
+pub fn reordered(mut builder: SceneBuilder) -> SceneBuilder {
+    builder.objects.reverse();
+    for object in &mut builder.objects {
+        object.faces.reverse();
+        object.faces.iter_mut().for_each(|face| face.vertices.rotate_left(1));
+    }
+    builder
 }
