@@ -111,6 +111,10 @@ pub(crate) fn needs_hemisphere<B, R>(op: &CpuTransport<B, R>, source: Source<'_>
 /// The patterns in which areas are sampled for a job.
 pub(crate) fn patterns<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, job: &Job<'_>) -> AreaPatterns {
     let requested = match job.source {
+        // Sky and emissive surfaces are met by the rays, lights by as many shadow rays.
+        Source::Emitters(_) if op.lights.needs_hemisphere() => {
+            op.plan.direct_samples.max(op.plan.indirect_samples)
+        }
         Source::Emitters(_) => op.plan.direct_samples,
         Source::Field(_) => op.plan.indirect_samples,
         Source::Nothing => VALIDITY_RAYS,
