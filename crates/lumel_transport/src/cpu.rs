@@ -1,11 +1,11 @@
 //! The operator that traces rays for every job.
 
-use crate::area_pattern::AreaPatterns;
+use crate::Sums;
 use crate::group::Group;
 use crate::job::{ChunkSink, Control, Job, Shape, Transport, TransportError};
+use crate::measure::{self, JobPatterns};
 use crate::operator::CpuTransport;
 use crate::scatter::scattered;
-use crate::{Sums, measure};
 use lumel_basis::{Basis, Receivers, Sampling};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -35,14 +35,14 @@ fn measure_chunk<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     job: &Job<'_>,
     chunk: u32,
-    patterns: Option<&AreaPatterns>,
+    patterns: Option<&JobPatterns>,
     control: &Control,
 ) -> Result<Sums, TransportError> {
     control.check()?;
     let active = op.active(job, chunk);
     let sums = match patterns {
         None => measure::at_points(op, job, &Group::new(&*op.receivers, &active), control)?,
-        Some(patterns) => measure::over_areas(op, job, &active, patterns.parts(&op.order, chunk), control)?,
+        Some(patterns) => measure::over_areas(op, job, (&active, chunk), patterns, control)?,
     };
     control.count(op.elements(chunk).len() as u64, 0);
     Ok(sums)

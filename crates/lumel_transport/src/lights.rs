@@ -81,6 +81,11 @@ impl LightSet {
         set
     }
 
+    /// Whether anything is sampled by shadow rays.
+    pub(crate) fn has_lights(&self) -> bool {
+        !self.area.is_empty() || !self.delta.is_empty()
+    }
+
     /// Whether direct light needs hemisphere rays.
     pub(crate) fn needs_hemisphere(&self) -> bool {
         self.sky || self.emission_by_rays

@@ -4,7 +4,7 @@
 //! projected onto the nodes that the element counts towards. Points and areas differ in their sites: a point has one
 //! site for all of its rays, an area has a site for each.
 
-use crate::area_pattern::{AreaChunk, AreaPart, AreaPatterns};
+use crate::area_pattern::{AreaChunk, AreaPatterns};
 use crate::direct::Direct;
 use crate::direct_area::AreaSites;
 use crate::ends::RayEnd;
@@ -109,71 +109,102 @@ pub(crate) fn needs_hemisphere<B, R>(op: &CpuTransport<B, R>, source: Source<'_>
 }
 
 /// The patterns in which areas are sampled for a job.
-pub(crate) fn patterns<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, job: &Job<'_>) -> AreaPatterns {
-    let requested = match job.source {
-        // Sky and emissive surfaces are met by the rays, lights by as many shadow rays.
-        Source::Emitters(_) if op.lights.needs_hemisphere() => {
-            op.plan.direct_samples.max(op.plan.indirect_samples)
-        }
-        Source::Emitters(_) => op.plan.direct_samples,
-        Source::Field(_) => op.plan.indirect_samples,
-        Source::Nothing => VALIDITY_RAYS,
-    };
-    AreaPatterns::new(&op.plan, &op.order, requested, op.shared_key(job))
+pub(crate) struct JobPatterns {
+    /// Of what arrives along hemisphere rays.
+    rays: Option<AreaPatterns>,
+    /// Of the light of lights.
+    lights: Option<AreaPatterns>,
 }
 
-/// Measures elements over areas: a ray from each of many sites.
+/// The patterns in which areas are sampled for a job.
+pub(crate) fn patterns<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, job: &Job<'_>) -> JobPatterns {
+    let requested = |n| AreaPatterns::new(&op.plan, &op.order, n, op.shared_key(job));
+    let (rays, lights) = match job.source {
+        Source::Field(_) => (Some(op.plan.indirect_samples), None),
+        Source::Nothing => (Some(VALIDITY_RAYS), None),
+        // Without anything that shines, too, it is to be known what lies inside geometry.
+        Source::Emitters(_) if !op.lights.needs_hemisphere() => (None, Some(op.plan.direct_samples)),
+        Source::Emitters(_) => {
+            (Some(op.plan.indirect_samples), op.lights.has_lights().then_some(op.plan.direct_samples))
+        }
+    };
+    JobPatterns { rays: rays.map(requested), lights: lights.map(requested) }
+}
+
+/// Measures elements of a chunk over areas: a ray from each of many sites.
 ///
 /// Position and direction are one 4-D point, and so are position and point on a light. Sites inside geometry are left
 /// out, so that what is hidden does not darken what is not.
-pub(crate) fn over_areas<'a, B: Basis, R: Receivers>(
+pub(crate) fn over_areas<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     job: &Job<'_>,
-    elements: &[ElementId],
-    parts: impl Iterator<Item = AreaPart<'a>>,
+    (elements, chunk): (&[ElementId], u32),
+    patterns: &JobPatterns,
     control: &Control,
 ) -> Result<Sums, TransportError> {
+    let parts = |patterns: &Option<AreaPatterns>, sums: &mut [ElementSums], are_lights: bool| {
+        for part in patterns.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
+            let area = AreaChunk::new(elements, &part, |element| op.key(job, element));
+            let ends = trace::over_areas(op, &area, control)?;
+            match job.source {
+                Source::Emitters(mask) if are_lights => add_lights(op, mask, &area, &ends, sums, control)?,
+                source => add_rays(op, source, &area, &ends, sums),
+            }
+        }
+        Ok::<(), TransportError>(())
+    };
     let mut sums = ElementSums::some(elements.len());
-    for part in parts {
-        let chunk = AreaChunk::new(elements, &part, |element| op.key(job, element));
-        part_over_areas(op, job, &chunk, &mut sums, control)?;
+    let mut by_rays = sums.clone();
+    parts(&patterns.lights, &mut sums, true)?;
+    parts(&patterns.rays, &mut by_rays, false)?;
+    if patterns.lights.is_some() {
+        sums.iter_mut().zip(&by_rays).for_each(|(sums, by_rays)| sums.add_means(by_rays));
+    } else {
+        sums = by_rays;
     }
     Ok(Sums::of_elements(sums, matches!(job.source, Source::Nothing)))
 }
 
-/// Adds a part of the samples to the sums of each element.
-fn part_over_areas<B: Basis, R: Receivers>(
+/// Adds what arrives along the rays of each element; of [nothing](Source::Nothing), whether they met back faces.
+fn add_rays<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
-    job: &Job<'_>,
-    chunk: &AreaChunk<'_>,
+    source: Source<'_>,
+    area: &AreaChunk<'_>,
+    ends: &[Option<RayEnd>],
     sums: &mut [ElementSums],
-    control: &Control,
-) -> Result<(), TransportError> {
-    let ends = trace::over_areas(op, chunk, control)?;
-    let (lanes, n) = (chunk.elements.len(), chunk.pattern.len() as usize);
-    let at = |slot: u32, i: usize| slot as usize * lanes + i;
-    let (mut reader, mut lit) = (Reader::new(op, job.source), Vec::new());
-    let mut lights = if let Source::Emitters(mask) = job.source {
-        Some((direct(op, mask, control), LightPoints::default()))
-    } else {
-        None
-    };
+) {
+    let (lanes, mut reader) = (area.elements.len(), Reader::new(op, source));
     for (i, sums) in sums.iter_mut().enumerate() {
-        let turn = chunk.keys[i].1;
-        if let Some((direct, points)) = &mut lights {
-            lit.clear();
-            lit.resize(n, DVec3::ZERO);
-            let is_outside = |number| ends[at(chunk.pattern.slot(number, turn), i)].is_some();
-            lights_over_area(op, direct, (chunk, i), is_outside, points, &mut lit)?;
-        }
-        add_samples(op, chunk, i, sums, |slot, number| {
-            let end = ends[at(slot, i)];
-            if matches!(job.source, Source::Nothing) {
+        add_samples(op, area, i, sums, |slot, _| {
+            let end = ends[slot as usize * lanes + i];
+            if matches!(source, Source::Nothing) {
                 let met_back_face = end.is_none_or(|end| end == RayEnd::BackFace);
                 return Some(Vec4::splat(f32::from(u8::from(met_back_face))));
             }
-            let light = lit.get(number as usize).copied().unwrap_or_default();
-            end.map(|end| (reader.read(&end) + light).as_vec3().extend(0.0))
+            end.map(|end| reader.read(&end).as_vec3().extend(0.0))
+        });
+    }
+}
+
+/// Adds what lights send to the sites of each element that do not lie inside geometry, as the ends of their rays tell.
+fn add_lights<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    mask: Option<&EmitterMask>,
+    area: &AreaChunk<'_>,
+    ends: &[Option<RayEnd>],
+    sums: &mut [ElementSums],
+    control: &Control,
+) -> Result<(), TransportError> {
+    let (direct, mut points) = (direct(op, mask, control), LightPoints::default());
+    let (lanes, mut lit) = (area.elements.len(), Vec::new());
+    for (i, sums) in sums.iter_mut().enumerate() {
+        let turn = area.keys[i].1;
+        let is_outside = |number| ends[area.pattern.slot(number, turn) as usize * lanes + i].is_some();
+        lit.clear();
+        lit.resize(area.pattern.len() as usize, DVec3::ZERO);
+        lights_over_area(op, &direct, (area, i), is_outside, &mut points, &mut lit)?;
+        add_samples(op, area, i, sums, |_, number| {
+            is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
         });
     }
     Ok(())

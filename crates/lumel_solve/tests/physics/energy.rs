@@ -36,7 +36,7 @@ struct Weights(Mutex<Vec<f64>>);
 
 impl ChunkSink for Weights {
     fn accept(&self, _: u32, sums: Sums) {
-        let mut weights = self.0.lock().unwrap();
+        let mut weights = self.0.lock().expect("no panic");
         for (node, weight) in sums.nodes.iter().zip(&sums.weights) {
             weights[node.index()] += weight;
         }
@@ -56,11 +56,15 @@ fn between_samples_and_nodes_no_power_is_lost() {
                 let weights = Weights(Mutex::new(vec![0.0; field.node_count()]));
                 let job = Job { source, bounce: 0, pass: 0, active: None };
                 let chunks = 0..operator.transport.shape().chunks;
-                operator.transport.measure(&job, chunks, &Control::default(), &weights).unwrap();
-                for (weight, area) in weights.0.into_inner().unwrap().iter().zip(operator.basis.node_areas())
+                operator
+                    .transport
+                    .measure(&job, chunks, &Control::default(), &weights)
+                    .expect("nobody cancels");
+                for (weight, area) in
+                    weights.0.into_inner().expect("no panic").iter().zip(operator.basis.node_areas())
                 {
                     let off = weight / f64::from(*area) - 1.0;
-                    assert!(off.abs() < ROUNDING.into(), "{method}, {sampler}, {source:?}: {off:e}");
+                    assert!(off.abs() < ROUNDING, "{method}, {sampler}, {source:?}: {off:e}");
                 }
             }
         }

@@ -63,9 +63,9 @@ fn is_floor((p, n): &(Vec3, Vec3)) -> bool {
     p.z == 0.0 && n.z > 0.9
 }
 
-/// Direct light of several independent solves.
-fn runs(stage: &Stage, method: Method, n: u64) -> Vec<SolveState> {
-    let plan = |seed| Plan { seed, indirect_samples: 1024, direct_samples: 512, ..Plan::default() };
+/// Direct light of several independent solves with so many rays.
+fn runs(stage: &Stage, method: Method, n: u64, indirect_samples: u32) -> Vec<SolveState> {
+    let plan = |seed| Plan { seed, indirect_samples, ..Plan::default() };
     (0..n).map(|seed| solved(stage, method, plan(seed), Stop::Bounces(0))).collect()
 }
 
@@ -75,7 +75,7 @@ fn exactly_the_vertices_under_a_box_are_hidden() {
     let hidden = stage.nodes().iter().filter(|node| is_floor(node) && covered(node.0.as_dvec3())).count();
     assert_eq!(hidden, 5);
     for method in Method::AT_VERTICES {
-        let state = &runs(&stage, method, 1)[0];
+        let state = &runs(&stage, method, 1, 256)[0];
         for (node, valid) in stage.nodes().iter().zip(&state.valid) {
             let expected = !is_floor(node) || !covered(node.0.as_dvec3());
             assert_eq!(*valid, expected, "{method} at {}", node.0);
@@ -87,7 +87,7 @@ fn exactly_the_vertices_under_a_box_are_hidden() {
 fn a_floor_under_a_box_keeps_its_light_one_cell_away() {
     let stage = Stage::new(floor_with_box());
     for method in Method::ALL {
-        let state = &runs(&stage, method, 1)[0];
+        let state = &runs(&stage, method, 1, 4096)[0];
         let mut n = 0;
         for (node, e) in stage.nodes().iter().zip(state.bounces[0].values()) {
             let at = node.0.as_dvec3();
@@ -105,7 +105,7 @@ fn a_floor_under_a_box_keeps_its_light_one_cell_away() {
 fn neighbours_of_hidden_vertices_are_not_darkened() {
     let stage = Stage::new(floor_with_box());
     for method in Method::ALL {
-        let states = runs(&stage, method, 24);
+        let states = runs(&stage, method, 24, 1024);
         let operator = stage.operator(method, Plan::default());
         let expected: Vec<f64> = match method.storage {
             Storage::Vertex => stage.expected(&operator, &truth),
@@ -115,12 +115,15 @@ fn neighbours_of_hidden_vertices_are_not_darkened() {
                 let lit = |p: DVec3, n| if open(p) == 0.0 { 0.0 } else { truth(p, n) };
                 let sums = hat_average(stage.scene(), &*operator.basis, 24, &lit);
                 let shares = hat_average(stage.scene(), &*operator.basis, 24, &|p, _| open(p));
-                sums.into_iter().zip(shares).map(|(sum, share)| sum / share).collect()
+                // Of the few pieces that are left of a node which is all but hidden, too little is known.
+                let mean = |(sum, share): (f64, f64)| if share > 0.1 { sum / share } else { f64::NAN };
+                sums.into_iter().zip(shares).map(mean).collect()
             }
         };
         let exposed = |i: &usize| {
             let node = stage.nodes()[*i];
-            is_floor(&node) && (method.storage == Storage::VertexArea || !covered(node.0.as_dvec3()))
+            let is_open = method.storage == Storage::VertexArea || !covered(node.0.as_dvec3());
+            is_floor(&node) && is_open && expected[*i].is_finite()
         };
         let floor: Vec<usize> = (0..expected.len()).filter(exposed).collect();
         for &node in &floor {
@@ -140,7 +143,7 @@ fn neighbours_of_hidden_vertices_are_not_darkened() {
 #[test]
 fn hidden_vertices_take_the_light_around_them() {
     let stage = Stage::new(floor_with_box());
-    let state = &runs(&stage, Method::VERTEX, 1)[0];
+    let state = &runs(&stage, Method::VERTEX, 1, 256)[0];
     let floor = |exposed: bool| {
         let nodes: Vec<f32> = stage
             .nodes()
@@ -168,7 +171,7 @@ fn vertices_inside_a_thin_wall_are_hidden_and_their_neighbours_are_not() {
     let stage = Stage::new(under_sky(objects));
     let (near, far) = (f64::from(max.x), f64::from(max.y));
     let side = [[-far, 0.0], [far, 0.0], [far, 0.5], [-far, 0.5]].map(|[y, z]| DVec3::new(near, y, z));
-    let states = runs(&stage, Method::VERTEX, 16);
+    let states = runs(&stage, Method::VERTEX, 16, 256);
     for (i, node) in stage.nodes().iter().enumerate().filter(|(_, node)| is_floor(node)) {
         assert_eq!(states[0].valid[i], node.0.x != 0.0, "{}", node.0);
         if node.0.x != 0.0 {
@@ -180,7 +183,7 @@ fn vertices_inside_a_thin_wall_are_hidden_and_their_neighbours_are_not() {
             estimate.assert_near_among(72, e, 1e-3 * e, node.0);
         }
     }
-    let area = &runs(&stage, Method::AREA, 1)[0];
+    let area = &runs(&stage, Method::AREA, 1, 1024)[0];
     let beside = |(node, e): &((Vec3, Vec3), &Vec3)| is_floor(node) && node.0.x == 0.0 && e.x < 1.0;
     let dark = stage.nodes().into_iter().zip(area.bounces[0].values()).filter(beside).count();
     assert_eq!(dark, 0, "beside a wall half of the sky is open");
