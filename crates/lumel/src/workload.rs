@@ -61,7 +61,6 @@ impl Workload {
         // A mesh has about twice as many triangles as vertices; each gets half the rays of a vertex.
         let share = if settings.projection.sampling() == Sampling::Point { 1.0 } else { 0.5 };
         let all = share * f64::from(settings.indirect_samples);
-        // Over areas, a layer traces one ray more with each of them.
         let shadow = f64::from(settings.direct_samples);
         let rays = match method {
             Method::Neumann | Method::Replicates { .. } => {

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
 use glam::{DVec3, Vec3};
-use lumel::{Baker, BounceLimit, Control, Light, Method, RectLight, Scene, Settings, Silent, SolveState};
+use lumel::{
+    Baker, BounceLimit, Control, Light, Method, Projection, RectLight, Scene, Settings, Silent, SolveState,
+};
 use lumel_export::RadFile;
 use lumel_scene::Radiance;
 use lumel_testkit::shared;
@@ -53,6 +55,8 @@ fn two_bounces_agree_with_the_solution_of_the_course() {
     let theirs = RadFile::read(&folder.join("cornell-2bounces.rad")).unwrap();
     assert!(theirs.matches(&scene), "vertices must come in the order of the file");
     let settings = Settings {
+        // The course measures light at the vertices.
+        projection: Projection::Point,
         bounces: BounceLimit::Count(2),
         direct_samples: 64,
         indirect_samples: 256,

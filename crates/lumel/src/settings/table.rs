@@ -235,7 +235,7 @@ settings! {
     /// bounce. Least squares reads the same measurements more sharply, and may overshoot beside the edges of shadows.
     /// The former name basis, with vertex for point and vertex-area for area, is still accepted.
     PROJECTION = projection | "basis": Projection {
-        presets: always(Projection::Point),
+        presets: always(Projection::LeastSquares),
         label: "Projection",
         placeholder: "KIND",
         influence: Influence::Rays,
@@ -277,9 +277,8 @@ settings! {
     /// Which parts of the light to tell apart: the solution then has one layer for each light.
     ///
     /// Layers add up to all light. Lights, emissive materials and the sky each make one; what shares a name makes one
-    /// together. On stored rays, a layer costs its shadow rays and no further hemisphere ray; over areas, it costs one ray
-    /// more with each direct sample. A final gather and the solver neumann trace their rays for each layer. Cannot be
-    /// used with a target error.
+    /// together. On stored rays, a layer costs its shadow rays and no further hemisphere ray. A final gather and the solver
+    /// neumann trace their rays for each layer. Cannot be used with a target error.
     LAYERS = layers: Layers {
         presets: always(Layers::Off),
         label: "Layers",
