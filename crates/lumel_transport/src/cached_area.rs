@@ -4,12 +4,10 @@ use crate::area_pattern::{AreaChunk, AreaPart, AreaPatterns};
 use crate::cached::{CachedTransport, ChunkRows};
 use crate::ends::{RayEnd, StoredEnd};
 use crate::job::{Control, Job, TransportError};
-use crate::light_points::LightPoints;
-use crate::measure::{self, Reader};
+use crate::measure::{self, LightScratch, Reader};
 use crate::reflectance::Reflected;
 use crate::sums::ElementSums;
 use crate::{EmitterMask, Sums, trace};
-use glam::DVec3;
 use lumel_basis::{Basis, NodeWeights, Receivers};
 
 impl<B: Basis, R: Receivers> CachedTransport<B, R> {
@@ -74,10 +72,9 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     ) -> Result<Sums, TransportError> {
         let inner = &self.inner;
         let direct = measure::direct(inner, mask, control);
-        let (mut points, mut reader) = (LightPoints::default(), Reader::new(inner, job.source));
+        let (mut scratch, mut reader) = (LightScratch::default(), Reader::new(inner, job.source));
         let mut sums = ElementSums::some(rows.elements.len());
         let mut by_rays = sums.clone();
-        let mut lit = Vec::new();
         let mut lights = lights.parts(&inner.order, chunk);
         for part in patterns.parts(&inner.order, chunk) {
             let rays = self.area_chunk(&part, chunk);
@@ -91,19 +88,14 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                 if let Some(lights) = &lights {
                     let turn = rays.keys[i].1;
                     let is_outside = |number| end(rays.pattern.slot(number, turn)) != StoredEnd::INSIDE;
-                    lit.clear();
-                    lit.resize(lights.pattern.len() as usize, DVec3::ZERO);
-                    measure::lights_over_area(
+                    measure::add_lights_of(
                         inner,
                         &direct,
                         (lights, i),
                         is_outside,
-                        &mut points,
-                        &mut lit,
+                        &mut scratch,
+                        &mut sums[i],
                     )?;
-                    measure::add_samples(inner, lights, i, &mut sums[i], |_, number| {
-                        is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
-                    });
                 }
                 if inner.lights.needs_hemisphere() {
                     measure::add_samples(inner, &rays, i, &mut by_rays[i], |slot, _| {

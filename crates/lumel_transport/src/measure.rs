@@ -195,17 +195,12 @@ fn add_lights<B: Basis, R: Receivers>(
     sums: &mut [ElementSums],
     control: &Control,
 ) -> Result<(), TransportError> {
-    let (direct, mut points) = (direct(op, mask, control), LightPoints::default());
-    let (lanes, mut lit) = (area.elements.len(), Vec::new());
+    let (direct, mut scratch) = (direct(op, mask, control), LightScratch::default());
+    let lanes = area.elements.len();
     for (i, sums) in sums.iter_mut().enumerate() {
         let turn = area.keys[i].1;
         let is_outside = |number| ends[area.pattern.slot(number, turn) as usize * lanes + i].is_some();
-        lit.clear();
-        lit.resize(area.pattern.len() as usize, DVec3::ZERO);
-        lights_over_area(op, &direct, (area, i), is_outside, &mut points, &mut lit)?;
-        add_samples(op, area, i, sums, |_, number| {
-            is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
-        });
+        add_lights_of(op, &direct, (area, i), is_outside, &mut scratch, sums)?;
     }
     Ok(())
 }
@@ -260,22 +255,36 @@ pub(crate) fn add_samples<B: Basis, R: Receivers>(
     }
 }
 
-/// Adds what lights send to each sample of element `i` of a chunk, by number.
-pub(crate) fn lights_over_area<B: Basis, R: Receivers>(
+/// Kept between elements, so that nothing is allocated for each.
+#[derive(Default)]
+pub(crate) struct LightScratch {
+    points: LightPoints,
+    /// What arrives at each sample, by number.
+    lit: Vec<DVec3>,
+}
+
+/// Adds what lights send to the samples of element `i` of a chunk that `is_outside` geometry, by their numbers.
+pub(crate) fn add_lights_of<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     direct: &Direct<'_>,
     (chunk, i): (&AreaChunk<'_>, usize),
     is_outside: impl Fn(u32) -> bool,
-    points: &mut LightPoints,
-    values: &mut [DVec3],
+    LightScratch { points, lit }: &mut LightScratch,
+    sums: &mut ElementSums,
 ) -> Result<(), TransportError> {
-    let mut all = Vec::with_capacity(values.len());
+    lit.clear();
+    lit.resize(chunk.pattern.len() as usize, DVec3::ZERO);
+    let mut all = Vec::with_capacity(lit.len());
     op.receivers.sites(chunk.elements[i], chunk.pattern.places(), &mut all);
     let outside = |(number, site)| is_outside(number).then_some(site);
     let sites: Vec<Option<Site>> = (0..).zip(all).map(outside).collect();
     let (key, turn) = chunk.keys[i];
     let area = AreaSites { sites: &sites, key, number: |slot| chunk.pattern.number(slot, turn) };
-    direct.over_area(&area, points, values)
+    direct.over_area(&area, points, lit)?;
+    add_samples(op, chunk, i, sums, |_, number| {
+        is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
+    });
+    Ok(())
 }
 
 pub(crate) fn direct<'a, B, R>(
