@@ -130,6 +130,12 @@ impl Window {
         Arc::clone(&self.folder)
     }
 
+    /// Closes it, which keeps unsaved work; its folder, for the next window.
+    pub(crate) fn closed(mut self) -> Arc<TempDir> {
+        eframe::App::on_exit(self.state_mut());
+        self.folder()
+    }
+
     /// A file in its folder.
     pub(crate) fn file(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)

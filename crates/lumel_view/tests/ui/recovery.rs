@@ -69,9 +69,7 @@ fn a_solution_that_an_earlier_version_kept_is_resumed() {
     window.solve();
     let (before, solution) = (bits(window.state()), window.session().solution().unwrap());
     window.session().settings.bounces = BounceLimit::Count(4);
-    window.state_mut().on_exit();
-    let folder = window.folder();
-    drop(window);
+    let folder = window.closed();
     kept_by_an_earlier_version(folder.path(), &solution);
     let Some(mut window) = Window::keeping(folder, |_| {}) else { return };
     window.click("Restore");
@@ -123,9 +121,7 @@ fn moved_lights_are_restored_without_a_solve() {
     let Some(mut window) = Window::room() else { return };
     window.press(Key::Space);
     let lights = window.session().lights.clone();
-    window.state_mut().on_exit();
-    let folder = window.folder();
-    drop(window);
+    let folder = window.closed();
     let Some(mut next) = Window::keeping(folder, |_| {}) else { return };
     assert!(next.reads("room.toml: lights, materials and slots"));
     next.click("Restore");

@@ -3,7 +3,6 @@
 use crate::expected::{bits, reference};
 use crate::harness::Window;
 use crate::recovery::kept_by_an_earlier_version;
-use eframe::App as _;
 use eframe::egui::Key;
 use eframe::egui::accesskit::Role;
 use lumel::{BounceLimit, Ended, TargetError};
@@ -108,9 +107,7 @@ fn a_stopped_solve_goes_on_with_the_same_bits() {
 fn a_solve_that_was_closed_between_rounds_is_restored_and_ends_with_the_same_bits() {
     let Some(mut window) = Window::room() else { return };
     stopped_between_rounds(&mut window);
-    window.state_mut().on_exit();
-    let folder = window.folder();
-    drop(window);
+    let folder = window.closed();
     let Some(mut window) = Window::keeping(folder, |_| {}) else { return };
     window.click("Restore");
     window.wait_until("the solve", |app| app.session.computed().is_some_and(|c| c.complete));
@@ -125,9 +122,7 @@ fn light_of_a_stopped_solve_is_restored_and_its_rounds_go_on() {
     let Some(mut window) = Window::room() else { return };
     stopped(&mut window);
     let before = bits(window.state());
-    window.state_mut().on_exit();
-    let folder = window.folder();
-    drop(window);
+    let folder = window.closed();
     let Some(mut window) = Window::keeping(folder, |_| {}) else { return };
     window.click("Restore");
     window.wait_until("the light", |app| !app.session.light.is_empty());
@@ -143,9 +138,7 @@ fn a_solution_that_an_earlier_version_kept_is_shown_and_solved_again() {
     stopped(&mut window);
     let before = bits(window.state());
     let solution = window.session().solution().unwrap();
-    window.state_mut().on_exit();
-    let folder = window.folder();
-    drop(window);
+    let folder = window.closed();
     kept_by_an_earlier_version(folder.path(), &solution);
     let Some(mut window) = Window::keeping(folder, |_| {}) else { return };
     window.click("Restore");
@@ -155,9 +148,7 @@ fn a_solution_that_an_earlier_version_kept_is_shown_and_solved_again() {
     assert!(!window.session().is_solving() && window.session().has_unsaved_light());
     assert!(window.told("press Enter to solve again"));
     // Left alone, it is offered once more.
-    window.state_mut().on_exit();
-    let folder = window.folder();
-    drop(window);
+    let folder = window.closed();
     let Some(mut window) = Window::keeping(folder, |_| {}) else { return };
     window.click("Restore");
     window.wait_until("the light", |app| !app.session.light.is_empty());
