@@ -32,7 +32,7 @@ const ORDER: &[&str] = &[
 /// warped, and where angles are read from files or bound directions, it may appear.
 const PI_ALLOWED: &[&str] = &[
     "lumel_scene/src/units.rs",
-    "lumel_sample/src/warp.rs",
+    "lumel_sample/src/warp",
     "lumel_import/src/gltf/lights.rs",
     "lumel_transport/src/light_cone.rs",
     "lumel_testkit/",

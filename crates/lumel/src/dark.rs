@@ -75,7 +75,7 @@ mod tests {
         let mut builder = SceneBuilder {
             objects: vec![post(0.0), post(2.0), beam],
             materials: vec![Material::default()],
-            sky: Radiance::splat(1.0),
+            sky: Radiance::splat(1.0).into(),
             ..SceneBuilder::default()
         };
         if let Some(max_edge) = max_edge {

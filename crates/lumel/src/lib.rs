@@ -22,7 +22,9 @@ mod dark;
 mod difference;
 mod file_format;
 mod layers;
+mod light_entry;
 mod light_file;
+mod light_findings;
 mod measure;
 mod method;
 mod open;
@@ -32,9 +34,12 @@ mod reading;
 mod resume;
 mod samples;
 mod settings;
+mod sky_entry;
 pub mod spec;
+mod suggestion;
 mod surfaces;
 mod target;
+mod two_sided;
 mod workload;
 
 pub use bake::{Bake, BakeError, Baked};
@@ -43,7 +48,9 @@ pub use difference::{Difference, Percentiles};
 pub use file_format::{FileFormat, SaveError};
 pub use glam::{self, Vec3};
 pub use layers::{LightLayer, light_layers};
+pub use light_entry::{LightEntry, LightKind};
 pub use light_file::{Fitting, LightFile, LightFileError};
+pub use light_findings::LightFinding;
 pub use lumel_accel::{Bvh, RayTracer};
 pub use lumel_basis::{
     Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,
@@ -52,9 +59,9 @@ pub use lumel_export::{Checkpoint, RadFile, Saved, Solution, SolutionLayer, Solu
 pub use lumel_import::PathPolicy;
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
-    Camera, DirectionalLight, Face, FaceSide, Irradiance, Light, Material, MaterialId, ObjectId, ObjectMesh,
-    PointLight, Radiance, RectLight, Scene, SceneBuilder, SceneError, Sides, Smoothing, SpotLight, Texture,
-    TextureId, TextureRef, Warnings,
+    Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material, MaterialId, ObjectId,
+    ObjectMesh, PointLight, Radiance, RectLight, Scene, SceneBuilder, SceneError, Sides, Sky, SkyGradient,
+    SkyImage, Smoothing, SphereLight, SpotLight, SunLight, Texture, TextureId, TextureRef, Warnings,
 };
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
@@ -63,13 +70,15 @@ pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
 pub use open::{OpenError, OpenOptions, Opened, open};
 pub use progress::{Progress, Tracker};
-pub use project::{CameraEntry, LightEntry, MaterialEntry, Project, ProjectError, SlotEntry};
+pub use project::{CameraEntry, MaterialEntry, Project, ProjectError, SlotEntry};
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{
     BounceLimit, Layers, Memory, Preset, Projection, Settings, SettingsError, SettingsPatch, Share,
     SolverKind, Tail, TargetError,
 };
+pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
+pub use suggestion::suggested_light;
 pub use workload::Remainder;
 
 /// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.

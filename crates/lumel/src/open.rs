@@ -2,8 +2,9 @@
 
 use crate::project::{MaterialEntry, Project, ProjectError};
 use crate::settings::SettingsPatch;
-use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy};
-use lumel_scene::{Material, Radiance, SceneBuilder, SceneError, Sides, Warnings};
+use crate::two_sided::make_two_sided;
+use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy, TextureError};
+use lumel_scene::{Light, SceneBuilder, SceneError, Warnings};
 use std::path::{Path, PathBuf};
 
 /// How to open a scene.
@@ -15,6 +16,8 @@ pub struct OpenOptions {
     pub max_edge: Option<f32>,
     /// Levels of refinement of a built-in scene; replaces the project's.
     pub subdivide: Option<u32>,
+    /// Names of materials or objects that have two sides, whatever the files say; "all" for all.
+    pub two_sided: Vec<String>,
 }
 
 /// A scene that can still be changed before it is built.
@@ -53,6 +56,14 @@ pub enum OpenError {
         /// What is wrong with the reference.
         source: PathError,
     },
+    /// The image of the sky in a project file.
+    #[error("{}: {source}", .project.display())]
+    Sky {
+        /// The project file.
+        project: PathBuf,
+        /// What is wrong with the image.
+        source: TextureError,
+    },
     /// The tessellation.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -76,6 +87,7 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
         let (builder, warnings) = open_mesh(name, options.subdivide, options)?;
         Opened { builder, warnings, settings: SettingsPatch::default(), project: None }
     };
+    two_sided(name, &options.two_sided, &mut opened.builder, &mut opened.warnings);
     if let Some(max_edge) = options.max_edge {
         opened.warnings.append(opened.builder.tessellate(max_edge)?);
     }
@@ -139,9 +151,10 @@ fn apply(
     if !project.lights.is_empty() {
         builder.clear_lights();
     }
+    let invalid = |message| ProjectError::Invalid { path: path.to_owned(), message };
     for entry in project.lights.iter().filter(|entry| !entry.off) {
-        let mut light = entry.light();
-        if let Some(texture) = &entry.texture {
+        let mut light = entry.light().map_err(|error| invalid(error.to_string()))?;
+        if let (Some(texture), Light::Rect(light)) = (&entry.texture, &mut light) {
             let file = resolve(path, texture, options)?;
             match lumel_import::load_texture(&file, lumel_scene::Encoding::Srgb) {
                 Ok(texture) => {
@@ -156,33 +169,40 @@ fn apply(
         builder.add_named_light(entry.name.clone().unwrap_or_default(), light);
     }
     builder.cameras.splice(0..0, project.cameras.iter().map(|camera| camera.camera()));
-    if let Some(sky) = project.sky {
-        builder.sky = Radiance(sky);
+    if let Some(sky) = &project.sky {
+        let file = sky.file().map(|file| resolve(path, file, options)).transpose()?;
+        let loaded = sky.load(file.as_deref(), warnings);
+        builder.sky = loaded.map_err(|source| OpenError::Sky { project: path.to_owned(), source })?;
     }
-    let mut change = |name: &str, all: bool, change: &dyn Fn(&mut Material), purpose: &str| {
+    for MaterialEntry { name, albedo } in &project.materials {
         let mut found = false;
-        for material in builder.materials.iter_mut().filter(|m| all || m.name == name) {
-            change(material);
+        for material in builder.materials.iter_mut().filter(|material| material.name == *name) {
+            material.albedo = *albedo;
             found = true;
         }
         if !found {
-            let text = format!("there is no material \"{name}\" {purpose}");
+            let text = format!("there is no material \"{name}\" to give an albedo to");
             warnings.push(path.display().to_string(), text);
         }
-    };
-    for MaterialEntry { name, albedo } in &project.materials {
-        change(name, false, &|material| material.albedo = *albedo, "to give an albedo to");
     }
-    for name in &project.two_sided {
-        change(name, name == "*", &|material| material.sides = Sides::Both, "to make two-sided");
-    }
+    two_sided(&path.display().to_string(), &project.two_sided, builder, warnings);
     Ok(())
+}
+
+/// Makes materials and objects two-sided; warns of names that there are none of.
+fn two_sided(subject: &str, names: &[String], builder: &mut SceneBuilder, warnings: &mut Warnings) {
+    for name in names {
+        if !make_two_sided(builder, name) {
+            let text = format!("there is no material or object \"{name}\" to make two-sided");
+            warnings.push(subject, text);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Light, LightEntry, MaterialEntry};
+    use crate::{LightEntry, MaterialEntry};
     use glam::Vec3;
 
     fn open_with(lights: Vec<LightEntry>) -> Opened {
@@ -212,10 +232,16 @@ mod tests {
 
     #[test]
     fn lights_that_are_off_stay_in_the_project_and_out_of_the_scene() {
-        let on = LightEntry { u: Vec3::X, v: Vec3::Z, radiance: Vec3::ONE, ..LightEntry::default() };
+        let on = LightEntry {
+            center: Some(Vec3::ZERO),
+            u: Some(Vec3::X),
+            v: Some(Vec3::Z),
+            radiance: Some(Vec3::ONE),
+            ..LightEntry::default()
+        };
         let off = LightEntry { off: true, ..on.clone() };
         assert_eq!(open_with(Vec::new()).builder.lights.len(), 1, "the light of the Cornell box");
-        assert_eq!(open_with(vec![off.clone(), on.clone()]).builder.lights, [Light::Rect(on.light())]);
+        assert_eq!(open_with(vec![off.clone(), on.clone()]).builder.lights, [on.light().unwrap()]);
         let named = LightEntry { name: Some("lamp".into()), ..on.clone() };
         assert_eq!(open_with(vec![off.clone(), on, named]).builder.light_names, ["", "lamp"]);
         assert!(open_with(vec![off]).builder.lights.is_empty(), "nor does that of the mesh come back");

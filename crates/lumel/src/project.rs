@@ -1,9 +1,11 @@
 //! Project files: a scene with its lights, cameras and settings.
 
+use crate::light_entry::LightEntry;
 use crate::settings::SettingsPatch;
+use crate::sky_entry::SkyEntry;
 use glam::Vec3;
 use lumel_export::{ExportError, write_atomically};
-use lumel_scene::{Camera, Radiance, RectLight};
+use lumel_scene::Camera;
 use serde::{Deserialize, Serialize};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -52,12 +54,12 @@ pub struct Project {
     /// Longest edge after tessellation, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_edge: Option<f32>,
-    /// Names of materials that have two sides, whatever the mesh file says; `"*"` for all.
+    /// Names of materials or objects that have two sides, whatever the mesh file says; `"all"` or `"*"` for all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub two_sided: Vec<String>,
-    /// Radiance from outside the scene, W·m⁻²·sr⁻¹.
+    /// Light from outside the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sky: Option<Vec3>,
+    pub sky: Option<SkyEntry>,
     /// Materials that differ from those of the mesh file.
     #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<MaterialEntry>,
@@ -73,32 +75,6 @@ pub struct Project {
     /// Views with their own lights and settings, which editors keep under a number; bakes ignore them.
     #[serde(default, rename = "slot", skip_serializing_if = "Vec::is_empty")]
     pub slots: Vec<SlotEntry>,
-}
-
-/// A rectangle light in a project file.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LightEntry {
-    /// Its name in editors.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
-    /// Centre, metres.
-    pub center: Vec3,
-    /// Half of one edge.
-    pub u: Vec3,
-    /// Half of the other edge; light leaves on the `u × v` side.
-    pub v: Vec3,
-    /// Emitted radiance, W·m⁻²·sr⁻¹.
-    pub radiance: Vec3,
-    /// An image that multiplies the radiance, relative to the project file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub texture: Option<PathBuf>,
-    /// Whether it is kept but emits no light.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub off: bool,
-    /// Whether editors preserve its power instead of its radiance when they resize it.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub constant_power: bool,
 }
 
 /// The albedo of a material in a project file.
@@ -225,6 +201,16 @@ impl Project {
         if let Some(error) = patches.map(SettingsPatch::validate).find_map(Result::err) {
             return Some(error.to_string());
         }
+        if let Some(problem) = self.sky.as_ref().and_then(SkyEntry::problem) {
+            return Some(problem.to_owned());
+        }
+        let lights = self.lights.iter().chain(self.slots.iter().flat_map(|slot| &slot.lights));
+        for (i, light) in lights.enumerate() {
+            if let Err(error) = light.light() {
+                let name = light.name.clone().unwrap_or_else(|| format!("light {}", i + 1));
+                return Some(format!("light \"{name}\": {error}"));
+            }
+        }
         if self.scene.is_some() == self.builtin.is_some() {
             return Some("name either a mesh file by `scene` or a built-in scene by `builtin`".into());
         }
@@ -241,14 +227,6 @@ impl Project {
         }
         let twice = numbers.iter().enumerate().find(|(i, number)| numbers[..*i].contains(number));
         twice.map(|(_, number)| format!("there is more than one slot {number}"))
-    }
-}
-
-impl LightEntry {
-    /// The light without its texture, whether it is on or off.
-    pub fn light(&self) -> RectLight {
-        let Self { center, u, v, radiance, .. } = *self;
-        RectLight { center, u, v, radiance: Radiance(radiance), texture: None }
     }
 }
 
@@ -299,13 +277,14 @@ mod tests {
     fn full() -> Project {
         let light = LightEntry {
             name: Some("window \"left\"".into()),
-            center: Vec3::new(0.1, 2.4, -1e-7),
-            u: Vec3::X / 3.0,
-            v: Vec3::Z,
-            radiance: Vec3::new(10.0, 0.7, 1e6),
+            center: Some(Vec3::new(0.1, 2.4, -1e-7)),
+            u: Some(Vec3::X / 3.0),
+            v: Some(Vec3::Z),
+            radiance: Some(Vec3::new(10.0, 0.7, 1e6)),
             texture: Some("sky.png".into()),
             off: true,
             constant_power: true,
+            ..LightEntry::default()
         };
         let camera = CameraEntry {
             name: "door".into(),
@@ -326,7 +305,7 @@ mod tests {
             subdivide: Some(1),
             max_edge: Some(0.1),
             two_sided: vec!["*".into()],
-            sky: Some(Vec3::splat(0.3)),
+            sky: Some(SkyEntry::Color(Vec3::splat(0.3))),
             materials: vec![MaterialEntry { name: "wall".into(), albedo: Vec3::new(0.7, 0.2, 1.0) }],
             lights: vec![light],
             cameras: vec![camera],
@@ -362,11 +341,12 @@ mod tests {
             .filter(|f| f.is_finite())
             .chain([f32::MIN_POSITIVE, f32::MAX, 1e-45, -0.0])
             .collect();
-        let entry = |c: &[f32]| LightEntry { center: Vec3::from_slice(c), ..LightEntry::default() };
+        let entry = |c: &[f32]| LightEntry { center: Some(Vec3::from_slice(c)), ..LightEntry::default() };
         project.lights = floats.chunks_exact(3).map(entry).collect();
         let back: Project = toml::to_string(&project).unwrap().parse().unwrap();
         for (a, b) in project.lights.iter().zip(&back.lights) {
-            assert_eq!(a.center.to_array().map(f32::to_bits), b.center.to_array().map(f32::to_bits));
+            let bits = |entry: &LightEntry| entry.center.unwrap().to_array().map(f32::to_bits);
+            assert_eq!(bits(a), bits(b));
         }
         assert_eq!(project.lights.len(), back.lights.len());
     }

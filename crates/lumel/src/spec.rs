@@ -1,18 +1,22 @@
-//! Lights and cameras written as text: `key=value` words, as on the command line. Every number is finite.
+//! Lights, skies and cameras written as text: `key=value` words, as on the command line. Every number is finite.
 
-use glam::Vec3;
-use lumel_scene::{Camera, Radiance, RectLight};
+use crate::light_entry::{LightEntry, LightKind};
+use crate::sky_entry::{self, SkyEntry};
+use glam::{Vec2, Vec3};
+use lumel_scene::{Camera, Light};
 
 /// Vertical field of view of a camera without one, degrees.
 const FOV_DEG: f32 = 60.0;
-/// The cosine up to which two half-edges count as perpendicular; the tolerance of scenes, see
-/// [`SceneError::BadLight`](lumel_scene::SceneError::BadLight).
-const RIGHT_ANGLE_COS: f32 = 1e-3;
-
 /// What is wrong with a text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct SpecError(String);
+
+impl SpecError {
+    pub(crate) fn new(message: impl Into<String>) -> Self {
+        Self(message.into())
+    }
+}
 
 /// A light as a text describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,41 +24,62 @@ pub struct LightSpec {
     /// What it is called, if the text says that.
     pub name: Option<String>,
     /// The light.
-    pub light: RectLight,
+    pub light: Light,
 }
 
-/// A rectangle light: `rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b name=text`, in any order after the shape, the
-/// last optional.
-///
-/// `u` and `v` are half of its edges, metres; light leaves on the `u × v` side. `radiance` is in W·m⁻²·sr⁻¹.
+/// A light: its [kind](LightKind), then words `key=value` in any order, with the keys of [`LightEntry`] that the kind has,
+/// and `name=text` if needed.
 ///
 /// ```
-/// let spec = lumel::spec::light("rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10 name=ceiling")?;
-/// assert_eq!((spec.light.area(), spec.name.as_deref()), (1.0, Some("ceiling")));
+/// let spec = lumel::spec::light("rect center=0,2,0 direction=0,-1,0 size=1,1 radiance=10,10,10 name=ceiling")?;
+/// assert_eq!(spec.name.as_deref(), Some("ceiling"));
+/// let lumel::Light::Rect(rect) = spec.light else { panic!("it is a rectangle") };
+/// assert_eq!((rect.area(), rect.normal()), (1.0, Some(-lumel::Vec3::Y)));
 /// # Ok::<(), lumel::spec::SpecError>(())
 /// ```
 ///
 /// # Errors
-/// Another shape, an unknown, missing or repeated key, a value of the wrong kind, and half-edges that are not
-/// perpendicular.
+/// Another kind, an unknown, missing or repeated key, and a value of the wrong kind.
 pub fn light(text: &str) -> Result<LightSpec, SpecError> {
     let text = text.trim();
-    let (shape, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    if shape != "rect" {
-        return problem(format!("the first word must be the shape of the light, \"rect\", not \"{shape}\""));
-    }
-    let words = Words::parse(rest, &["center", "u", "v", "radiance", "name"])?;
-    let light = RectLight {
-        center: words.require("center", vector)?,
-        u: words.require("u", direction)?,
-        v: words.require("v", direction)?,
-        radiance: Radiance(words.require("radiance", color)?),
-        texture: None,
+    let (kind, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    let Some(kind) = LightKind::ALL.into_iter().find(|known| known.name() == kind) else {
+        let kinds = LightKind::ALL.map(LightKind::name).join(", ");
+        return problem(format!(
+            "the first word must be the kind of the light, one of {kinds}, not \"{kind}\""
+        ));
     };
-    // Not `a > b`: overflowing lengths give NaN, and such edges are no better.
-    let perpendicular = light.u.dot(light.v).abs() <= RIGHT_ANGLE_COS * light.u.length() * light.v.length();
-    let name = words.optional("name", word)?;
-    if perpendicular { Ok(LightSpec { name, light }) } else { problem("u and v must be perpendicular") }
+    let words = Words::parse(rest, &[kind.keys(), &["name"]].concat())?;
+    let entry = LightEntry {
+        kind,
+        name: words.optional("name", word)?,
+        center: words.optional("center", vector)?,
+        position: words.optional("position", vector)?,
+        u: words.optional("u", direction)?,
+        v: words.optional("v", direction)?,
+        size: words.optional("size", size)?,
+        direction: words.optional("direction", direction)?,
+        toward: words.optional("toward", vector)?,
+        radius: words.optional("radius", number)?,
+        inner: words.optional("inner", number)?,
+        outer: words.optional("outer", number)?,
+        angle: words.optional("angle", number)?,
+        radiance: words.optional("radiance", color)?,
+        intensity: words.optional("intensity", color)?,
+        irradiance: words.optional("irradiance", color)?,
+        range: words.optional("range", number)?,
+        ..LightEntry::default()
+    };
+    Ok(LightSpec { light: entry.light()?, name: entry.name })
+}
+
+/// A sky: `r,g,b`, `gradient zenith=r,g,b horizon=r,g,b ground=r,g,b` with the last optional, or the path of an
+/// equirectangular image, which may be followed by `rotation=degrees` and `strength=factor`.
+///
+/// # Errors
+/// Any other text.
+pub fn sky(text: &str) -> Result<SkyEntry, SpecError> {
+    sky_entry::parse(text)
 }
 
 /// A camera: `position=x,y,z target=x,y,z fov=deg up=x,y,z`, in any order, the last two optional.
@@ -111,6 +136,16 @@ pub fn color(text: &str) -> Result<Vec3, SpecError> {
     if color.min_element() < 0.0 { problem("light cannot be negative") } else { Ok(color) }
 }
 
+/// Width and height: `w,h`, or one number for both.
+fn size(text: &str) -> Result<Vec2, SpecError> {
+    let numbers = text.split(',').map(number).collect::<Result<Vec<f32>, SpecError>>()?;
+    match numbers[..] {
+        [side] => Ok(Vec2::splat(side)),
+        [width, height] => Ok(Vec2::new(width, height)),
+        _ => problem(format!("two numbers w,h are needed, not {}", numbers.len())),
+    }
+}
+
 /// A word, which is not empty.
 fn word(text: &str) -> Result<String, SpecError> {
     if text.is_empty() { problem("it is empty") } else { Ok(text.to_owned()) }
@@ -130,13 +165,13 @@ fn problem<T>(message: impl Into<String>) -> Result<T, SpecError> {
 }
 
 /// Words of the form `key=value`, each key once.
-struct Words<'a> {
+pub(crate) struct Words<'a> {
     pairs: Vec<(&'a str, &'a str)>,
 }
 
 impl<'a> Words<'a> {
     /// Splits a text into words with known keys.
-    fn parse(text: &'a str, keys: &[&str]) -> Result<Self, SpecError> {
+    pub(crate) fn parse(text: &'a str, keys: &[&str]) -> Result<Self, SpecError> {
         let mut pairs: Vec<(&str, &str)> = Vec::new();
         for word in text.split_whitespace() {
             let Some((key, value)) = word.split_once('=') else {
@@ -156,12 +191,16 @@ impl<'a> Words<'a> {
     }
 
     /// The value of a key that must be there.
-    fn require<T>(&self, key: &str, parse: fn(&str) -> Result<T, SpecError>) -> Result<T, SpecError> {
+    pub(crate) fn require<T>(
+        &self,
+        key: &str,
+        parse: fn(&str) -> Result<T, SpecError>,
+    ) -> Result<T, SpecError> {
         self.optional(key, parse)?.ok_or_else(|| SpecError(format!("{key} is missing")))
     }
 
     /// The value of a key that may be absent.
-    fn optional<T>(
+    pub(crate) fn optional<T>(
         &self,
         key: &str,
         parse: fn(&str) -> Result<T, SpecError>,
@@ -189,11 +228,12 @@ mod tests {
     #[test]
     fn lights_say_which_key_is_wrong() {
         let good = light(LIGHT).unwrap();
-        assert_eq!((good.light.center, good.light.area()), (Vec3::new(0.0, 2.0, 0.0), 1.0));
+        let Light::Rect(rect) = good.light else { panic!("it is a rectangle") };
+        assert_eq!((rect.center, rect.area()), (Vec3::new(0.0, 2.0, 0.0), 1.0));
         let named = light(&format!("{LIGHT} name=left")).unwrap();
         assert_eq!((good.name, named.name.as_deref()), (None, Some("left")));
         let problem = |text: &str| light(text).unwrap_err().to_string();
-        assert!(problem("disk center=0,0,0").contains("\"disk\""));
+        assert!(problem("tube center=0,0,0").contains("\"tube\""));
         assert!(
             problem("rect center=0,0 u=1,0,0 v=0,0,1 radiance=1,1,1").starts_with("center: three numbers")
         );

@@ -65,7 +65,7 @@ fn room_of(cells: u32, of_box: u32) -> SceneBuilder {
     let mut screen = grey(0.5, 4.0);
     screen.name = "screen".to_owned();
     SceneBuilder {
-        sky: Radiance(Vec3::new(0.1, 0.2, 0.3)),
+        sky: Radiance(Vec3::new(0.1, 0.2, 0.3)).into(),
         ..lumel_testkit::scene::scene(objects, vec![grey(0.6, 0.0), screen], Vec::new())
     }
 }
@@ -234,7 +234,7 @@ fn layers_of_built_in_scenes_add_up_to_all_light() {
         let center = rect.center + 0.5 * rect.u + 0.1 * rect.u.cross(rect.v).normalize() * rect.u.length();
         builder.add_named_light("second", RectLight { center, u: 0.5 * rect.u, ..rect });
         builder.add_light(Light::Point(point(center)));
-        builder.sky = Radiance(builder.sky.0.max(Vec3::splat(0.1)));
+        builder.sky = Radiance(builder.sky.mean().0.max(Vec3::splat(0.1))).into();
         let scene = built(builder);
         let settings = Settings { bounces: BounceLimit::Count(1), direct_samples: 2, ..settings() };
         assert_whole(&solved(&scene, &settings).1, name);
@@ -246,7 +246,7 @@ fn the_layer_of_a_light_is_a_bake_with_that_light_alone() {
     let lights = lights();
     let scene = built(with_lights(room(), &lights));
     let mut dark = room();
-    dark.sky = Radiance::ZERO;
+    dark.sky = Radiance::ZERO.into();
     dark.materials[1].emission = Radiance::ZERO;
     for (way, settings) in ways().into_iter().filter(|(_, settings)| settings.tail == Tail::Off) {
         let (_, state, _) = solved(&scene, &settings);

@@ -152,7 +152,7 @@ fn a_face_whose_corners_are_all_hidden_is_lit() {
     });
     let objects: Vec<_> = std::iter::once(floor(1)).chain(posts).collect();
     let n_floor_corners = 4;
-    let sky = Radiance::splat(1.0);
+    let sky = Radiance::splat(1.0).into();
     let builder = SceneBuilder { sky, ..scene(objects, vec![grey(0.0, 0.0)], vec![]) };
     for (place, builder, turn, shift) in placements(&builder) {
         let scene = built(builder);

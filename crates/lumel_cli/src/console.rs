@@ -46,6 +46,12 @@ impl Console {
         self.message("warning", "33", message, None);
     }
 
+    /// A warning that says what to do.
+    pub(crate) fn warning_with_hint(&self, message: &str, hint: &str) {
+        self.n_warnings.fetch_add(1, Ordering::Relaxed);
+        self.message("warning", "33", message, Some(hint));
+    }
+
     /// How many warnings there were.
     pub(crate) fn warning_count(&self) -> usize {
         self.n_warnings.load(Ordering::Relaxed)

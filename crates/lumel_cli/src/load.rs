@@ -7,10 +7,10 @@ use crate::parse::LightChoice;
 use glam::Vec3;
 use lumel::spec::LightSpec;
 use lumel::{
-    EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings, SettingsError,
-    SettingsPatch, Warnings,
+    Baker, Bvh, Control, EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings,
+    SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
 };
-use lumel_scene::{Radiance, TriId};
+use lumel_scene::TriId;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -37,11 +37,8 @@ pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
     for LightSpec { name, light } in new_lights() {
         builder.add_named_light(name.clone().unwrap_or_default(), *light);
     }
-    if let Some(sky) = args.sky {
-        builder.sky = Radiance(sky);
-    }
-    if !builder.sky.0.is_finite() || builder.sky.0.min_element() < 0.0 {
-        anyhow::bail!("the radiance of the sky must be finite and not negative: {}", args.scene);
+    if let Some(sky) = &args.sky {
+        builder.sky = sky.load(sky.file(), &mut warnings)?;
     }
     let (scene, more) = builder.build().map_err(|error| in_scene(error, args))?;
     warnings.append(more);
@@ -110,36 +107,34 @@ pub(crate) fn check_shines(scene: &Scene, emitters: EmitterSampling) -> anyhow::
     let but = if emissive { " with --no-emissive" } else { "" };
     Err(hinted(
         format!("nothing emits light in scene \"{}\"{but}", scene.name()),
-        format!("add a light, for example --light '{}', or a sky, --sky 1,1,1", light_for(scene)),
+        format!("add a light that suits the scene: {}", suggested_light(scene, &Bvh::build(scene))),
     ))
 }
 
 fn shines(light: &Light) -> bool {
-    let power = match light {
-        Light::Rect(light) => light.radiance.0,
-        Light::Point(light) => light.intensity,
-        Light::Spot(light) => light.point.intensity,
-        Light::Directional(light) => light.irradiance,
-    };
-    power != Vec3::ZERO
+    light.strength() != Vec3::ZERO
 }
 
-/// A light that faces down, a fifth as wide as the scene: below the top of a room, above a flat scene.
-fn light_for(scene: &Scene) -> String {
-    let bounds = scene.bounds();
-    let size = bounds.max - bounds.min;
-    let flat = size.y < 0.1 * bounds.diagonal();
-    let height = if flat { bounds.max.y + 0.5 * bounds.diagonal() } else { bounds.max.y - 0.05 * size.y };
-    let at = bounds.center().with_y(height);
-    let half = |extent: f32| (0.1 * extent).max(0.001);
-    format!(
-        "rect center={:.3},{:.3},{:.3} u={:.3},0,0 v=0,0,{:.3} radiance=10,10,10",
-        at.x,
-        at.y,
-        at.z,
-        half(size.x),
-        half(size.z)
-    )
+/// Warns of lights that are lost: those that reach nothing, and light on back faces.
+///
+/// Returns whether there are any.
+pub(crate) fn warn_of_lost_light(baker: &Baker, console: &Console) -> bool {
+    // Nothing cancels it: it takes a moment.
+    let findings = baker.light_findings(&Control::default()).unwrap_or_default();
+    for finding in findings.iter().take(MAX_WARNINGS) {
+        console.warning_with_hint(&finding.to_string(), &finding.remedy());
+    }
+    !findings.is_empty()
+}
+
+/// Warns of a bake without any light.
+pub(crate) fn warn_of_darkness(baker: &Baker, state: &SolveState, console: &Console) {
+    if state.bounces.first().is_some_and(|direct| baker.power(direct) == 0.0) {
+        let scene = baker.scene();
+        let message = format!("no light arrives at any surface of scene \"{}\"", scene.name());
+        let hint = format!("add a light that suits the scene: {}", suggested_light(scene, &**baker.tracer()));
+        console.warning_with_hint(&message, &hint);
+    }
 }
 
 /// The files of a scene that the command line or the project names.
@@ -147,9 +142,11 @@ pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
     let path = Path::new(scene);
     let mut files = vec![path.to_owned()];
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
-        && let Ok(Project { scene: Some(mesh), .. }) = Project::read(path)
+        && let Ok(project) = Project::read(path)
     {
-        files.push(path.parent().unwrap_or(Path::new("")).join(mesh));
+        let sky = project.sky.as_ref().and_then(|sky| sky.file());
+        let named = project.scene.as_deref().into_iter().chain(sky);
+        files.extend(named.map(|file| path.parent().unwrap_or(Path::new("")).join(file)));
     }
     files
 }

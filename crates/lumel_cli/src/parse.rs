@@ -1,12 +1,10 @@
 //! Values on the command line. Every number is finite.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumel::{Camera, spec};
+use lumel::{Camera, LightKind, spec};
 use lumel_render_cpu::{MAX_PIXELS, Show, ToneMapper};
 use std::ops::RangeInclusive;
 
-/// An example of a light.
-const LIGHT_EXAMPLE: &str = "rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10";
 /// An example of a camera.
 const CAMERA_EXAMPLE: &str = "position=0,1,3 target=0,1,0 fov=50";
 
@@ -86,14 +84,16 @@ impl LightChoice {
     }
 }
 
-/// A rectangle light: `rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b name=text`, the last optional.
+/// A light: see [`spec::light`].
 pub(crate) fn light(text: &str) -> Result<LightChoice, String> {
-    spec::light(text)
-        .map(LightChoice::New)
-        .map_err(|error| format!("{error}\n  hint: for example --light '{LIGHT_EXAMPLE}'"))
+    spec::light(text).map(LightChoice::New).map_err(|error| {
+        let named = LightKind::ALL.into_iter().find(|kind| text.trim_start().starts_with(kind.name()));
+        let example = named.unwrap_or_default().example();
+        format!("{error}\n  hint: for example --light '{example}'")
+    })
 }
 
-/// A rectangle light, or the name of a layer.
+/// A light, or the name of a layer.
 pub(crate) fn light_or_layer(text: &str) -> Result<LightChoice, String> {
     if text.contains('=') { light(text) } else { Ok(LightChoice::Layer(text.to_owned())) }
 }
@@ -146,14 +146,15 @@ mod tests {
 
     #[test]
     fn bad_lights_are_answered_with_an_example_that_is_right() {
-        assert!(light(LIGHT_EXAMPLE).is_ok());
+        assert!(LightKind::ALL.into_iter().all(|kind| light(kind.example()).is_ok()));
+        assert!(light("spot").unwrap_err().contains("--light 'spot position="));
         assert!(light("rect").unwrap_err().contains("--light 'rect center="));
     }
 
     #[test]
     fn a_light_without_an_equals_sign_is_a_layer() {
         assert_eq!(light_or_layer("light 1"), Ok(LightChoice::Layer("light 1".to_owned())));
-        assert!(light_or_layer(LIGHT_EXAMPLE).unwrap().as_new().is_some());
+        assert!(light_or_layer(LightKind::Sun.example()).unwrap().as_new().is_some());
         assert!(light_or_layer("rect center=1").is_err());
     }
 

@@ -2,7 +2,7 @@
 
 mod text;
 
-use lumel::{Emitter, Light, LightLayer, Scene, Settings, light_layers};
+use lumel::{Emitter, Light, LightLayer, Scene, Settings, Sky, light_layers};
 use lumel_scene::{Barycentrics, MaterialId, Sides, SurfacePoint, TextureRef, TriId};
 use serde::Serialize;
 
@@ -22,7 +22,9 @@ pub(crate) struct SceneReport {
     /// What `--layers lights` tells apart, for `render --light NAME`.
     layers: Vec<LayerReport>,
     emissive: Emissive,
+    /// The mean over all directions.
     sky: [f32; 3],
+    sky_kind: &'static str,
     cameras: Vec<CameraReport>,
     warnings: Vec<String>,
 }
@@ -71,6 +73,9 @@ enum LightKind {
     Point { position: [f32; 3], intensity: [f32; 3], power: [f32; 3] },
     Spot { position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], outer_angle_deg: f32 },
     Directional { direction: [f32; 3], irradiance: [f32; 3] },
+    Sun { direction: [f32; 3], irradiance: [f32; 3], angle_deg: f32 },
+    Disk { center: [f32; 3], radius: f32, normal: [f32; 3], radiance: [f32; 3], power: [f32; 3] },
+    Sphere { center: [f32; 3], radius: f32, radiance: [f32; 3], power: [f32; 3] },
 }
 
 /// Emitters that share a name.
@@ -120,7 +125,12 @@ impl SceneReport {
             lights: scene.lights().iter().zip(scene.light_names()).map(light).collect(),
             layers: light_layers(scene, &Settings::default()).iter().map(layer).collect(),
             emissive: Emissive::of(scene),
-            sky: scene.sky().0.to_array(),
+            sky: scene.sky().mean().0.to_array(),
+            sky_kind: match scene.sky() {
+                Sky::Uniform(_) => "uniform",
+                Sky::Gradient(_) => "gradient",
+                Sky::Image(_) => "image",
+            },
             cameras: scene.cameras().iter().map(camera).collect(),
             warnings,
         }
@@ -215,6 +225,24 @@ fn kind(light: &Light) -> LightKind {
         Light::Directional(sun) => LightKind::Directional {
             direction: sun.direction.to_array(),
             irradiance: sun.irradiance.to_array(),
+        },
+        Light::Sun(sun) => LightKind::Sun {
+            direction: sun.parallel.direction.to_array(),
+            irradiance: sun.parallel.irradiance.to_array(),
+            angle_deg: 2.0 * sun.sin_half_angle.asin().to_degrees(),
+        },
+        Light::Disk(disk) => LightKind::Disk {
+            center: disk.center.to_array(),
+            radius: disk.radius,
+            normal: disk.direction.to_array(),
+            radiance: disk.radiance.0.to_array(),
+            power: disk.radiance.power(disk.area()).to_array(),
+        },
+        Light::Sphere(sphere) => LightKind::Sphere {
+            center: sphere.center.to_array(),
+            radius: sphere.radius,
+            radiance: sphere.radiance.0.to_array(),
+            power: sphere.radiance.power(sphere.area()).to_array(),
         },
     }
 }

@@ -1,7 +1,7 @@
-//! Lights and cameras as text.
+//! Lights, skies and cameras as text.
 
 use crate::scene::build;
-use lumel::{Light, SceneBuilder, spec};
+use lumel::{SceneBuilder, spec};
 
 /// The text of `--light`, and as a second reader of the same words, of `--camera`.
 pub(crate) fn light(input: &[u8]) {
@@ -9,11 +9,14 @@ pub(crate) fn light(input: &[u8]) {
     match spec::light(text) {
         Ok(spec) => {
             // All that is accepted suits a scene.
-            let builder = SceneBuilder { lights: vec![Light::Rect(spec.light)], ..room() };
+            let builder = SceneBuilder { lights: vec![spec.light], ..room() };
             builder.clone().build().expect("a light that was accepted");
             build(builder);
         }
         Err(error) => assert!(!error.to_string().is_empty()),
+    }
+    if let Err(error) = spec::sky(text) {
+        assert!(!error.to_string().is_empty());
     }
     match spec::camera(text) {
         Ok(camera) => assert!(camera.fov_y > 0.0 && camera.position.is_finite()),

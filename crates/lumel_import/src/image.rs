@@ -13,7 +13,7 @@ const MAX_SIDE: u32 = 32_768;
 /// The most memory an image may take while it is decoded and as a texture, bytes: 16,384² texels of RGBA.
 const MAX_BYTES: u64 = 1 << 30;
 /// Image formats that can be read, for messages.
-const FORMATS: &str = "png, jpeg, tga, bmp, hdr, tiff or webp";
+const FORMATS: &str = "png, jpeg, tga, bmp, hdr, exr, tiff or webp";
 
 /// Why an image cannot be used as a texture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -56,16 +56,20 @@ pub enum TextureError {
 /// Reads an image file.
 ///
 /// `encoding` applies to integer images: [`Encoding::Srgb`] for colours, [`Encoding::Linear`] for normals and
-/// other data. Floating-point images (HDR, float TIFF) are always linear. Channels of 16 bits are rounded to 8.
+/// other data. Floating-point images (HDR, EXR, float TIFF) are always linear. Channels of 16 bits are rounded to 8.
 ///
 /// # Errors
 /// See [`TextureError`].
 pub fn load_texture(path: &Path, encoding: Encoding) -> Result<Texture, TextureError> {
+    into_texture(decode_file(path)?, &path.display().to_string(), encoding)
+}
+
+/// Decodes an image file.
+pub(crate) fn decode_file(path: &Path) -> Result<DynamicImage, TextureError> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path)
         .map_err(|error| TextureError::Read { name: name.clone(), problem: error.to_string() })?;
-    let extension = path.extension().and_then(|e| e.to_str());
-    decode(&bytes, &name, extension, encoding)
+    decode_image(&bytes, &name, path.extension().and_then(|e| e.to_str()))
 }
 
 /// Decodes an image in memory; `name` is for messages and becomes the texture's name, `extension` is used
@@ -79,6 +83,10 @@ pub(crate) fn decode(
     extension: Option<&str>,
     encoding: Encoding,
 ) -> Result<Texture, TextureError> {
+    into_texture(decode_image(bytes, name, extension)?, name, encoding)
+}
+
+fn decode_image(bytes: &[u8], name: &str, extension: Option<&str>) -> Result<DynamicImage, TextureError> {
     let by_extension = extension.and_then(ImageFormat::from_extension).filter(ImageFormat::reading_enabled);
     let by_content = image::guess_format(bytes).ok().filter(ImageFormat::reading_enabled);
     // TGA has no magic number, so there the extension comes first; elsewhere extensions are often wrong.
@@ -89,7 +97,7 @@ pub(crate) fn decode(
     let mut first_error = None;
     for format in candidates.into_iter().flatten() {
         match decode_as(bytes, name, format) {
-            Ok(image) => return into_texture(image, name, encoding),
+            Ok(image) => return Ok(image),
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
@@ -119,7 +127,11 @@ fn bytes_per_texel(color: image::ColorType) -> u64 {
     if matches!(color, image::ColorType::Rgb32F | image::ColorType::Rgba32F) { 12 } else { 4 }
 }
 
-fn into_texture(image: DynamicImage, name: &str, encoding: Encoding) -> Result<Texture, TextureError> {
+pub(crate) fn into_texture(
+    image: DynamicImage,
+    name: &str,
+    encoding: Encoding,
+) -> Result<Texture, TextureError> {
     let (width, height) = (image.width(), image.height());
     let texture = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {

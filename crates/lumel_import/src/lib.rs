@@ -17,6 +17,7 @@ mod obj;
 mod paths;
 mod ply;
 mod polygon;
+mod sky;
 mod tally;
 #[cfg(test)]
 mod testing;
@@ -27,6 +28,7 @@ use format::Format;
 pub use image::{TextureError, load_texture};
 pub use imported::{ImportOptions, Imported};
 pub use paths::{PathError, PathPolicy};
+pub use sky::load_sky;
 use std::path::{Path, PathBuf};
 
 /// Reads a scene file. The format is determined by the extension, otherwise by the content.

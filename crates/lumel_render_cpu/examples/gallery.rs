@@ -8,7 +8,7 @@ use lumel_basis::VertexLighting;
 use lumel_render_cpu::{
     Display, FalseColor, Legend, Picture, Resolution, Scale, Show, ToneMapper, View, camera_for, draw,
 };
-use lumel_scene::{Camera, Light, Scene, offset_along};
+use lumel_scene::{Camera, Light, Scene, SunLight, offset_along};
 use std::error::Error;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -81,10 +81,16 @@ fn rough_light(scene: &Scene, tracer: &dyn RayTracer) -> Vec<Vec3> {
                 Light::Spot(light) => add(light.point.position, &|d| {
                     light.point.normal_irradiance(d.length()) * light.falloff(-d.normalize_or_zero())
                 }),
-                Light::Directional(light) => {
+                Light::Sun(SunLight { parallel: light, .. }) | Light::Directional(light) => {
                     let far = origin - light.direction * scene.bounds().diagonal();
                     add(far, &|_| light.irradiance);
                 }
+                // As points; what this example draws has none.
+                Light::Disk(light) => add(light.center, &|d| {
+                    let out = -d.normalize_or_zero().dot(light.direction);
+                    light.radiance.0 * (light.area() * out.max(0.0) / d.length_squared())
+                }),
+                Light::Sphere(light) => add(light.center, &|d| light.intensity() / d.length_squared()),
             }
         }
         irradiance

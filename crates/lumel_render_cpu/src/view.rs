@@ -105,7 +105,7 @@ impl<'a> View<'a> {
         match sight {
             Sight::Surface(at) => self.surface_radiance(at),
             Sight::Back => Radiance::ZERO,
-            Sight::Nothing => self.scene.sky(),
+            Sight::Nothing => self.scene.sky().radiance(ray.direction.normalize_or_zero()),
         }
     }
 

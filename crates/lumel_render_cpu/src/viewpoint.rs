@@ -4,7 +4,7 @@ use crate::Lens;
 use glam::{Vec2, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_sample::uniform_sphere;
-use lumel_scene::{Camera, Light, Scene, Sides};
+use lumel_scene::{Camera, Scene, Sides};
 
 /// A camera for a scene: its first, or one that shows the inside of a room or the outside of an object.
 ///
@@ -84,12 +84,7 @@ impl Eye<'_> {
         let bounds = self.scene.bounds();
         let outside = |p: Vec3| p.clamp(bounds.min, bounds.max) != p;
         !self.scene.sky().is_zero()
-            || self.scene.lights().iter().any(|light| match light {
-                Light::Rect(light) => outside(light.center),
-                Light::Point(light) => outside(light.position),
-                Light::Spot(light) => outside(light.point.position),
-                Light::Directional(_) => true,
-            })
+            || self.scene.lights().iter().any(|light| light.position().is_none_or(outside))
     }
 
     fn room_views(&self) -> Vec<Candidate> {

@@ -192,7 +192,7 @@ fn walls_of_two_faces_in_one_place_hide_what_is_behind() {
 fn light_pixel(lights: Vec<Light>, textures: Vec<Texture>, eye: Vec3, up: Vec3) -> Picture {
     let floor = [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
     let builder = scene(vec![quad(floor, 0)], vec![grey(0.5)]);
-    let scene = built(SceneBuilder { lights, textures, sky: Radiance::ZERO, ..builder });
+    let scene = built(SceneBuilder { lights, textures, sky: Radiance::ZERO.into(), ..builder });
     let tracer = BruteForce::new(&scene);
     let camera = Camera { up, ..Camera::looking_at("c", eye, Vec3::new(0.0, 2.0, 0.0), 60_f32.to_radians()) };
     shoot(&View::new(&scene, &tracer, DARK), &camera, 9, &plain()).unwrap()
@@ -246,7 +246,7 @@ fn rect_lights_have_their_size_and_their_texture() {
 #[test]
 fn the_sky_is_the_background_of_radiance_only() {
     let mut builder = scene(vec![square(0.0, 1.0, 0)], vec![grey(0.5)]);
-    builder.sky = Radiance(Vec3::new(0.18, 0.5, 1.0));
+    builder.sky = Radiance(Vec3::new(0.18, 0.5, 1.0)).into();
     let scene = built(builder);
     for &show in Show::ALL {
         let corner = picture(&scene, DARK, 9, &Display { show, ..plain() }).pixel(0, 0);

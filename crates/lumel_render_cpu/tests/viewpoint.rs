@@ -65,7 +65,7 @@ fn two_sided_boxes_are_rooms_or_objects_by_where_their_light_is() {
     let inside = |position, sky| {
         let light = Light::Point(PointLight { position, intensity: Vec3::ONE, range: f32::INFINITY });
         let builder = scene(cube(MIN, MAX, 0), vec![material.clone()]);
-        let scene = built(SceneBuilder { lights: vec![light], sky, ..builder });
+        let scene = built(SceneBuilder { lights: vec![light], sky: Radiance::into(sky), ..builder });
         is_inside(&scene, found(&scene).position)
     };
     let middle = 0.5 * (MIN + MAX);

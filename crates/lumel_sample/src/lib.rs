@@ -35,8 +35,8 @@ pub use key::{Dim, StreamKey};
 pub use piecewise::{PiecewiseConstant1D, PiecewiseConstant2D};
 pub use sampler::{Sampler, SamplerKind, Stream, UnknownSampler};
 pub use warp::{
-    SphericalRectangle, SphericalTriangle, concentric_disk, concentric_disk_inverse, cosine_hemisphere,
-    cosine_hemisphere_inverse, cosine_hemisphere_pdf, uniform_hemisphere, uniform_hemisphere_inverse,
-    uniform_hemisphere_pdf, uniform_sphere, uniform_sphere_inverse, uniform_sphere_pdf, uniform_triangle,
-    uniform_triangle_inverse,
+    Equirectangular, SphericalCap, SphericalRectangle, SphericalTriangle, concentric_disk,
+    concentric_disk_inverse, cosine_hemisphere, cosine_hemisphere_inverse, cosine_hemisphere_pdf,
+    uniform_hemisphere, uniform_hemisphere_inverse, uniform_hemisphere_pdf, uniform_sphere,
+    uniform_sphere_inverse, uniform_sphere_pdf, uniform_triangle, uniform_triangle_inverse,
 };

@@ -4,9 +4,13 @@
 //! Each has an inverse: `inverse(warp(u)) = u` to f32 rounding, except where a whole edge of the square meets in
 //! one point. Spheres and hemispheres have z up; a [`Frame`](crate::Frame) turns them.
 
+mod equirectangular;
+mod spherical_cap;
 mod spherical_rectangle;
 mod spherical_triangle;
 
+pub use equirectangular::Equirectangular;
+pub use spherical_cap::SphericalCap;
 pub use spherical_rectangle::SphericalRectangle;
 pub use spherical_triangle::SphericalTriangle;
 

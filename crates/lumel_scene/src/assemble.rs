@@ -97,5 +97,8 @@ lights!(
     Rect(RectLight),
     Point(crate::PointLight),
     Spot(crate::SpotLight),
-    Directional(crate::DirectionalLight)
+    Directional(crate::DirectionalLight),
+    Sun(crate::SunLight),
+    Disk(crate::DiskLight),
+    Sphere(crate::SphereLight)
 );

@@ -169,7 +169,7 @@ mod tests {
     fn a_sky_that_is_no_light_is_refused() {
         for bad in [f32::NAN, -1.0, f32::INFINITY] {
             let mut b = builder(vec![quad("q")]);
-            b.sky = Radiance::splat(bad);
+            b.sky = Radiance::splat(bad).into();
             assert_eq!(b.build().unwrap_err(), SceneError::BadSky);
         }
     }

@@ -1,6 +1,6 @@
 //! A scene in the making.
 
-use crate::{Camera, Light, Material, ObjectMesh, Radiance, Texture};
+use crate::{Camera, Light, Material, ObjectMesh, Sky, Texture};
 use glam::Vec3;
 
 /// A scene in the making: plain data that importers and generators fill in.
@@ -21,8 +21,8 @@ pub struct SceneBuilder {
     pub light_names: Vec<String>,
     /// Viewpoints; the first is the default.
     pub cameras: Vec<Camera>,
-    /// Radiance that arrives from everywhere outside the scene.
-    pub sky: Radiance,
+    /// Light that arrives from outside the scene.
+    pub sky: Sky,
 }
 
 impl SceneBuilder {

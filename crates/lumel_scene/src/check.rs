@@ -2,7 +2,7 @@
 
 use crate::error::{MAX_TRIANGLES, SceneError};
 use crate::mesh::ObjectMesh;
-use crate::{Light, Material, RectLight, SceneBuilder, TextureId};
+use crate::{DirectionalLight, Light, Material, RectLight, SceneBuilder, TextureId};
 use glam::Vec3;
 
 /// Checks all that a scene is to be built from.
@@ -10,7 +10,7 @@ pub(crate) fn builder(builder: &SceneBuilder) -> Result<(), SceneError> {
     let n_textures = builder.textures.len();
     materials(&builder.materials, n_textures)?;
     lights(&builder.lights, n_textures)?;
-    if !builder.sky.0.is_finite() || builder.sky.0.min_element() < 0.0 {
+    if !builder.sky.is_sound() {
         return Err(SceneError::BadSky);
     }
     size(&builder.name, &builder.objects)?;
@@ -23,7 +23,7 @@ pub(crate) fn lights(lights: &[Light], n_textures: usize) -> Result<(), SceneErr
         if let Light::Rect(RectLight { texture: Some(texture), .. }) = light {
             texture_index(*texture, n_textures, || format!("light {index}"))?;
         }
-        if let Some(problem) = light_problem(light) {
+        if let Some(problem) = light.problem() {
             return Err(SceneError::BadLight { index, problem });
         }
     }
@@ -82,8 +82,14 @@ fn texture_index(texture: TextureId, count: usize, user: impl Fn() -> String) ->
     Err(SceneError::BadTexture { user: user(), index: texture.0, count })
 }
 
+impl Light {
+    /// Why no scene can have it, if it has impossible values.
+    pub fn problem(&self) -> Option<&'static str> {
+        light_problem(self)
+    }
+}
+
 fn light_problem(light: &Light) -> Option<&'static str> {
-    let bad_power = |v: Vec3| !v.is_finite() || v.min_element() < 0.0;
     match light {
         Light::Rect(rect) => {
             let (lu, lv) = (rect.u.length(), rect.v.length());
@@ -101,13 +107,40 @@ fn light_problem(light: &Light) -> Option<&'static str> {
         Light::Point(point) => point_problem(point.position, point.intensity),
         Light::Spot(spot) => point_problem(spot.point.position, spot.point.intensity)
             .or_else(|| (!spot.direction.is_normalized()).then_some("the direction must be a unit vector")),
-        Light::Directional(sun) => {
-            if bad_power(sun.irradiance) {
-                Some("the irradiance must be finite and not negative")
-            } else {
-                (!sun.direction.is_normalized()).then_some("the direction must be a unit vector")
-            }
+        Light::Directional(sun) => parallel_problem(sun),
+        Light::Sun(sun) => parallel_problem(&sun.parallel).or_else(|| {
+            // Written so that NaN fails.
+            let possible = sun.sin_half_angle > 0.0 && sun.sin_half_angle <= 1.0;
+            (!possible).then_some("the angular diameter must be greater than 0 and at most 180 degrees")
+        }),
+        Light::Disk(disk) => {
+            let direction = !disk.direction.is_normalized();
+            round_problem(disk.center, disk.radius, disk.radiance.0)
+                .or_else(|| direction.then_some("the direction must be a unit vector"))
         }
+        Light::Sphere(sphere) => round_problem(sphere.center, sphere.radius, sphere.radiance.0),
+    }
+}
+
+fn bad_power(power: Vec3) -> bool {
+    !power.is_finite() || power.min_element() < 0.0
+}
+
+fn parallel_problem(sun: &DirectionalLight) -> Option<&'static str> {
+    if bad_power(sun.irradiance) {
+        Some("the irradiance must be finite and not negative")
+    } else {
+        (!sun.direction.is_normalized()).then_some("the direction must be a unit vector")
+    }
+}
+
+fn round_problem(center: Vec3, radius: f32, radiance: Vec3) -> Option<&'static str> {
+    if !center.is_finite() {
+        Some("the centre must be finite")
+    } else if !(radius > 0.0 && radius.is_finite()) {
+        Some("the radius must be greater than zero")
+    } else {
+        bad_power(radiance).then_some("the radiance must be finite and not negative")
     }
 }
 
@@ -115,7 +148,6 @@ fn point_problem(position: Vec3, intensity: Vec3) -> Option<&'static str> {
     if !position.is_finite() {
         Some("the position must be finite")
     } else {
-        (!intensity.is_finite() || intensity.min_element() < 0.0)
-            .then_some("the intensity must be finite and not negative")
+        bad_power(intensity).then_some("the intensity must be finite and not negative")
     }
 }

@@ -1,7 +1,7 @@
 //! Recognising a scene.
 
 use crate::face_list::FaceList;
-use crate::{Light, Material, Radiance, Texture};
+use crate::{Light, Material, Sky, Texture};
 use std::fmt;
 
 /// What a solution must agree with to belong to a scene.
@@ -25,9 +25,17 @@ impl SurfacesHash {
     }
 
     /// The hash of the lighting under these lights.
-    pub(crate) fn lit_by(&self, lights: &[Light], sky: Radiance) -> blake3::Hash {
+    pub(crate) fn lit_by(&self, lights: &[Light], sky: &Sky) -> blake3::Hash {
         let mut lighting = self.0.clone();
-        lighting.push(format!("{lights:?} {sky:?}").as_bytes());
+        match sky {
+            Sky::Uniform(radiance) => lighting.push(format!("{lights:?} {radiance:?}").as_bytes()),
+            Sky::Gradient(gradient) => lighting.push(format!("{lights:?} {gradient:?}").as_bytes()),
+            Sky::Image(image) => {
+                let [rotation, strength] = [image.rotation(), image.strength()];
+                lighting.push(format!("{lights:?} {rotation:?} {strength:?}").as_bytes());
+                push_texture(&mut lighting, image.texture());
+            }
+        }
         lighting.finish()
     }
 }

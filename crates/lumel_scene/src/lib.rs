@@ -26,6 +26,7 @@ mod offset;
 mod runs;
 mod sanitize;
 mod scene;
+mod sky;
 mod tessellate;
 #[cfg(test)]
 mod testing;
@@ -42,11 +43,14 @@ pub use camera::Camera;
 pub use error::{MAX_TRIANGLES, SceneError};
 pub use hash::SceneHash;
 pub use input_mesh::InputMesh;
-pub use light::{DirectionalLight, Light, PointLight, RectLight, SpotLight};
+pub use light::{
+    DirectionalLight, DiskLight, Light, PointLight, RectLight, SphereLight, SpotLight, SunLight,
+};
 pub use material::{MAX_ALBEDO, Material, Sides, TextureRef, UvTransform};
 pub use mesh::{Face, ObjectMesh, Smoothing};
 pub use offset::offset_along;
 pub use scene::Scene;
+pub use sky::{Sky, SkyGradient, SkyImage};
 pub use texture::{Encoding, Texture, Wrap};
 pub use units::{Albedo, Irradiance, Radiance, Radiosity, luminance};
 pub use vertex_map::{Share, VertexMap};

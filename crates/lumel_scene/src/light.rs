@@ -1,5 +1,6 @@
 //! Lights that are not surfaces.
 
+use crate::units::disk_area;
 use crate::{Radiance, TextureId};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -78,6 +79,39 @@ pub struct DirectionalLight {
     pub irradiance: Vec3,
 }
 
+/// Light from a disk in the sky: parallel but for its angular size, which makes shadows soft.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SunLight {
+    /// Direction, and irradiance on a surface that faces the middle of the disk.
+    pub parallel: DirectionalLight,
+    /// Sine of half the angular diameter, above 0 and up to 1.
+    pub sin_half_angle: f32,
+}
+
+/// A one-sided disk that emits the same radiance in all directions of its front. It is not geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DiskLight {
+    /// Centre.
+    pub center: Vec3,
+    /// The direction of its lit side, unit vector.
+    pub direction: Vec3,
+    /// Radius, metres.
+    pub radius: f32,
+    /// Emitted radiance, W·m⁻²·sr⁻¹.
+    pub radiance: Radiance,
+}
+
+/// A sphere that emits the same radiance in all directions outwards. It is not geometry, and dark inside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SphereLight {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius, metres.
+    pub radius: f32,
+    /// Emitted radiance, W·m⁻²·sr⁻¹.
+    pub radiance: Radiance,
+}
+
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -88,8 +122,72 @@ pub enum Light {
     Point(PointLight),
     /// A cone.
     Spot(SpotLight),
-    /// A far-away sun.
+    /// A far-away sun without size.
     Directional(DirectionalLight),
+    /// A far-away sun with an angular size.
+    Sun(SunLight),
+    /// A disk.
+    Disk(DiskLight),
+    /// A sphere.
+    Sphere(SphereLight),
+}
+
+impl Light {
+    /// Radiance, intensity or irradiance, whichever the kind has: zero for a light that does not shine.
+    pub fn strength(&self) -> Vec3 {
+        match self {
+            Self::Rect(light) => light.radiance.0,
+            Self::Point(light) => light.intensity,
+            Self::Spot(light) => light.point.intensity,
+            Self::Directional(light) => light.irradiance,
+            Self::Sun(light) => light.parallel.irradiance,
+            Self::Disk(light) => light.radiance.0,
+            Self::Sphere(light) => light.radiance.0,
+        }
+    }
+
+    /// Where it is, or its middle; `None` for one that is infinitely far away.
+    pub fn position(&self) -> Option<Vec3> {
+        match self {
+            Self::Rect(light) => Some(light.center),
+            Self::Point(light) => Some(light.position),
+            Self::Spot(light) => Some(light.point.position),
+            Self::Disk(light) => Some(light.center),
+            Self::Sphere(light) => Some(light.center),
+            Self::Directional(_) | Self::Sun(_) => None,
+        }
+    }
+}
+
+impl SunLight {
+    /// The radiance of the disk.
+    pub fn radiance(&self) -> Radiance {
+        Radiance(self.parallel.irradiance / disk_area(self.sin_half_angle))
+    }
+}
+
+impl DiskLight {
+    /// Area, m².
+    pub fn area(&self) -> f32 {
+        disk_area(self.radius)
+    }
+}
+
+impl SphereLight {
+    /// The sphere of this radius that is as bright from afar as a point of this intensity, W·sr⁻¹.
+    pub fn of_intensity(center: Vec3, radius: f32, intensity: Vec3) -> Self {
+        Self { center, radius, radiance: Radiance(intensity / disk_area(radius)) }
+    }
+
+    /// Intensity seen from afar, W·sr⁻¹.
+    pub fn intensity(&self) -> Vec3 {
+        self.radiance.0 * disk_area(self.radius)
+    }
+
+    /// Area, m².
+    pub fn area(&self) -> f32 {
+        4.0 * disk_area(self.radius)
+    }
 }
 
 impl PointLight {

@@ -8,7 +8,7 @@ use crate::light_names;
 use crate::material::sound;
 use crate::{
     Albedo, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance,
-    SceneError, SceneHash, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
+    SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
 };
 use glam::{Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
@@ -39,7 +39,7 @@ struct Unlit {
     materials: Vec<Material>,
     textures: Arc<[Texture]>,
     cameras: Vec<Camera>,
-    sky: Radiance,
+    sky: Sky,
     bounds: Bounds,
     geometry_hash: OnceLock<blake3::Hash>,
     surfaces_hash: OnceLock<SurfacesHash>,
@@ -188,9 +188,9 @@ impl Scene {
         &self.unlit.cameras
     }
 
-    /// Radiance from outside the scene.
-    pub fn sky(&self) -> Radiance {
-        self.unlit.sky
+    /// Light from outside the scene.
+    pub fn sky(&self) -> &Sky {
+        &self.unlit.sky
     }
 
     /// Bounds of all vertices.

@@ -131,6 +131,12 @@ impl Radiance {
     }
 }
 
+/// Area of a disk: m² of a radius in metres. With the sine of an angle it is the projected solid angle of the cone
+/// around a surface's normal.
+pub(crate) fn disk_area(radius: f32) -> f32 {
+    PI * radius * radius
+}
+
 /// Luminance of a linear Rec. 709 colour, the Y of CIE 1931, in the unit of its channels.
 #[inline]
 pub fn luminance(rgb: Vec3) -> f32 {

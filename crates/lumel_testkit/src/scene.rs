@@ -89,6 +89,12 @@ pub fn placed(mut builder: SceneBuilder, turn: Quat, shift: Vec3) -> SceneBuilde
                 turned(&mut spot.direction);
             }
             Light::Directional(sun) => turned(&mut sun.direction),
+            Light::Sun(sun) => turned(&mut sun.parallel.direction),
+            Light::Disk(disk) => {
+                place(&mut disk.center);
+                turned(&mut disk.direction);
+            }
+            Light::Sphere(sphere) => place(&mut sphere.center),
         }
     }
     builder

@@ -11,6 +11,7 @@ use crate::plan::Plan;
 use crate::reflectance::{Reflectance, Reflected, unpacked};
 use crate::rows::{Rows, RowsKey};
 use crate::scatter::scattered;
+use crate::sky_rays::SkyRays;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
 use glam::{DVec3, Vec4};
@@ -231,10 +232,21 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         let mut values = vec![DVec3::ZERO; group.len()];
         measure::add_direct_at_points(&self.inner, job, mask, &group, &mut values, control)?;
         let (lanes, mut reader) = (rows.elements.len(), Reader::new(&self.inner, job.source));
-        for (value, lane) in values.iter_mut().zip(active) {
+        let per_element = rows.per_element();
+        let mut sky = SkyRays::new(&self.inner, job.source);
+        if let Some(sky) = &mut sky {
+            let rays = Rays { per_element: per_element as u32, dim: Dim::Hemisphere };
+            sky.add_at_points(&self.inner, &group, rays, |element| self.rows.key.of(element));
+        }
+        for (i, (value, lane)) in values.iter_mut().zip(active).enumerate() {
             let row = rows.ends.iter().skip(lane).step_by(lanes);
-            let sum: DVec3 = row.filter_map(|end| end.end()).map(|end| reader.read(&end)).sum();
-            *value += sum / rows.per_element() as f64;
+            let mut sum: DVec3 = row.clone().filter_map(|end| end.end()).map(|end| reader.read(&end)).sum();
+            if let Some(sky) = &sky {
+                let arriving = |(k, end)| sky.arriving(i * per_element + k, &end);
+                let ends = row.enumerate().filter_map(|(k, end)| Some((k, end.end()?)));
+                sum += ends.map(arriving).sum::<DVec3>();
+            }
+            *value += sum / per_element as f64;
         }
         Ok(group.irradiance(&values))
     }

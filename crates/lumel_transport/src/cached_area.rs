@@ -6,6 +6,7 @@ use crate::ends::{RayEnd, StoredEnd};
 use crate::job::{Control, Job, TransportError};
 use crate::measure::{self, LightScratch, Reader};
 use crate::reflectance::Reflected;
+use crate::sky_rays::SkyRays;
 use crate::sums::ElementSums;
 use crate::{EmitterMask, Sums, trace};
 use lumel_basis::{Basis, NodeWeights, Receivers};
@@ -73,6 +74,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         let inner = &self.inner;
         let direct = measure::direct(inner, mask, control);
         let (mut scratch, mut reader) = (LightScratch::default(), Reader::new(inner, job.source));
+        let mut sky = SkyRays::new(inner, job.source);
         let mut sums = ElementSums::some(rows.elements.len());
         let mut by_rays = sums.clone();
         let mut lights = lights.parts(&inner.order, chunk);
@@ -97,9 +99,12 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                         &mut sums[i],
                     )?;
                 }
+                if let Some(sky) = &mut sky {
+                    sky.set_area(inner, &rays, i);
+                }
                 if inner.lights.needs_hemisphere() {
                     measure::add_samples(inner, &rays, i, &mut by_rays[i], |slot, _| {
-                        end(slot).end().map(|end| reader.read(&end).as_vec3().extend(0.0))
+                        end(slot).end().map(|end| reader.read_with(sky.as_ref(), slot as usize, &end))
                     });
                 }
             }

@@ -4,7 +4,7 @@ use crate::emitters::{Emitter, EmitterMask};
 use crate::job::{Control, TransportError};
 use crate::light_points::LightPoints;
 use crate::light_tree::LightTree;
-use crate::light_view::LightView;
+use crate::light_view::{LightView, beyond};
 use crate::lights::{AreaLight, DeltaLight, LightSet};
 use crate::plan::{LightSampling, Plan};
 use crate::shadow_rays::{ShadowRays, Tally, Visible};
@@ -16,9 +16,6 @@ use lumel_scene::{Irradiance, Scene};
 
 /// Shadow rays of the pilot that sets the weight of the closed form: at most this many, and a quarter of the samples.
 pub(crate) const MAX_PILOT: u32 = 16;
-
-/// The segment beyond which a directional light has no occluders, in units of the scene's diagonal.
-const BEYOND_SCENE: f32 = 4.0;
 
 /// Everything that lights shine on a site is estimated from.
 pub(crate) struct Direct<'a> {
@@ -46,10 +43,9 @@ impl Direct<'_> {
             let points = points.fill_by_choice(&self.plan.stream(samples, key, Dim::LightSelect), samples);
             let sum = self.chosen(tree, site, points, tally)?;
             tally.sum += sum / f64::from(samples);
-            return Ok(());
         }
-        for (l, light) in self.area_lights() {
-            let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
+        for (l, light) in self.looped_lights() {
+            let Some(view) = LightView::new(self.scene, light, site, self.plan) else {
                 continue;
             };
             let stream = self.plan.stream(samples, key, Dim::Light(l as u32));
@@ -73,10 +69,12 @@ impl Direct<'_> {
         self.mask.is_none_or(|mask| mask.shines(emitter))
     }
 
-    /// The lights with an area that shine. Each keeps the sample points of its place among all.
-    pub(crate) fn area_lights(&self) -> impl Iterator<Item = (usize, &AreaLight)> {
+    /// The lights with an area that shine and are not chosen from a tree. Each keeps the sample points of its place among
+    /// all.
+    pub(crate) fn looped_lights(&self) -> impl Iterator<Item = (usize, &AreaLight)> {
         let all = self.lights.area.iter().enumerate();
-        all.filter(|(_, (emitter, _))| self.shines(*emitter)).map(|(l, (_, light))| (l, light))
+        let looped = all.filter(|(_, (_, light))| self.lights.tree.is_none() || light.is_far());
+        looped.filter(|(_, (emitter, _))| self.shines(*emitter)).map(|(l, (_, light))| (l, light))
     }
 
     /// The light of points of one light: in all, and what of it is seen.
@@ -130,7 +128,7 @@ impl Direct<'_> {
             let Some(choice) = tree.choose(origin, normal, *select) else { continue };
             if view.as_ref().is_none_or(|(light, _)| *light != choice.light) {
                 let (emitter, light) = &self.lights.area[choice.light];
-                let new = || LightView::new(self.scene, light, site, self.plan.light_sampling);
+                let new = || LightView::new(self.scene, light, site, self.plan);
                 view = Some((choice.light, self.shines(*emitter).then(new).flatten()));
             }
             if let Some((_, Some(view))) = &view
@@ -159,7 +157,6 @@ impl Direct<'_> {
 
     /// What lights without an area send to a site if nothing is in the way, and where from.
     pub(crate) fn delta_arrivals(&self, site: &Site, mut each: impl FnMut(Vec3, DVec3)) {
-        let reach = BEYOND_SCENE * self.scene.bounds().diagonal();
         for (_, light) in self.lights.delta.iter().filter(|(emitter, _)| self.shines(*emitter)) {
             let (target, arriving) = match light {
                 DeltaLight::Point(point) => {
@@ -172,7 +169,9 @@ impl Direct<'_> {
                     let arriving = spot.point.normal_irradiance(away.length()) * spot.falloff(direction);
                     (spot.point.position, arriving)
                 }
-                DeltaLight::Directional(sun) => (site.origin - sun.direction * reach, sun.irradiance),
+                DeltaLight::Directional(sun) => {
+                    (beyond(self.scene, site.origin, -sun.direction), sun.irradiance)
+                }
             };
             let Some(direction) = (target - site.origin).try_normalize() else { continue };
             let cos = site.frame.normal.dot(direction);

@@ -78,11 +78,9 @@ impl Direct<'_> {
             self.choose_over_area(tree, area, points, &mut batch);
         }
         n_rays += batch.trace(self.tracer, &mut add_lit);
-        if self.lights.tree.is_none() {
-            for (l, light) in self.area_lights() {
-                self.control.check()?;
-                n_rays += self.one_light_over_area((l as u32, light), area, (points, &mut batch), values);
-            }
+        for (l, light) in self.looped_lights() {
+            self.control.check()?;
+            n_rays += self.one_light_over_area((l as u32, light), area, (points, &mut batch), values);
         }
         self.control.count(0, n_rays as u64);
         Ok(())
@@ -126,7 +124,10 @@ impl Direct<'_> {
             .iter()
             .map(|site| site.as_ref().and_then(|site| Some((site, self.view(light, site)?))))
             .collect();
-        let Some((_, example)) = views.iter().flatten().next() else { return 0 };
+        if views.iter().all(Option::is_none) {
+            return 0;
+        }
+        let has_closed_form = views.iter().flatten().any(|(_, view)| view.unblocked.is_some());
         let mut n_rays = 0;
         let add = |batch: &mut Batch, number: u32, u: [f32; 2]| {
             let number = number as usize;
@@ -138,7 +139,7 @@ impl Direct<'_> {
         };
         // Where nothing is known of a closed form, all that is seen is counted.
         let mut beta = 0.0;
-        if self.plan.light_sampling == LightSampling::Analytic && example.unblocked.is_some() {
+        if self.plan.light_sampling == LightSampling::Analytic && has_closed_form {
             let pilot = self.plan.sampler.sample_count((samples / 4).clamp(1, MAX_PILOT)).min(samples);
             let stream = self.plan.sampler.for_count(pilot).stream(area.key, Dim::LightPilot(l));
             for (slot, &u) in (0..).zip(points.fill(&stream, pilot)) {
@@ -158,13 +159,17 @@ impl Direct<'_> {
         for (slot, &u) in (0..).zip(points.fill(&stream, samples)) {
             add(batch, (area.number)(slot), u);
         }
+        let beta_of = |number: usize| match &views[number] {
+            Some((_, view)) if view.unblocked.is_some() => beta,
+            _ => 0.0,
+        };
         n_rays += batch.trace(self.tracer, |number, value, blocked| {
-            values[number] += value * (if blocked { 0.0 } else { 1.0 } - beta);
+            values[number] += value * (if blocked { 0.0 } else { 1.0 } - beta_of(number));
         });
         n_rays
     }
 
     fn view<'a>(&'a self, light: &'a AreaLight, site: &'a Site) -> Option<LightView<'a>> {
-        LightView::new(self.scene, light, site, self.plan.light_sampling)
+        LightView::new(self.scene, light, site, self.plan)
     }
 }

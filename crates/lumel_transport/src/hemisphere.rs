@@ -43,7 +43,8 @@ pub(crate) fn reflected<B: Basis>(
     field.at(basis, at, weights).reflected(scene.albedo(at)).cosine_sample()
 }
 
-/// One cosine-distributed sample of the light that sky and emissive surfaces send.
+/// One cosine-distributed sample of the light that emissive surfaces send, and the sky if it is the same all around: any
+/// other needs [directions](crate::sky_rays).
 #[inline]
 pub(crate) fn emitted(
     scene: &Scene,
@@ -58,7 +59,7 @@ pub(crate) fn emitted(
         {
             scene.emission(at).cosine_sample()
         }
-        RayEnd::Sky if shines(Emitter::Sky) => scene.sky().cosine_sample(),
+        RayEnd::Sky if shines(Emitter::Sky) => scene.sky().uniform().unwrap_or_default().cosine_sample(),
         RayEnd::Surface(_) | RayEnd::BackFace | RayEnd::Sky => Irradiance::ZERO,
     }
 }

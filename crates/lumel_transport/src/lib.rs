@@ -13,6 +13,7 @@ mod accumulate;
 mod area_pattern;
 mod cached;
 mod cached_area;
+mod cap;
 mod cpu;
 mod direct;
 mod direct_area;
@@ -37,6 +38,8 @@ mod reflectance;
 mod rows;
 mod scatter;
 mod shadow_rays;
+mod sky_light;
+mod sky_rays;
 mod sums;
 mod trace;
 

@@ -13,6 +13,11 @@ pub(crate) struct Cone {
 }
 
 impl Cone {
+    /// All directions.
+    pub(crate) fn all() -> Self {
+        Self { axis: DVec3::Y, spread: PI }
+    }
+
     /// The smallest cone that holds both.
     pub(crate) fn union(self, other: Self) -> Self {
         let (wide, narrow) = if self.spread >= other.spread { (self, other) } else { (other, self) };

@@ -32,6 +32,21 @@ impl Extent {
         sound.then_some(Self { min, max, normals: Cone { axis, spread: 0.0 }, power })
     }
 
+    /// A disk whose lit side has this normal; `None` as for [`flat`](Self::flat).
+    pub(crate) fn disk(center: DVec3, normal: DVec3, radius: f32, power: f64) -> Option<Self> {
+        let (u, v) = normal.any_orthonormal_pair();
+        let [u, v] = [u, v].map(|axis| axis * f64::from(radius));
+        Self::flat(&[center - u - v, center + u - v, center + u + v, center - u + v], power)
+    }
+
+    /// A sphere that shines outwards; `None` if it has no area or no power.
+    pub(crate) fn sphere(center: DVec3, radius: f32, power: f64) -> Option<Self> {
+        let corner = DVec3::splat(f64::from(radius));
+        let sound = power > 0.0 && power.is_finite() && radius > 0.0;
+        let normals = Cone::all();
+        sound.then_some(Self { min: center - corner, max: center + corner, normals, power })
+    }
+
     fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),

@@ -1,18 +1,32 @@
 //! An area light as one receiver sees it.
 
 use crate::lights::AreaLight;
-use crate::plan::LightSampling;
-use crate::polygon::unit_irradiance;
+use crate::plan::{LightSampling, Plan};
+use crate::sky_light::{SkyLight, combined_pdf};
+use crate::{cap, polygon};
 use glam::Vec3;
 use lumel_basis::Site;
-use lumel_sample::{SphericalRectangle, SphericalTriangle, uniform_triangle};
-use lumel_scene::{Barycentrics, Irradiance, Radiance, RectLight, Scene, SurfacePoint, TriId};
+use lumel_sample::{SphericalCap, SphericalRectangle, SphericalTriangle, concentric_disk, uniform_triangle};
+use lumel_scene::{
+    Barycentrics, DiskLight, Irradiance, Radiance, RectLight, Scene, SphereLight, SunLight, SurfacePoint,
+    TriId,
+};
+
+/// The segment beyond which a light that is infinitely far away has no occluders, in units of the scene's diagonal.
+const BEYOND_SCENE: f32 = 4.0;
+
+/// A point in a direction from another, unit length, that lies beyond everything in the scene.
+pub(crate) fn beyond(scene: &Scene, origin: Vec3, direction: Vec3) -> Vec3 {
+    let reach = BEYOND_SCENE * scene.bounds().diagonal();
+    origin + direction * reach
+}
 
 /// A light prepared for sampling from one site.
 pub(crate) struct LightView<'a> {
     scene: &'a Scene,
     site: &'a Site,
     light: &'a AreaLight,
+    plan: &'a Plan,
     density: Density,
     /// Irradiance if nothing were in the way, when there is a closed form.
     pub(crate) unblocked: Option<Irradiance>,
@@ -23,6 +37,8 @@ enum Density {
     /// Uniform in solid angle.
     SolidAngleRect(SphericalRectangle),
     SolidAngleTriangle(SphericalTriangle),
+    /// Likewise, of what a sphere of this squared radius covers at this distance, or of a sun at none.
+    Cap(SphericalCap, Option<[f64; 2]>),
     /// Uniform over the area, or by brightness for textured rectangles.
     Area,
 }
@@ -41,8 +57,19 @@ impl<'a> LightView<'a> {
         scene: &'a Scene,
         light: &'a AreaLight,
         site: &'a Site,
-        how: LightSampling,
+        plan: &'a Plan,
     ) -> Option<Self> {
+        match light {
+            AreaLight::Sun(sun) => return Self::of_sun(scene, (light, sun), site, plan),
+            AreaLight::Sphere(sphere) => return Self::of_sphere(scene, (light, sphere), site, plan),
+            AreaLight::Disk(_) | AreaLight::Sky(_) => {
+                return Some(Self { scene, site, light, plan, density: Density::Area, unblocked: None });
+            }
+            AreaLight::Rect(_)
+            | AreaLight::TexturedRect(..)
+            | AreaLight::Triangle(..)
+            | AreaLight::TexturedTriangle(_) => {}
+        }
         let (mut corners, mut n_corners) = ([Vec3::ZERO; 4], 4);
         match light {
             AreaLight::Rect(rect) | AreaLight::TexturedRect(rect, _) => corners = rect.corners(),
@@ -50,9 +77,10 @@ impl<'a> LightView<'a> {
                 corners[..3].copy_from_slice(&scene.triangle_positions(*tri));
                 n_corners = 3;
             }
+            _ => return None,
         }
         let corners = &corners[..n_corners];
-        let per_radiance = unit_irradiance(corners, site.origin, site.frame.normal);
+        let per_radiance = polygon::unit_irradiance(corners, site.origin, site.frame.normal);
         if per_radiance <= 0.0 {
             return None;
         }
@@ -60,13 +88,46 @@ impl<'a> LightView<'a> {
             AreaLight::Rect(RectLight { radiance, .. }) | AreaLight::Triangle(_, radiance) => {
                 Some(Irradiance(radiance.0 * per_radiance as f32))
             }
-            AreaLight::TexturedRect(..) | AreaLight::TexturedTriangle(_) => None,
+            _ => None,
         };
-        let density = match how {
+        let density = match plan.light_sampling {
             LightSampling::Area => Density::Area,
             LightSampling::Analytic => Density::by_solid_angle(light, corners, site.origin),
         };
-        Some(Self { scene, site, light, density, unblocked })
+        Some(Self { scene, site, light, plan, density, unblocked })
+    }
+
+    fn of_sun(
+        scene: &'a Scene,
+        (light, sun): (&'a AreaLight, &SunLight),
+        site: &'a Site,
+        plan: &'a Plan,
+    ) -> Option<Self> {
+        let axis = -sun.parallel.direction;
+        let sin_squared = f64::from(sun.sin_half_angle).powi(2);
+        let cos = site.frame.normal.as_dvec3().dot(axis.as_dvec3());
+        let density = Density::Cap(SphericalCap::new(axis, sin_squared), None);
+        let unblocked = cap_irradiance(sun.radiance(), cos, sin_squared)?;
+        Some(Self { scene, site, light, plan, density, unblocked: Some(unblocked) })
+    }
+
+    fn of_sphere(
+        scene: &'a Scene,
+        (light, sphere): (&'a AreaLight, &SphereLight),
+        site: &'a Site,
+        plan: &'a Plan,
+    ) -> Option<Self> {
+        let to_center = sphere.center.as_dvec3() - site.origin.as_dvec3();
+        let (squared, radius_squared) = (to_center.length_squared(), f64::from(sphere.radius).powi(2));
+        if squared <= radius_squared {
+            return None;
+        }
+        let (axis, sin_squared) = (to_center / squared.sqrt(), radius_squared / squared);
+        let cos = site.frame.normal.as_dvec3().dot(axis);
+        let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
+        let density = Density::Cap(cap, Some([squared.sqrt(), radius_squared]));
+        let unblocked = cap_irradiance(sphere.radiance, cos, sin_squared)?;
+        Some(Self { scene, site, light, plan, density, unblocked: Some(unblocked) })
     }
 
     /// The point of the light for `u` in the unit square; `None` if nothing of it arrives.
@@ -86,7 +147,42 @@ impl<'a> LightView<'a> {
                 self.on_rect(rect, st, Radiance(rect.radiance.0 * value), pdf)
             }
             AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri) => self.on_triangle(*tri, u),
+            AreaLight::Disk(disk) => self.on_disk(disk, u),
+            AreaLight::Sphere(SphereLight { radiance, .. }) => self.in_cap(*radiance, u),
+            AreaLight::Sun(sun) => self.in_cap(sun.radiance(), u),
+            AreaLight::Sky(sky) => self.in_sky(sky, u),
         }
+    }
+
+    fn on_disk(&self, disk: &DiskLight, u: [f32; 2]) -> Option<LightSample> {
+        let (right, up) = disk.direction.any_orthonormal_pair();
+        let place = concentric_disk(u) * disk.radius;
+        let target = disk.center + right * place.x + up * place.y;
+        self.on_area(target, disk.direction, disk.radiance, 1.0 / disk.area())
+    }
+
+    /// Towards a sphere or a sun.
+    fn in_cap(&self, radiance: Radiance, u: [f32; 2]) -> Option<LightSample> {
+        let Density::Cap(cap, sphere) = &self.density else { return None };
+        let (direction, drop) = cap.sample(u);
+        let target = match sphere {
+            Some([distance, radius_squared]) => {
+                // Up to its surface: the distance to the middle of the chord, less half of the chord.
+                let aside = distance * distance * drop * (2.0 - drop);
+                let t = distance * (1.0 - drop) - (radius_squared - aside).max(0.0).sqrt();
+                self.site.origin + direction * t as f32
+            }
+            None => beyond(self.scene, self.site.origin, direction),
+        };
+        self.in_solid_angle(target, radiance, cap.pdf())
+    }
+
+    /// Towards the sky; combined with hemisphere rays.
+    fn in_sky(&self, sky: &SkyLight, u: [f32; 2]) -> Option<LightSample> {
+        let sample = sky.sample(u);
+        let pdf = combined_pdf(self.plan, sample.pdf, self.site.frame.normal.dot(sample.direction));
+        let target = beyond(self.scene, self.site.origin, sample.direction);
+        self.in_solid_angle(target, sample.radiance, pdf)
     }
 
     fn on_rect(&self, rect: &RectLight, st: [f32; 2], radiance: Radiance, pdf: f32) -> Option<LightSample> {
@@ -143,9 +239,15 @@ impl Density {
                     .map_or(Self::Area, Self::SolidAngleTriangle)
             }
             // Brightness matters more than the solid angle.
-            AreaLight::TexturedRect(..) => Self::Area,
+            _ => Self::Area,
         }
     }
+}
+
+/// `None` if nothing of the cone is above the horizon.
+fn cap_irradiance(radiance: Radiance, cos: f64, sin_squared: f64) -> Option<Irradiance> {
+    let per_radiance = cap::unit_irradiance(cos, sin_squared);
+    (per_radiance > 0.0).then(|| Irradiance((radiance.0.as_dvec3() * per_radiance).as_vec3()))
 }
 
 /// Where a direction meets the plane of a triangle, and its barycentrics, clamped to the triangle.

@@ -3,10 +3,11 @@
 use crate::emitters::Emitter;
 use crate::light_tree::{Extent, LightTree};
 use crate::plan::EmitterSampling;
+use crate::sky_light::SkyLight;
 use lumel_sample::PiecewiseConstant2D;
 use lumel_scene::{
-    Barycentrics, DirectionalLight, Light, PointLight, Radiance, RectLight, Scene, SpotLight, SurfacePoint,
-    Texture, TriId, luminance,
+    Barycentrics, DirectionalLight, DiskLight, Light, PointLight, Radiance, RectLight, Scene, SphereLight,
+    SpotLight, SunLight, SurfacePoint, Texture, TriId, luminance,
 };
 
 /// Up to this many lights with an area are all sampled at every receiver; of more, some are chosen.
@@ -19,7 +20,7 @@ const MAX_SAMPLED_SHARE: f64 = 0.1;
 /// sampled too.
 const UNIFORM_SHARE: f32 = 0.05;
 
-/// A light with an area.
+/// A light with an area or a solid angle.
 #[derive(Clone, Debug)]
 pub(crate) enum AreaLight {
     /// A rectangle of constant radiance.
@@ -30,6 +31,14 @@ pub(crate) enum AreaLight {
     Triangle(TriId, Radiance),
     /// A triangle whose radiance is looked up.
     TexturedTriangle(TriId),
+    /// A disk of constant radiance.
+    Disk(DiskLight),
+    /// A sphere of constant radiance.
+    Sphere(SphereLight),
+    /// A cone of directions of constant radiance.
+    Sun(SunLight),
+    /// An image of all directions.
+    Sky(SkyLight),
 }
 
 /// A light without area: its radiance is a delta function of direction.
@@ -69,10 +78,17 @@ impl LightSet {
                 Light::Point(point) => set.delta.push((emitter, DeltaLight::Point(point))),
                 Light::Spot(spot) => set.delta.push((emitter, DeltaLight::Spot(spot))),
                 Light::Directional(sun) => set.delta.push((emitter, DeltaLight::Directional(sun))),
+                Light::Sun(sun) => set.area.extend(shining(AreaLight::Sun(sun), sun.radiance(), emitter)),
+                Light::Disk(disk) => set.area.extend(shining(AreaLight::Disk(disk), disk.radiance, emitter)),
+                Light::Sphere(sphere) => {
+                    set.area.extend(shining(AreaLight::Sphere(sphere), sphere.radiance, emitter));
+                }
             }
         }
         set.add_emissive_surfaces(scene, emitters);
-        if set.area.len() > MAX_LOOPED {
+        let sky = scene.sky().image().and_then(SkyLight::new);
+        set.area.extend(sky.map(|sky| (Emitter::Sky, AreaLight::Sky(sky))));
+        if set.area.iter().filter(|(_, light)| !light.is_far()).count() > MAX_LOOPED {
             let extents = set.area.iter().enumerate();
             set.tree = LightTree::new(
                 extents.filter_map(|(i, (_, light))| Some((i, light.extent(scene)?))).collect(),
@@ -84,6 +100,12 @@ impl LightSet {
     /// Whether anything is sampled by shadow rays.
     pub(crate) fn has_lights(&self) -> bool {
         !self.area.is_empty() || !self.delta.is_empty()
+    }
+
+    /// The image of the sky, if it is sampled.
+    pub(crate) fn sky_light(&self) -> Option<&SkyLight> {
+        // It is the last of all.
+        self.area.last().and_then(|(_, light)| if let AreaLight::Sky(sky) = light { Some(sky) } else { None })
     }
 
     /// Whether direct light needs hemisphere rays.
@@ -120,6 +142,11 @@ impl LightSet {
     }
 }
 
+/// A light unless it is black.
+fn shining(light: AreaLight, radiance: Radiance, emitter: Emitter) -> Option<(Emitter, AreaLight)> {
+    (!radiance.is_zero()).then_some((emitter, light))
+}
+
 fn rect_light(scene: &Scene, rect: RectLight) -> Option<AreaLight> {
     if rect.radiance.is_zero() {
         return None;
@@ -144,7 +171,12 @@ fn brightness(texture: &Texture) -> Option<PiecewiseConstant2D> {
 }
 
 impl AreaLight {
-    /// What chooses among lights knows of this one; `None` if it sends nothing.
+    /// Whether it is infinitely far away: such lights are all sampled at every receiver.
+    pub(crate) fn is_far(&self) -> bool {
+        matches!(self, Self::Sun(_) | Self::Sky(_))
+    }
+
+    /// What chooses among lights knows of this one; `None` if it sends nothing or is [far](Self::is_far).
     fn extent(&self, scene: &Scene) -> Option<Extent> {
         let power = self.relative_power(scene);
         match self {
@@ -154,6 +186,11 @@ impl AreaLight {
             Self::Triangle(tri, _) | Self::TexturedTriangle(tri) => {
                 Extent::flat(&scene.triangle_positions(*tri).map(|p| p.as_dvec3()), power)
             }
+            Self::Disk(disk) => {
+                Extent::disk(disk.center.as_dvec3(), disk.direction.as_dvec3(), disk.radius, power)
+            }
+            Self::Sphere(sphere) => Extent::sphere(sphere.center.as_dvec3(), sphere.radius, power),
+            Self::Sun(_) | Self::Sky(_) => None,
         }
     }
 
@@ -163,6 +200,9 @@ impl AreaLight {
         let (radiance, area) = match self {
             Self::Rect(rect) => (rect.radiance.0, rect.area()),
             Self::TexturedRect(rect, _) => (rect.radiance.0, rect.area()),
+            Self::Disk(disk) => (disk.radiance.0, disk.area()),
+            Self::Sphere(sphere) => (sphere.radiance.0, sphere.area()),
+            Self::Sun(_) | Self::Sky(_) => return 0.0,
             Self::Triangle(tri, radiance) => (radiance.0, scene.area(*tri)),
             // Corners and middle, and a little of the brightest possible so that no light is forgotten.
             Self::TexturedTriangle(tri) => {

@@ -14,6 +14,7 @@ use crate::job::{Control, Job, Source, TransportError};
 use crate::light_points::LightPoints;
 use crate::operator::CpuTransport;
 use crate::shadow_rays::Tally;
+use crate::sky_rays::SkyRays;
 use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
@@ -48,6 +49,16 @@ impl<'a, B: Basis, R: Receivers> Reader<'a, B, R> {
             Source::Nothing => DVec3::ZERO,
         }
     }
+
+    /// The same of ray number `at` of an area, with what it brings from a sky that varies.
+    #[inline]
+    pub(crate) fn read_with(&mut self, sky: Option<&SkyRays<'_>>, at: usize, end: &RayEnd) -> Vec4 {
+        let mut value = self.read(end);
+        if let Some(sky) = sky {
+            value += sky.arriving(at, end);
+        }
+        value.as_vec3().extend(0.0)
+    }
 }
 
 /// Measures elements at points.
@@ -77,7 +88,17 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
         let per_element = plan.samples(plan.indirect_samples, Sampling::Point, 0);
         let (mut sums, mut reader) = (vec![DVec3::ZERO; group.len()], Reader::new(op, job.source));
         let rays = Rays { per_element, dim: Dim::Hemisphere };
-        trace::at_points(op, group, rays, key, control, |i, end| sums[i] += reader.read(&end))?;
+        let mut sky = SkyRays::new(op, job.source).map(|sky| (sky, vec![0; group.len()]));
+        if let Some((sky, _)) = &mut sky {
+            sky.add_at_points(op, group, rays, key);
+        }
+        trace::at_points(op, group, rays, key, control, |i, end| {
+            sums[i] += reader.read(&end);
+            if let Some((sky, next)) = &mut sky {
+                sums[i] += sky.arriving(i * per_element as usize + next[i], &end);
+                next[i] += 1;
+            }
+        })?;
         values.iter_mut().zip(sums).for_each(|(value, sum)| *value += sum / f64::from(per_element));
     }
     Ok(group.irradiance(&values))
@@ -174,14 +195,18 @@ fn add_rays<B: Basis, R: Receivers>(
     sums: &mut [ElementSums],
 ) {
     let (lanes, mut reader) = (area.elements.len(), Reader::new(op, source));
+    let mut sky = SkyRays::new(op, source);
     for (i, sums) in sums.iter_mut().enumerate() {
+        if let Some(sky) = &mut sky {
+            sky.set_area(op, area, i);
+        }
         add_samples(op, area, i, sums, |slot, _| {
             let end = ends[slot as usize * lanes + i];
             if matches!(source, Source::Nothing) {
                 let met_back_face = end.is_none_or(|end| end == RayEnd::BackFace);
                 return Some(Vec4::splat(f32::from(u8::from(met_back_face))));
             }
-            end.map(|end| reader.read(&end).as_vec3().extend(0.0))
+            end.map(|end| reader.read_with(sky.as_ref(), slot as usize, &end))
         });
     }
 }

@@ -23,6 +23,10 @@ pub struct Cli {
     #[arg(long, value_name = "LEVELS")]
     pub subdivide: Option<u32>,
 
+    /// Light both sides of the faces of the material or object NAME; "all" for all. May be repeated.
+    #[arg(long, value_name = "NAME")]
+    pub two_sided: Vec<String>,
+
     /// Let scene files refer to files outside their folder.
     #[arg(long)]
     pub allow_outside_paths: bool,
@@ -75,7 +79,12 @@ impl Cli {
     /// The scene to open first.
     pub fn request(&self) -> Option<OpenRequest> {
         let paths = if self.allow_outside_paths { PathPolicy::Anywhere } else { PathPolicy::default() };
-        let options = OpenOptions { paths, max_edge: self.max_edge, subdivide: self.subdivide };
+        let options = OpenOptions {
+            paths,
+            max_edge: self.max_edge,
+            subdivide: self.subdivide,
+            two_sided: self.two_sided.clone(),
+        };
         self.scene.clone().map(|name| OpenRequest { name, options })
     }
 }

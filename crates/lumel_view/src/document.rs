@@ -6,7 +6,7 @@ use crate::slots::Slots;
 use glam::Vec3;
 use lumel::{Baker, Bvh, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
 use lumel_render_cpu::camera_for;
-use lumel_scene::{Light, TriId};
+use lumel_scene::{Light, TextureId, TriId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -46,8 +46,6 @@ pub struct Document {
     pub tracer: Arc<dyn RayTracer>,
     /// What solves are made from; holds everything that depends only on the surfaces.
     pub baker: Arc<Baker>,
-    /// Lights that cannot be edited here: points, spots and suns.
-    pub other_lights: Vec<Light>,
     /// The view it opens with.
     pub home: FlyCamera,
     /// Warnings from reading it.
@@ -56,7 +54,7 @@ pub struct Document {
 
 /// What a scene file says of the things that one edits.
 pub struct Contents {
-    /// Rectangle lights.
+    /// Lights.
     pub lights: Vec<EditLight>,
     /// Settings of the bake; `None` unless it is a project that has some.
     pub settings: Option<Settings>,
@@ -92,7 +90,6 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
     };
     let document = Document {
-        other_lights: scene.lights().iter().filter(|l| !matches!(l, Light::Rect(_))).copied().collect(),
         home: FlyCamera::from_camera(&camera).unwrap_or_default(),
         warnings: warnings.iter().map(ToString::to_string).collect(),
         project: project.map(|project| (PathBuf::from(&request.name), project)),
@@ -105,21 +102,25 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
     Ok((document, contents))
 }
 
-/// The rectangle lights of a scene. Those of a project keep their names, and those that are off.
+/// The lights of a scene. Those of a project keep their names, and those that are off.
 fn editable_lights(scene: &Scene, project: Option<&Project>) -> Vec<EditLight> {
-    let mut shining = scene.lights().iter().filter_map(|light| match light {
-        Light::Rect(rect) => Some(*rect),
-        _ => None,
-    });
+    let mut shining = scene.lights().iter();
     let entries = project.map(|p| p.lights.as_slice()).unwrap_or_default();
     if entries.is_empty() {
-        return shining.enumerate().map(|(i, rect)| EditLight::new(default_name(i), rect)).collect();
+        let given = |i: usize| scene.light_names()[i].clone();
+        let unnamed = |i: usize| given(i) == format!("light {}", i + 1);
+        let name = |i: usize| if unnamed(i) { default_name(i) } else { given(i) };
+        return shining.enumerate().map(|(i, light)| EditLight::from_light(name(i), light)).collect();
     }
     let light = |(i, entry): (usize, &lumel::LightEntry)| {
-        let texture = if entry.off { None } else { shining.next().and_then(|rect| rect.texture) };
+        let texture = if entry.off { None } else { shining.next().and_then(texture_of) };
         EditLight::from_entry(i, entry, texture)
     };
     entries.iter().enumerate().map(light).collect()
+}
+
+fn texture_of(light: &Light) -> Option<TextureId> {
+    if let Light::Rect(rect) = light { rect.texture } else { None }
 }
 
 /// The albedo of each material of a scene.
@@ -154,20 +155,14 @@ impl Document {
     /// # Errors
     /// A light that cannot be, such as one without area; says which.
     pub fn relit(&self, lights: &[EditLight]) -> Result<Arc<Scene>, String> {
-        let editable = shining(lights).into_iter().map(Light::Rect);
-        let all = editable.chain(self.other_lights.iter().copied()).collect();
-        let scene = self.scene.relit(all).map_err(|e| error_text(&e))?;
+        let scene = self.scene.relit(shining(lights)).map_err(|e| error_text(&e))?;
         let on = lights.iter().filter(|light| light.on).map(|light| light.name.clone());
-        let given = self.scene.lights().iter().zip(self.scene.light_names());
-        let others =
-            given.filter(|(light, _)| !matches!(light, Light::Rect(_))).map(|(_, name)| name.clone());
-        Ok(Arc::new(scene.with_light_names(on.chain(others).collect())))
+        Ok(Arc::new(scene.with_light_names(on.collect())))
     }
 
     /// Whether the scene has any light source with these lights, emissive surfaces included.
     pub fn shines(&self, lights: &[EditLight]) -> bool {
         lights.iter().any(|light| light.on && light.brightness() > 0.0)
-            || !self.other_lights.is_empty()
             || !self.scene.sky().is_zero()
             || (0..self.scene.triangle_count() as u32).any(|t| self.scene.material(TriId(t)).emits())
     }

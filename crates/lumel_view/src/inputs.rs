@@ -3,17 +3,17 @@
 //! All that tells light that is out of date compares [`Inputs`]: the status bar, live relighting, the next solve, a
 //! running solve, files and recovery.
 
-use lumel::{RectLight, Scene, Settings};
+use lumel::{Light, Scene, Settings};
 use std::fmt;
 use std::sync::Arc;
 
 /// All that the light of a solve depends on.
 #[derive(Clone)]
 pub struct Inputs {
-    /// The surfaces with their materials. Its rectangle lights are not compared: see `lights`.
+    /// The surfaces with their materials. Its lights are not compared: see `lights`.
     pub scene: Arc<Scene>,
-    /// The rectangle lights that shine; `None` for light from a file that belongs to other lights or materials.
-    pub lights: Option<Vec<RectLight>>,
+    /// The lights that shine; `None` for light from a file that belongs to other lights or materials.
+    pub lights: Option<Vec<Light>>,
     /// The settings; `None` where a file does not tell.
     pub settings: Option<Settings>,
 }
@@ -109,13 +109,12 @@ impl fmt::Display for Changes {
 mod tests {
     use super::*;
     use glam::Vec3;
-    use lumel::{BounceLimit, Light, OpenOptions, Projection};
+    use lumel::{BounceLimit, OpenOptions, Projection};
 
     fn inputs() -> Inputs {
         let opened = lumel::open("cornell-box", &OpenOptions::default()).unwrap();
         let scene = Arc::new(opened.builder.build().unwrap().0);
-        let rect = |light: &Light| if let Light::Rect(rect) = light { Some(*rect) } else { None };
-        let lights = Some(scene.lights().iter().filter_map(rect).collect());
+        let lights = Some(scene.lights().to_vec());
         Inputs { scene, lights, settings: Some(Settings::default()) }
     }
 
@@ -125,7 +124,8 @@ mod tests {
         let none = Changes::default();
         assert_eq!(old.changes(&old), none);
         let mut lights = old.lights.clone().unwrap();
-        lights[0].center += Vec3::X;
+        let Light::Rect(rect) = &mut lights[0] else { panic!("it is a rectangle") };
+        rect.center += Vec3::X;
         let moved = Inputs { lights: Some(lights), ..old.clone() };
         assert_eq!(old.changes(&moved), Changes { lights: true, ..none });
         let white = vec![Vec3::ONE; old.scene.materials().len()];

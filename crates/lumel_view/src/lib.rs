@@ -17,6 +17,7 @@ pub mod history;
 pub mod input;
 pub mod inputs;
 pub mod instance;
+mod light_shape;
 pub mod lights;
 pub mod notice;
 mod panels;

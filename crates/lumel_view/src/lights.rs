@@ -1,7 +1,8 @@
 //! Editable lights.
 
+use crate::light_shape::{frame_of, of_kind, with_frame};
 use glam::{Vec2, Vec3};
-use lumel::{LightEntry, RectLight};
+use lumel::{Light, LightEntry, LightKind, RectLight};
 use lumel_scene::{Radiance, TextureId, luminance};
 use std::path::PathBuf;
 
@@ -24,13 +25,15 @@ pub enum Resize {
     KeepPower,
 }
 
-/// A rectangle light under a name, with what an editor has to know of it.
+/// A light under a name, with what an editor has to know of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EditLight {
     /// Its name in the list.
     pub name: String,
-    /// The light.
+    /// The light, or the rectangle that stands for its place, direction, size and strength.
     pub rect: RectLight,
+    /// The light, if it is no rectangle, with its last strength and place but for what `rect` says now.
+    pub other: Option<Light>,
     /// Where the image of its texture lies, for project files.
     pub texture_path: Option<PathBuf>,
     /// Whether it shines and is drawn.
@@ -46,13 +49,52 @@ impl EditLight {
     pub fn new(name: String, rect: RectLight) -> Self {
         let [a, b] = [rect.u.length(), rect.v.length()];
         let square = (a - b).abs() <= 1e-4 * a.max(b);
-        Self { name, rect, texture_path: None, on: true, resize: Resize::default(), square }
+        Self { name, rect, other: None, texture_path: None, on: true, resize: Resize::default(), square }
+    }
+
+    /// Any light as a scene has it.
+    pub fn from_light(name: String, light: &Light) -> Self {
+        let other = (!matches!(light, Light::Rect(_))).then_some(*light);
+        Self { other, ..Self::new(name, frame_of(light)) }
+    }
+
+    /// The light as it is now.
+    pub fn light(&self) -> Light {
+        self.other.map_or(Light::Rect(self.rect), |light| with_frame(&light, &self.rect))
+    }
+
+    /// Its kind.
+    pub fn kind(&self) -> LightKind {
+        self.other.as_ref().map_or(LightKind::Rect, LightKind::of)
+    }
+
+    /// Makes it a light of another kind in the same place.
+    pub fn set_kind(&mut self, kind: LightKind) {
+        if kind != self.kind() {
+            if kind != LightKind::Rect {
+                (self.rect.texture, self.texture_path, self.square) = (None, None, true);
+            }
+            let light = of_kind(kind, &self.rect);
+            self.set_light(light);
+        }
+    }
+
+    /// Makes it another light in the same place.
+    pub fn set_light(&mut self, light: Light) {
+        let center = self.rect.center;
+        self.other = (!matches!(light, Light::Rect(_))).then_some(light);
+        // A light without a place stays where its handles are.
+        self.rect = RectLight { center, texture: self.rect.texture, ..frame_of(&light) };
     }
 
     /// A light of a project file; `texture` is its image in the scene.
     pub fn from_entry(index: usize, entry: &LightEntry, texture: Option<TextureId>) -> Self {
         let name = entry.name.clone().unwrap_or_else(|| default_name(index));
-        let light = Self::new(name, RectLight { texture, ..entry.light() });
+        let mut light = entry.light().map_or_else(
+            |_| Self::new(name.clone(), RectLight::new(Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::ZERO)),
+            |light| Self::from_light(name.clone(), &light),
+        );
+        light.rect.texture = texture;
         let resize = if entry.constant_power { Resize::KeepPower } else { Resize::KeepRadiance };
         Self { texture_path: entry.texture.clone(), on: !entry.off, resize, ..light }
     }
@@ -61,13 +103,10 @@ impl EditLight {
     pub fn entry(&self) -> LightEntry {
         LightEntry {
             name: Some(self.name.clone()),
-            center: self.rect.center,
-            u: self.rect.u,
-            v: self.rect.v,
-            radiance: self.rect.radiance.0,
             texture: self.texture_path.clone(),
             off: !self.on,
             constant_power: self.resize == Resize::KeepPower,
+            ..LightEntry::from(&self.light())
         }
     }
 
@@ -146,9 +185,14 @@ impl EditLight {
     }
 }
 
-/// The lights that are on, for the solver and the renderer.
-pub fn shining(lights: &[EditLight]) -> Vec<RectLight> {
-    lights.iter().filter(|light| light.on).map(|light| light.rect).collect()
+/// The lights that are on, for the solver.
+pub fn shining(lights: &[EditLight]) -> Vec<Light> {
+    lights.iter().filter(|light| light.on).map(EditLight::light).collect()
+}
+
+/// The rectangles that are on, for the renderer.
+pub fn drawn(lights: &[EditLight]) -> Vec<RectLight> {
+    lights.iter().filter(|light| light.on && light.other.is_none()).map(|light| light.rect).collect()
 }
 
 /// What the light with this index is called until it is renamed.
@@ -207,6 +251,24 @@ mod tests {
         assert_eq!(EditLight::from_entry(0, &lamp.entry(), None), lamp);
         let nameless = LightEntry { name: None, ..lamp.entry() };
         assert_eq!(EditLight::from_entry(4, &nameless, None).name, "Light 5");
+    }
+
+    #[test]
+    fn every_kind_stays_in_its_place_and_survives_project_files() {
+        for kind in LightKind::ALL {
+            let mut lamp = light();
+            lamp.rect.center = Vec3::new(1.0, 2.0, 3.0);
+            lamp.set_kind(kind);
+            assert_eq!((lamp.kind(), lamp.rect.center), (kind, Vec3::new(1.0, 2.0, 3.0)));
+            assert!(lamp.light().position().is_none_or(|position| position == lamp.rect.center));
+            let normal = lamp.rect.normal().unwrap();
+            assert!(kind == LightKind::Point || normal.dot(-Vec3::Y) > 0.999, "{kind:?} keeps its direction");
+            let again = EditLight::from_entry(0, &lamp.entry(), None);
+            assert_eq!((again.kind(), &again.name), (kind, &lamp.name));
+            assert!((again.light().strength() - Vec3::new(8.0, 4.0, 2.0)).length() < 1e-5);
+            lamp.set_kind(LightKind::Rect);
+            assert!(lamp.rect.normal().is_some() && lamp.other.is_none());
+        }
     }
 
     #[test]

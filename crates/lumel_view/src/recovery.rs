@@ -33,6 +33,9 @@ pub struct Note {
     pub max_edge: Option<f32>,
     /// Levels of refinement of a built-in scene.
     pub subdivide: Option<u32>,
+    /// What was made two-sided.
+    #[serde(default)]
+    pub two_sided: Vec<String>,
     /// Whether the scene's files may lie outside its folder.
     pub paths_anywhere: bool,
     /// All lights.
@@ -148,7 +151,12 @@ impl Note {
         let paths = if self.paths_anywhere { PathPolicy::Anywhere } else { PathPolicy::default() };
         OpenRequest {
             name: self.scene.clone(),
-            options: OpenOptions { paths, max_edge: self.max_edge, subdivide: self.subdivide },
+            options: OpenOptions {
+                paths,
+                max_edge: self.max_edge,
+                subdivide: self.subdivide,
+                two_sided: self.two_sided.clone(),
+            },
         }
     }
 
@@ -222,6 +230,7 @@ mod tests {
             scene: "cornell-box".into(),
             max_edge: Some(0.1),
             subdivide: None,
+            two_sided: Vec::new(),
             paths_anywhere: false,
             lights: Vec::new(),
             albedos: Vec::new(),

@@ -2,7 +2,7 @@
 
 use crate::cli::ScreenshotArgs;
 use crate::document::{self, error_text};
-use crate::lights::shining;
+use crate::lights::drawn;
 use crate::notice::Level;
 use crate::prefs::ViewPrefs;
 use crate::selection::{Illumination, Selection};
@@ -144,7 +144,7 @@ pub fn without_window(
         None => meter(&view, &camera, width as f32 / height as f32)?,
     };
     let prefs = ViewPrefs::default();
-    let lamps = shining(&contents.lights);
+    let lamps = drawn(&contents.lights);
     let target = renderer.target([width, height], Samples::Four)?;
     renderer.draw(
         &target,
@@ -156,7 +156,7 @@ pub fn without_window(
             look: Look::Radiance { stops, tone: prefs.tone(), white: prefs.white },
             wireframe: false,
             overlay: None,
-            sky: document.scene.sky(),
+            sky: document.scene.sky().mean(),
         },
     );
     let picture = renderer.read(&target)?;

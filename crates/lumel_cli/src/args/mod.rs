@@ -125,7 +125,7 @@ const LIGHT_OR_LAYER: &str = "\
 Show only the light of the layer NAME, which a bake with --layers lights stores: the name of a light, \"sky\", or the \
 name of an emissive material. `lumel info` lists them.
 
-Lights as for `lumel bake`, 'rect center=x,y,z ...', say that the solution was baked with them.";
+Lights as for `lumel bake`, 'sun direction=x,y,z ...', say that the solution was baked with them.";
 
 /// Render an image of a scene lit by a solution.
 ///

@@ -3,8 +3,7 @@
 use crate::console::Messages;
 use crate::parse::{self, LightChoice};
 use clap::{Args, ValueEnum};
-use glam::Vec3;
-use lumel::{OpenOptions, PathPolicy, spec};
+use lumel::{LightKind, OpenOptions, PathPolicy, SkyEntry, spec};
 
 /// The largest number of threads; machines with more cores than that are not built.
 const MAX_THREADS: u32 = 1024;
@@ -16,18 +15,31 @@ pub(crate) struct SceneArgs {
     #[arg(value_name = "SCENE", long_help = scene_help())]
     pub(crate) scene: String,
 
-    /// A rectangle light: 'rect center=x,y,z u=x,y,z v=x,y,z radiance=r,g,b'. May be repeated.
-    ///
-    /// u and v are half of each edge, metres, and perpendicular; the light emits towards u × v. radiance is in
-    /// W/(m² sr); name=TEXT, without spaces, is optional. These lights replace those of the scene or project; emissive
-    /// surfaces and the sky remain.
+    /// A light: its kind, then key=value words, such as 'sun direction=-1,-2,-1 irradiance=5,5,5'. May be repeated.
     #[arg(long = "light", value_name = "LIGHT", value_parser = parse::light, help_heading = "Scene")]
+    #[arg(long_help = light_help())]
     pub(crate) lights: Vec<LightChoice>,
 
-    /// Radiance that arrives from outside the scene from all directions, W/(m² sr); replaces the sky of the scene.
-    #[arg(long, value_name = "R,G,B", value_parser = spec::color, help_heading = "Scene")]
+    /// Light from outside the scene: a colour R,G,B, a gradient or an image; replaces the sky of the scene.
+    ///
+    /// R,G,B is the radiance from all directions, W/(m² sr).
+    ///
+    /// 'gradient zenith=R,G,B horizon=R,G,B ground=R,G,B' changes linearly with the sine of the elevation; +Y is up. The
+    /// ground is as the horizon by default.
+    ///
+    /// 'FILE rotation=DEG strength=X' is an equirectangular image, HDR or EXR, whose middle is the direction -Z. It is turned
+    /// counter-clockwise about +Y, seen from above, and multiplied by X; both are optional. Bright texels, such as a sun,
+    /// are sampled as lights are.
+    #[arg(long, value_name = "SKY", value_parser = spec::sky, help_heading = "Scene")]
     #[arg(allow_hyphen_values = true)]
-    pub(crate) sky: Option<Vec3>,
+    pub(crate) sky: Option<SkyEntry>,
+
+    /// Light both sides of the faces of the material or object NAME; "all" for all. May be repeated.
+    ///
+    /// Faces are black from behind unless their file says that they have two sides. Use this where faces are wound the wrong
+    /// way round, or for thin walls and leaves. In project files: two_sided.
+    #[arg(long, value_name = "NAME", help_heading = "Scene")]
+    pub(crate) two_sided: Vec<String>,
 
     /// Split edges longer than this, metres. Light is stored at vertices: fine shadows need short edges.
     #[arg(long, value_name = "L", value_parser = parse::length, help_heading = "Scene")]
@@ -42,6 +54,21 @@ pub(crate) struct SceneArgs {
     /// Allow scene and project files to refer to files outside their folder.
     #[arg(long, help_heading = "Scene")]
     pub(crate) allow_outside_paths: bool,
+}
+
+fn light_help() -> String {
+    let mut help = "A light: its kind, then key=value words in any order. May be repeated. These lights replace those of \
+        the scene or project; emissive surfaces and the sky remain.\n"
+        .to_owned();
+    for kind in LightKind::ALL {
+        help += &format!("\n- '{}'", kind.example());
+    }
+    help + "\n\nLengths are in metres, angles in degrees. A light faces a direction=X,Y,Z or the point toward=X,Y,Z. A rect \
+        may have u=X,Y,Z and v=X,Y,Z, half of each edge, instead of its size=W,H; it then emits towards u × v. radiance \
+        is in W/(m² sr), intensity in W/sr, irradiance in W/m² on a surface that faces the sun. A point with a radius is \
+        a sphere, whose intensity is that from afar. A spot fades from inner to outer, angles from its axis (default 0 \
+        and 45). range, optional for a point and a spot, is where it ends. angle is the diameter of the sun (default \
+        0.53; 0 for sharp shadows). name=TEXT, without spaces, is optional."
 }
 
 fn scene_help() -> String {
@@ -60,7 +87,12 @@ impl SceneArgs {
     /// How to open the scene.
     pub(crate) fn open_options(&self) -> OpenOptions {
         let paths = if self.allow_outside_paths { PathPolicy::Anywhere } else { PathPolicy::WithinFolder };
-        OpenOptions { paths, max_edge: self.max_edge, subdivide: self.subdivide }
+        OpenOptions {
+            paths,
+            max_edge: self.max_edge,
+            subdivide: self.subdivide,
+            two_sided: self.two_sided.clone(),
+        }
     }
 }
 

@@ -74,6 +74,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
+    let has_lost_light = load::warn_of_lost_light(&baker, &run.console);
     let mut state = match &args.resume {
         Some(file) => resume(&baker, file)?,
         None => SolveState::new(),
@@ -87,6 +88,9 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     let Some(log) = run.solve(&baker, &mut state, Some(&checkpoint))? else {
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
+    if !has_lost_light {
+        load::warn_of_darkness(&baker, &state, &run.console);
+    }
     warn_of_dark_faces(&baker, &state, run);
     warn_of_error(&state, run);
     let solution = solution(&baker, &state, run, &log);

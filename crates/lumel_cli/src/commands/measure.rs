@@ -85,6 +85,7 @@ fn solve(
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
     let (baker, _) = run.timed("build", || Baker::new(scene, settings));
+    load::warn_of_lost_light(&baker, &run.console);
     let mut state = SolveState::new();
     Ok(run.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
 }

@@ -34,7 +34,8 @@ impl SceneReport {
             "sky",
             &match self.sky {
                 [0.0, 0.0, 0.0] => "none".to_owned(),
-                sky => format!("{} W/(m² sr)", triple(sky)),
+                sky if self.sky_kind == "uniform" => format!("{} W/(m² sr)", triple(sky)),
+                sky => format!("{}, mean {} W/(m² sr)", self.sky_kind, triple(sky)),
             },
         );
         let cameras = self.cameras.iter().map(|camera| {
@@ -119,6 +120,25 @@ impl LightKind {
             Self::Directional { direction, irradiance } => {
                 format!("directional along {}, {} W/m²", triple(*direction), triple(*irradiance))
             }
+            Self::Sun { direction, irradiance, angle_deg } => {
+                let angle = significant(f64::from(*angle_deg));
+                format!("sun of {angle}° along {}, {} W/m²", triple(*direction), triple(*irradiance))
+            }
+            Self::Disk { center, radius, normal, radiance, power } => format!(
+                "disk of radius {} m at {}, facing {}, {} W/(m² sr), {} W",
+                significant(f64::from(*radius)),
+                triple(*center),
+                triple(*normal),
+                triple(*radiance),
+                triple(*power)
+            ),
+            Self::Sphere { center, radius, radiance, power } => format!(
+                "sphere of radius {} m at {}, {} W/(m² sr), {} W",
+                significant(f64::from(*radius)),
+                triple(*center),
+                triple(*radiance),
+                triple(*power)
+            ),
         }
     }
 }

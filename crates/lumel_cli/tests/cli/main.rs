@@ -8,6 +8,7 @@ mod common;
 mod compare;
 mod help;
 mod info;
+mod lights;
 mod measure;
 mod project;
 mod refusals;

@@ -81,6 +81,6 @@ fn mistakes_in_projects_are_found() {
     refused("direct_samples = 4", "direct_samples = 0", "direct_samples is 0 but must be");
     refused("direct_samples = 4", "direct_samples = -1", "direct_samples");
     refused("seed = 5", "bounces = 10001", "bad.lumel.toml");
-    refused("u = [0.2, 0.0, 0.0]", "u = [0.0, 0.0, 0.2]", "light 0");
+    refused("u = [0.2, 0.0, 0.0]", "u = [0.0, 0.0, 0.2]", "light 1");
     assert!(!place.path("a.npz").exists());
 }

@@ -77,7 +77,7 @@ fn lights_that_make_no_sense_say_why() {
         let run = run(place.lumel("bake furnace").args(["--light", light])).failed(words);
         assert!(run.stderr.contains("hint: for example --light 'rect center="), "{}", run.stderr);
     };
-    refused("", "\"rect\"");
+    refused("", "one of rect, disk, point, spot, sun");
     refused("rect", "center is missing");
     refused("rect center=0,0,x u=1,0,0 v=0,0,1 radiance=1,1,1", "center: \"x\" is not a number");
     refused("rect center=0,0,0 u=nan,0,0 v=0,0,1 radiance=1,1,1", "u: nan is not a finite number");
@@ -91,7 +91,11 @@ fn a_dark_scene_is_refused_with_advice() {
     let place = Place::new();
     let run = run(&mut place.lumel("bake furnace --no-emissive"))
         .failed("nothing emits light in scene \"furnace\"");
-    assert!(run.stderr.contains("hint: add a light, for example --light 'rect center="), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("hint: add a light that suits the scene: --light 'rect center="),
+        "{}",
+        run.stderr
+    );
     assert!(place.files().is_empty());
 }
 

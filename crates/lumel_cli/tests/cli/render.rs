@@ -70,7 +70,7 @@ fn the_light_of_a_layer_is_shown_by_its_name() {
     refused(&["lamp", "--light", surfaces], "only one layer");
     place.bake_furnace("-o b.npz").done();
     run(&mut place.lumel("render furnace --solution b.npz -o x.png --light lamp")).failed("--layers lights");
-    run(&mut place.lumel("bake furnace -o c.npz --light lamp")).failed("must be the shape of the light");
+    run(&mut place.lumel("bake furnace -o c.npz --light lamp")).failed("must be the kind of the light");
     run(&mut place.lumel("bake furnace -o c.npz --layers lights --target-error 5%"))
         .failed("exclude each other");
 }

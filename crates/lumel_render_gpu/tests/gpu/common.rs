@@ -94,7 +94,7 @@ impl Uploaded<'_> {
             look,
             wireframe: false,
             overlay: None,
-            sky: self.subject.scene.sky(),
+            sky: self.subject.scene.sky().mean(),
         }
     }
 

@@ -53,7 +53,7 @@ pub(crate) fn shine(scene: &Scene) -> Vec<Vec3> {
 /// normal-mapped faces; rectangle lights with and without an image; a sky.
 pub(crate) fn everything() -> Subject {
     let mut builder = SceneBuilder { name: "everything".to_owned(), ..SceneBuilder::default() };
-    builder.sky = Radiance(Vec3::new(0.3, 0.5, 0.9));
+    builder.sky = Radiance(Vec3::new(0.3, 0.5, 0.9)).into();
     builder.textures = textures();
     let map = |index: u32, transform| Some(TextureRef { texture: TextureId(index), transform });
     let mirrored = UvTransform { offset: Vec2::new(0.2, 0.7), rotation: 0.5, scale: Vec2::new(-1.5, 0.8) };

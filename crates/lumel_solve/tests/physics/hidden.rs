@@ -37,7 +37,7 @@ fn floor_with_box() -> SceneBuilder {
 }
 
 fn under_sky(objects: Vec<ObjectMesh>) -> SceneBuilder {
-    SceneBuilder { sky: Radiance::splat(1.0), ..scene(objects, vec![grey(0.0, 0.0)], vec![]) }
+    SceneBuilder { sky: Radiance::splat(1.0).into(), ..scene(objects, vec![grey(0.0, 0.0)], vec![]) }
 }
 
 fn covered(p: DVec3) -> bool {

@@ -123,7 +123,7 @@ fn quantities_have_their_factor_of_pi_and_no_other() {
             Estimate::of_node(&replicates(&*transport, Source::Emitters(None), n), 0)
         };
         let mut sky = scene(vec![floor()], black.clone(), vec![]);
-        sky.sky = Radiance::splat(1.0);
+        sky.sky = Radiance::splat(1.0).into();
         e(sky, 2).assert_near(PI, ROUNDING * PI, format!("sky, {solver}, {sampler}"));
         let point = scene(vec![floor()], black.clone(), vec![bulb(Vec3::Z * 2.0, (4.0 * PI) as f32)]);
         e(point, 2).assert_near(1.0, 1e-4, format!("point, {solver}, {sampler}"));

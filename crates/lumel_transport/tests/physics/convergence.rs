@@ -99,7 +99,7 @@ fn area_sampling_of_light_and_sky_converges_faster_than_random() {
         Light::Rect(ceiling_light(Vec3::new(1.2, 0.9, 0.5), 1.0, 0.7, 3.0)),
     ];
     let mut builder = scene(vec![quad(corners, [1, 1], 0), wall], vec![grey(0.0, 0.0)], lights);
-    builder.sky = lumel_scene::Radiance::splat(1.0);
+    builder.sky = lumel_scene::Radiance::splat(1.0).into();
     let stage = Stage::new(builder);
     let flux = |sampler, n: u32, pass| {
         let plan = Plan {

@@ -191,7 +191,7 @@ fn an_area_source_lights_floor_and_wall_as_the_polygon_formula_says() {
 fn sky_of_radiance_one_lights_an_open_element_with_pi() {
     let mut builder = lights_only(Vec::new());
     builder.objects[0].positions.iter_mut().for_each(|p| *p *= 1e-3);
-    builder.sky = Radiance::splat(1.0);
+    builder.sky = Radiance::splat(1.0).into();
     let stage = Stage::new(builder);
     for combination in AtPoints::all() {
         let point = (Vec3::Z, Vec3::new(0.2, 0.3, 1.0));

@@ -131,7 +131,7 @@ fn several_lights_add_up_in_every_combination() {
 fn sky_and_lights_add_up_in_every_combination() {
     let rect = ceiling_light(Vec3::new(0.2, 0.4, 0.4), 0.8, 1.2, 1.0);
     let mut builder = scene(vec![floor(2)], vec![grey(0.0, 0.0)], vec![Light::Rect(rect)]);
-    builder.sky = lumel_scene::Radiance::splat(0.5);
+    builder.sky = lumel_scene::Radiance::splat(0.5).into();
     let stage = Stage::new(builder);
     for combination in Combination::all() {
         let operator = stage.operator(combination.method, combination.estimator.plan(128, 16));

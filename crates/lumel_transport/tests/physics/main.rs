@@ -8,3 +8,5 @@ mod lamps;
 mod patches;
 mod portions;
 mod shadows;
+mod sized;
+mod skies;

@@ -7,9 +7,10 @@ use crate::lights::{EditLight, Resize, half_edge_range};
 use crate::session::Session;
 use crate::theme;
 use crate::values::significant;
-use crate::widgets::{check, color_button, heading, hint, row, slider, value, vector};
+use crate::widgets::{check, choice, color_button, heading, hint, row, slider, value, vector};
 use eframe::egui::{Checkbox, DragValue, RichText, Slider, TextEdit, Ui};
 use glam::{Vec2, Vec3};
+use lumel::{Light, LightKind, PointLight, SphereLight, SpotLight, SunLight};
 
 pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
     let Some(diagonal) = session.document.as_ref().map(Document::diagonal) else {
@@ -31,15 +32,7 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
     list(session, ui);
     layers(session, ui);
     let Some(light) = session.active_light() else {
-        let others = session.document.as_ref().map_or(0, |d| d.other_lights.len());
-        let text = if others > 0 {
-            format!(
-                "The scene has {others} point, spot or directional lights; they are used but cannot be edited here."
-            )
-        } else {
-            "No lights. Press Space to add one at the camera.".to_owned()
-        };
-        hint(ui, &text);
+        hint(ui, "No lights. Press Space to add one at the camera.");
         return;
     };
     properties(ui, light, diagonal);
@@ -96,9 +89,14 @@ fn layers(session: &mut Session, ui: &mut Ui) {
 fn properties(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
     heading(ui, "Active light");
     row(ui, "Name", "", |ui| ui.add(TextEdit::singleline(&mut light.name).desired_width(150.0)));
-    size(ui, light, diagonal);
+    kind(ui, light);
+    shape(ui, light, diagonal);
     let (mut intensity, mut color) = light.intensity_and_color();
-    let hint = "Radiance of the brightest channel, W/(m² sr)";
+    let hint = match light.kind() {
+        LightKind::Rect | LightKind::Disk => "Radiance of the brightest channel, W/(m² sr)",
+        LightKind::Point | LightKind::Spot => "Radiant intensity of the brightest channel, W/sr",
+        LightKind::Sun => "Irradiance of the brightest channel on a surface that faces the sun, W/m²",
+    };
     let changed =
         slider(ui, "Intensity", hint, Slider::new(&mut intensity, 0.0..=100_000.0).logarithmic(true))
             .changed();
@@ -108,6 +106,100 @@ fn properties(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
         color = if recolored { Vec3::from_array(rgb) } else { color };
         light.set_intensity_and_color(intensity, color);
     }
+    if light.kind() == LightKind::Rect {
+        power(ui, light);
+    }
+    if light.kind() != LightKind::Sun {
+        vector(ui, "Position", "Metres", &mut light.rect.center, 0.003 * diagonal);
+    }
+    if light.kind() != LightKind::Point {
+        direction(ui, light);
+    }
+    let text = "Drag the handles in the picture to move or resize it.";
+    ui.label(RichText::new(text).color(theme::WEAK).small());
+}
+
+/// What the light is.
+fn kind(ui: &mut Ui, light: &mut EditLight) {
+    let mut kind = light.kind();
+    let label = |kind| match kind {
+        LightKind::Rect => "Rectangle",
+        LightKind::Disk => "Disk",
+        LightKind::Point => "Point",
+        LightKind::Spot => "Spot",
+        LightKind::Sun => "Sun",
+    };
+    choice(ui, "Kind", "What shines", &mut kind, &LightKind::ALL, |kind| label(kind).to_owned());
+    light.set_kind(kind);
+}
+
+/// The size of the light, or the angles that it has instead.
+fn shape(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
+    match light.light() {
+        Light::Rect(_) => size(ui, light, diagonal),
+        Light::Disk(_) => radius(ui, light, diagonal),
+        Light::Sphere(_) | Light::Point(_) => sphere(ui, light, diagonal),
+        Light::Spot(spot) => cones(ui, light, spot),
+        Light::Directional(parallel) => angle(ui, light, SunLight { parallel, sin_half_angle: 0.0 }),
+        Light::Sun(sun) => angle(ui, light, sun),
+    }
+}
+
+fn radius(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
+    let mut radius = light.half_edges().x;
+    let range = half_edge_range(diagonal);
+    let slide = Slider::new(&mut radius, range).logarithmic(true).suffix(" m").max_decimals(3);
+    if slider(ui, "Radius", "Metres", slide).changed() {
+        light.set_half_edges(Vec2::splat(radius));
+    }
+}
+
+/// A point may be a sphere.
+fn sphere(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
+    let mut is_sphere = matches!(light.light(), Light::Sphere(_));
+    if check(ui, "Sphere", "A point with a radius, whose shadows are soft", &mut is_sphere).changed() {
+        let (center, strength) = (light.rect.center, light.rect.radiance.0);
+        light.set_light(if is_sphere {
+            let radius = *half_edge_range(diagonal).start() * 100.0;
+            Light::Sphere(SphereLight::of_intensity(center, radius, strength))
+        } else {
+            Light::Point(PointLight { position: center, intensity: strength, range: f32::INFINITY })
+        });
+    }
+    if is_sphere {
+        radius(ui, light, diagonal);
+    }
+}
+
+fn cones(ui: &mut Ui, light: &mut EditLight, spot: SpotLight) {
+    let [mut inner, mut outer] = [spot.cos_inner, spot.cos_outer].map(|cos| cos.acos().to_degrees());
+    let text = "The angle from the axis at which the light begins to fade, degrees";
+    let mut changed =
+        slider(ui, "Inner cone", text, Slider::new(&mut inner, 0.0..=89.0).suffix("°")).changed();
+    let text = "The angle from the axis at which it is dark, degrees";
+    changed |= slider(ui, "Outer cone", text, Slider::new(&mut outer, 1.0..=90.0).suffix("°")).changed();
+    if changed {
+        let outer = outer.max(1.0);
+        let [cos_inner, cos_outer] = [inner.min(outer - 0.1), outer].map(|angle| angle.to_radians().cos());
+        light.set_light(Light::Spot(SpotLight { cos_inner, cos_outer, ..spot }));
+    }
+}
+
+fn angle(ui: &mut Ui, light: &mut EditLight, sun: SunLight) {
+    let mut angle = 2.0 * sun.sin_half_angle.asin().to_degrees();
+    let text = "Angular diameter, degrees: 0.53 for the sun, 0 for sharp shadows";
+    if slider(ui, "Diameter", text, Slider::new(&mut angle, 0.0..=30.0).suffix("°")).changed() {
+        let sin_half_angle = (0.5 * angle).to_radians().sin();
+        let sharp = sin_half_angle <= 0.0;
+        light.set_light(if sharp {
+            Light::Directional(sun.parallel)
+        } else {
+            Light::Sun(SunLight { sin_half_angle, ..sun })
+        });
+    }
+}
+
+fn power(ui: &mut Ui, light: &mut EditLight) {
     let mut constant = light.resize == Resize::KeepPower;
     if check(ui, "Constant power", "Resizing keeps the power instead of the radiance", &mut constant)
         .changed()
@@ -120,8 +212,6 @@ fn properties(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
         "Power",
         format!("{} {} {} W", significant(power.x), significant(power.y), significant(power.z)),
     );
-    vector(ui, "Position", "Metres", &mut light.rect.center, 0.003 * diagonal);
-    direction(ui, light);
 }
 
 fn size(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
@@ -173,7 +263,4 @@ fn direction(ui: &mut Ui, light: &mut EditLight) {
     if to != before {
         light.set_direction_deg(to);
     }
-    ui.label(
-        RichText::new("Drag the handles in the picture to move or resize it.").color(theme::WEAK).small(),
-    );
 }

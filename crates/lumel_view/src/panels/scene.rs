@@ -35,7 +35,7 @@ pub(super) fn show(session: &mut Session, ui: &mut Ui) {
     );
     let area: f64 = document.baker.basis().node_areas().iter().map(|a| f64::from(*a)).sum();
     value(ui, "Surface", format!("{} m²", significant(area as f32)));
-    value(ui, "Lights", format!("{}", session.lights.len() + document.other_lights.len()));
+    value(ui, "Lights", format!("{}", session.lights.len()));
     let hidden = session.light.valid.iter().filter(|valid| !**valid).count();
     if hidden > 0 {
         value(ui, "Inside geometry", format!("{} vertices", grouped(hidden)));

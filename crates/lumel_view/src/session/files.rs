@@ -153,6 +153,11 @@ impl Session {
         let options = &document.request.options;
         project.max_edge = options.max_edge.or(project.max_edge);
         project.subdivide = options.subdivide.or(project.subdivide);
+        for name in &options.two_sided {
+            if !project.two_sided.contains(name) {
+                project.two_sided.push(name.clone());
+            }
+        }
         project.lights = self.lights.iter().map(crate::lights::EditLight::entry).collect();
         for entry in document.repainted_materials() {
             project.materials.retain(|old| old.name != entry.name);

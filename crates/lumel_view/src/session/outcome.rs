@@ -4,7 +4,7 @@ use super::running::{Errand, Then};
 use super::{Computed, Hand, Session};
 use crate::notice::Level;
 use crate::solver::{Ending, Phase, SolveStart};
-use lumel::TargetError;
+use lumel::{Control, TargetError};
 use std::sync::Arc;
 
 impl Session {
@@ -76,6 +76,11 @@ impl Session {
         if let (Some(solved), Some(document)) = (running.job.solved(), &mut self.document) {
             // With it come the rays that it has stored: the next solve needs no new ones for other lights.
             document.baker = Arc::clone(&solved.baker);
+            if done && running.errand == Errand::Solve {
+                for finding in solved.baker.light_findings(&Control::default()).unwrap_or_default() {
+                    self.notices.push(Level::Warning, format!("{finding}; {}", finding.remedy()));
+                }
+            }
         }
         if let (Some(solved), Some(computed)) = (running.job.solved(), &mut self.computed) {
             (computed.complete, computed.seconds) = match running.errand {

@@ -44,6 +44,7 @@ impl Session {
             scene: absolute.map_or_else(|_| request.name.clone(), |p| p.to_string_lossy().into_owned()),
             max_edge: request.options.max_edge,
             subdivide: request.options.subdivide,
+            two_sided: request.options.two_sided.clone(),
             paths_anywhere: request.options.paths == lumel::PathPolicy::Anywhere,
             lights: self.lights.iter().map(EditLight::entry).collect(),
             albedos: self.albedos.clone(),

@@ -14,7 +14,7 @@ pub use showing::{Marks, Quality, Showing, Split};
 pub use strip::{ShownThumbnail, Thumbnail};
 
 use crate::camera::FlyCamera;
-use crate::lights::shining;
+use crate::lights::drawn;
 use crate::prefs::{ViewMode, ViewPrefs};
 use crate::session::Session;
 use crate::values;
@@ -181,7 +181,7 @@ impl Stage {
             look: drawn.look,
             wireframe: drawn.wireframe,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
-            sky: document.scene.sky(),
+            sky: document.scene.sky().mean(),
         };
         self.renderer.draw(target, &frame);
         self.pictures += 1;
@@ -246,7 +246,7 @@ impl Stage {
         if let Some(right) = &right {
             self.fill(RIGHT, right, session)?;
         }
-        let lamps = shining(&session.lights);
+        let lamps = drawn(&session.lights);
         let look = self.look(showing, &left, &lamps, size);
         let live = showing.quality == Quality::Live && self.gpu().is_software();
         Ok(Drawn {

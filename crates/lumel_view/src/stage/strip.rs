@@ -4,7 +4,7 @@ use super::content::{Content, Side};
 use super::metered::{Metered, stops_for};
 use super::showing::{Quality, Showing};
 use crate::camera::FlyCamera;
-use crate::lights::shining;
+use crate::lights::drawn;
 use crate::prefs::ViewMode;
 use crate::selection::Selection;
 use eframe::egui::TextureId;
@@ -87,7 +87,7 @@ impl Strip {
         }
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
-        let lamps = shining(&session.lights);
+        let lamps = drawn(&session.lights);
         // That of all light, whichever bounces the large picture shows.
         let all = Content::new(session, Side::Current, ViewMode::FalseColor, Selection::All);
         if showing.view.auto_exposure {
@@ -145,7 +145,7 @@ impl Strip {
             look,
             wireframe: false,
             overlay: None,
-            sky: canvas.scene.sky(),
+            sky: canvas.scene.sky().mean(),
         };
         canvas.renderer.draw(&cell.target, &frame);
         cell.drawn = Some(drawn);

@@ -1,0 +1,328 @@
+//! Lights that are lost: they reach nothing, or the backs of surfaces.
+
+use crate::Baker;
+use glam::Vec3;
+use lumel_accel::Ray;
+use lumel_basis::PointReceivers;
+use lumel_sample::{Dim, PiecewiseConstant1D, Sampler, Stream, StreamKey, uniform_sphere, uniform_triangle};
+use lumel_scene::{Light, Scene, Sides, SurfacePoint, TriId, luminance};
+use lumel_transport::{
+    Control, CpuTransport, Emitter, EmitterMask, Job, LightSampling, Plan, Source, TransportError, accumulate,
+};
+use std::fmt;
+use std::sync::Arc;
+
+/// Places on surfaces where light is looked for.
+const PLACES: u32 = 1024;
+/// The same for a light that none of them sees.
+const MANY_PLACES: u32 = 1 << 16;
+/// How far places are drawn to the middle of their face: light leaks through the edges of closed geometry.
+const INSET: f32 = 0.01;
+/// Rays from a light that look for a surface.
+const RAYS: u32 = 256;
+/// How many times as much light back faces must get as surfaces do for it to be said.
+const MOSTLY: f64 = 2.0;
+
+/// Something about the lights of a scene that is probably not meant.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightFinding {
+    /// A light that reaches no surface.
+    Unreached {
+        /// Its name.
+        light: String,
+    },
+    /// Most light arrives at back faces, which are black.
+    BackFaces {
+        /// The share of all light that does, 0 to 1.
+        share: f64,
+        /// The material or object that most of it arrives at.
+        name: String,
+    },
+}
+
+impl fmt::Display for LightFinding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreached { light } => write!(
+                f,
+                "light \"{light}\" reaches no surface: it is turned away from all of them, or enclosed by opaque \
+                 geometry"
+            ),
+            Self::BackFaces { share, name } => write!(
+                f,
+                "{:.0} % of all direct light arrives at back faces, which are black, most of it at those of \
+                 \"{name}\": its faces may be wound the wrong way round",
+                100.0 * share
+            ),
+        }
+    }
+}
+
+impl LightFinding {
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::Unreached { .. } => "move or turn the light, or remove what encloses it".to_owned(),
+            Self::BackFaces { name, .. } => {
+                format!(
+                    "light both sides with --two-sided '{name}' or --two-sided all (in project files two_sided)"
+                )
+            }
+        }
+    }
+}
+
+/// A place on a surface.
+#[derive(Clone, Copy)]
+struct Place {
+    at: Vec3,
+    /// On the side that light is looked for on.
+    normal: Vec3,
+    tri: TriId,
+    /// Whether that side is the back of a one-sided face.
+    is_black: bool,
+}
+
+impl Baker {
+    /// What is probably wrong with the lights, by a few thousand rays. The same on every machine.
+    ///
+    /// # Errors
+    /// When `control` asks to stop.
+    pub fn light_findings(&self, control: &Control) -> Result<Vec<LightFinding>, TransportError> {
+        let scene = self.scene();
+        let mut findings = Vec::new();
+        for (i, (light, name)) in scene.lights().iter().zip(scene.light_names()).enumerate() {
+            let mask = EmitterMask::only(scene, &[Emitter::Light(i as u32)]);
+            if light.strength() != Vec3::ZERO
+                && !self.meets_surface(light)
+                && !self.sees_any(&mask, PLACES, control)?
+                && !self.sees_any(&mask, MANY_PLACES, control)?
+            {
+                findings.push(LightFinding::Unreached { light: name.clone() });
+            }
+        }
+        findings.extend(self.light_at_back_faces(control)?);
+        Ok(findings)
+    }
+
+    /// Whether a ray from a light meets the lit side of a surface that it may shine on.
+    fn meets_surface(&self, light: &Light) -> bool {
+        let Some(origin) = light.position() else { return false };
+        let shines_towards = |direction: Vec3| match light {
+            Light::Rect(rect) => rect.normal().is_some_and(|normal| normal.dot(direction) > 0.0),
+            Light::Disk(disk) => disk.direction.dot(direction) > 0.0,
+            Light::Spot(spot) => spot.falloff(direction) > 0.0,
+            _ => true,
+        };
+        let reach = match light {
+            Light::Point(point) => point.range,
+            Light::Spot(spot) => spot.point.range,
+            _ => f32::INFINITY,
+        };
+        let stream = stream(0);
+        (0..RAYS).map(|i| uniform_sphere(stream.sample_2d(i))).filter(|d| shines_towards(*d)).any(
+            |direction| {
+                let hit = self.tracer().closest_hit(&Ray { t_max: reach, ..Ray::new(origin, direction) });
+                hit.is_some_and(|hit| self.scene().seen_side(hit.at, hit.side).is_some())
+            },
+        )
+    }
+
+    /// Whether any of some places on lit sides gets light.
+    fn sees_any(&self, mask: &EmitterMask, n: u32, control: &Control) -> Result<bool, TransportError> {
+        let places: Vec<Place> = self.places(n).into_iter().filter(|place| !place.is_black).collect();
+        Ok(self.light_at(&places, Some(mask), control)?.into_iter().any(|light| light > 0.0))
+    }
+
+    fn light_at_back_faces(&self, control: &Control) -> Result<Option<LightFinding>, TransportError> {
+        let scene = self.scene();
+        let places = self.places(PLACES);
+        if !places.iter().any(|place| place.is_black) {
+            return Ok(None);
+        }
+        let light = self.light_at(&places, None, control)?;
+        let (mut lit, mut lost) = (0.0, 0.0);
+        let mut lost_by_material = vec![0.0; scene.materials().len()];
+        for (place, light) in places.iter().zip(light) {
+            if place.is_black {
+                lost += light;
+                lost_by_material[scene.material_id(place.tri).index()] += light;
+            } else {
+                lit += light;
+            }
+        }
+        if lost <= MOSTLY * lit {
+            return Ok(None);
+        }
+        let most = (0..).zip(&lost_by_material).max_by(|a, b| f64::total_cmp(a.1, b.1)).map_or(0, |(i, _)| i);
+        let of_material = |place: &&Place| place.is_black && scene.material_id(place.tri).index() == most;
+        let object = places.iter().find(of_material).map(|place| scene.object_id(place.tri));
+        let object = object.and_then(|id| scene.object_names().get(id.index())).cloned().unwrap_or_default();
+        let material = &scene.materials()[most].name;
+        let name = if material.is_empty() { object } else { material.clone() };
+        Ok(Some(LightFinding::BackFaces { share: lost / (lost + lit), name }))
+    }
+
+    /// Places on both sides of faces, evenly by area; at least one on each face while there are fewer faces than places.
+    fn places(&self, n: u32) -> Vec<Place> {
+        let scene: &Scene = self.scene();
+        let weights: Vec<f32> = (0..scene.traced_count() as u32).map(|tri| scene.area(TriId(tri))).collect();
+        let Some(by_area) = PiecewiseConstant1D::new(&weights) else { return Vec::new() };
+        let stream = stream(1);
+        let by_area = (0..n).map(|i| {
+            let [x, y, choice, _] = stream.sample_4d(i);
+            (TriId(by_area.sample(choice).0 as u32), [x, y])
+        });
+        let each = (0..scene.traced_count().min(n as usize) as u32).map(|tri| (TriId(tri), [0.5, 0.5]));
+        let each = each.filter(|_| n == MANY_PLACES);
+        by_area
+            .chain(each)
+            .flat_map(|(tri, u)| {
+                let [a, b] = uniform_triangle(u).map(|weight| weight + INSET * (1.0 / 3.0 - weight));
+                let at = scene.position(SurfacePoint { tri, bary: [a, b].into() });
+                let normal = scene.geometric_normal(tri);
+                let is_black = scene.material(tri).sides == Sides::Front;
+                [Place { at, normal, tri, is_black: false }, Place { at, normal: -normal, tri, is_black }]
+            })
+            .collect()
+    }
+
+    /// Luminance of the direct light at places.
+    fn light_at(
+        &self,
+        places: &[Place],
+        mask: Option<&EmitterMask>,
+        control: &Control,
+    ) -> Result<Vec<f64>, TransportError> {
+        let points = places.iter().map(|place| (place.at, place.normal));
+        let Ok(receivers) = PointReceivers::new(points) else { return Ok(vec![0.0; places.len()]) };
+        // Without closed forms, so that what is hidden gets exactly nothing however few rays there are.
+        let light_sampling = LightSampling::Area;
+        let plan = Plan { direct_samples: 4, indirect_samples: 16, light_sampling, ..self.settings().plan() };
+        let (scene, tracer, basis) = (self.scene().clone(), self.tracer().clone(), self.basis().clone());
+        let transport = CpuTransport::new(scene, tracer, basis, Arc::new(receivers), plan);
+        let job = Job { source: Source::Emitters(mask), bounce: 0, pass: 0, active: None };
+        let measured = accumulate(&transport, &job, control, None)?;
+        Ok(measured.field.values().iter().map(|e| f64::from(luminance(*e))).collect())
+    }
+}
+
+fn stream(purpose: u32) -> Stream {
+    Sampler::Sobol.stream(StreamKey::new(0).element(purpose), Dim::Validity)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Settings, spec};
+    use lumel_scene::{Material, Radiance, SceneBuilder};
+
+    /// A box whose faces face inwards, or outwards.
+    fn room(inwards: bool, material: Material) -> SceneBuilder {
+        let corner = |i: usize| [0, 1, 2].map(|axis| if (i >> axis) & 1 == 1 { 1.0 } else { 0.0 });
+        let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let outwards = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let mut scene = SceneBuilder::new("room");
+        let material = scene.add_material(material);
+        let triangles = outwards.map(|[a, b, c]| if inwards { [a, c, b] } else { [a, b, c] });
+        scene.add_mesh("walls", (0..8).map(corner), triangles, material);
+        scene
+    }
+
+    fn findings(scene: &SceneBuilder) -> Vec<LightFinding> {
+        let scene = Arc::new(scene.clone().build().unwrap().0);
+        Baker::new(scene, Settings::default()).light_findings(&Control::default()).unwrap()
+    }
+
+    fn with(mut scene: SceneBuilder, lights: &[&str]) -> SceneBuilder {
+        for light in lights {
+            let spec = spec::light(light).unwrap();
+            scene.add_named_light(spec.name.unwrap_or_default(), spec.light);
+        }
+        scene
+    }
+
+    fn unreached(scene: &SceneBuilder) -> Vec<String> {
+        let names = findings(scene).into_iter().filter_map(|finding| match finding {
+            LightFinding::Unreached { light } => Some(light),
+            LightFinding::BackFaces { .. } => None,
+        });
+        names.collect()
+    }
+
+    const WHITE: [f32; 3] = [0.8; 3];
+
+    #[test]
+    fn lights_that_shine_into_a_room_are_fine() {
+        let inside = with(
+            room(true, Material::diffuse("white", WHITE)),
+            &[
+                "rect center=0.5,0.9,0.5 direction=0,-1,0 size=0.1,0.1 radiance=1,1,1",
+                "disk center=0.5,0.5,0.5 toward=0,0,0 radius=0.1 radiance=1,1,1",
+                "point position=0.5,0.5,0.5 intensity=1,1,1",
+                "point position=0.5,0.5,0.5 radius=0.1 intensity=1,1,1",
+                "spot position=0.5,0.5,0.5 direction=0,1,0 outer=2 intensity=1,1,1",
+            ],
+        );
+        assert_eq!(findings(&inside), []);
+        let outside = with(
+            room(false, Material::diffuse("white", WHITE)),
+            &["sun direction=-1,-2,-1 irradiance=1,1,1", "point position=0.5,3,0.5 intensity=1,1,1"],
+        );
+        assert_eq!(findings(&outside), []);
+    }
+
+    #[test]
+    fn lights_that_reach_nothing_are_named() {
+        let lights = [
+            "rect center=0.5,3,0.5 direction=0,1,0 size=0.1,0.1 radiance=1,1,1 name=away",
+            "point position=0.5,3,0.5 intensity=1,1,1 range=0.5 name=short",
+            "spot position=0.5,3,0.5 direction=0,1,0 intensity=1,1,1 name=up",
+            "point position=0.5,3,0.5 intensity=1,1,1 name=fine",
+            "point position=0.5,3,0.5 intensity=0,0,0 name=off",
+            "point position=0.5,0.5,0.5 intensity=1,1,1 name=enclosed",
+        ];
+        let scene = with(room(false, Material::diffuse("white", WHITE)), &lights);
+        assert_eq!(unreached(&scene), ["away", "short", "up", "enclosed"]);
+        let sun =
+            with(room(true, Material::diffuse("white", WHITE)), &["sun direction=0,-1,0 irradiance=1,1,1"]);
+        assert_eq!(unreached(&sun), ["light 1"]);
+        let text = LightFinding::Unreached { light: "bulb".into() }.to_string();
+        assert!(text.starts_with("light \"bulb\" reaches no surface"), "{text}");
+    }
+
+    #[test]
+    fn rooms_that_are_inside_out_are_told_by_the_light_on_their_backs() {
+        let lamp = ["point position=0.5,0.5,0.5 intensity=1,1,1"];
+        let found = findings(&with(room(false, Material::diffuse("plaster", WHITE)), &lamp));
+        let [LightFinding::Unreached { .. }, LightFinding::BackFaces { share, name }] = &found[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!((*share, name.as_str()), (1.0, "plaster"));
+        assert!(found[1].to_string().starts_with("100 % of all direct light arrives at back faces"));
+        assert!(found[1].remedy().contains("--two-sided 'plaster' or --two-sided all"));
+        // Without a name of its own, the object stands for the material.
+        let found = findings(&with(room(false, Material::diffuse("", WHITE)), &lamp));
+        assert!(matches!(&found[1], LightFinding::BackFaces { name, .. } if name == "walls"), "{found:?}");
+        assert_eq!(findings(&with(room(false, Material::diffuse("a", WHITE).two_sided()), &lamp)), []);
+    }
+
+    #[test]
+    fn a_plane_between_two_halves_of_a_sky_is_fine() {
+        let mut scene = SceneBuilder::new("plane");
+        let material = scene.add_material(Material::diffuse("grey", WHITE));
+        scene.add_mesh("a", [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]], [[0, 1, 2]], material);
+        scene.sky = Radiance::splat(1.0).into();
+        assert_eq!(findings(&scene), []);
+    }
+
+    #[test]
+    fn a_light_in_a_closet_of_a_large_scene_is_found() {
+        let mut scene = room(true, Material::diffuse("white", WHITE));
+        let material = lumel_scene::MaterialId(0);
+        let far = [[-1e3, -9.0, -1e3], [-1e3, -9.0, 1e3], [1e3, -9.0, 1e3], [1e3, -9.0, -1e3]];
+        scene.add_mesh("ground", far, [[0, 1, 2], [0, 2, 3]], material);
+        let scene = with(scene, &["point position=0.5,0.5,0.5 intensity=1,1,1"]);
+        assert_eq!(unreached(&scene), Vec::<String>::new());
+    }
+}
