@@ -50,7 +50,8 @@ impl<'a> Accessors<'a> {
             Checked::Valid(Type::Vec2) => 2,
             Checked::Valid(Type::Vec3) => 3,
             Checked::Valid(Type::Vec4) => 4,
-            _ => return Err(Fault::at(place, "its type is none of SCALAR, VEC2, VEC3 and VEC4")),
+            Checked::Valid(Type::Mat4) => 16,
+            _ => return Err(Fault::at(place, "its type is none of SCALAR, VEC2, VEC3, VEC4 and MAT4")),
         };
         let layout = Layout { component: component.0, normalized: accessor.normalized, width };
         let count = accessor.count.0;
@@ -142,7 +143,7 @@ impl<'a> Accessors<'a> {
 struct Layout {
     component: ComponentType,
     normalized: bool,
-    /// Components per element, 1 to 4.
+    /// Components per element: 1 to 4, or 16.
     width: usize,
 }
 
@@ -212,15 +213,25 @@ impl Elements<'_> {
         self.count
     }
 
-    /// Components per element, 1 to 4.
+    /// Components per element: 1 to 4, or 16.
     pub(super) fn width(&self) -> usize {
         self.layout.width
     }
 
     /// Whether they can be indices: unsigned scalars.
     pub(super) fn are_indices(&self) -> bool {
+        self.layout.width == 1 && self.are_unsigned()
+    }
+
+    /// Whether their components are unsigned integers.
+    pub(super) fn are_unsigned(&self) -> bool {
         use ComponentType::{U8, U16, U32};
-        self.layout.width == 1 && matches!(self.layout.component, U8 | U16 | U32)
+        matches!(self.layout.component, U8 | U16 | U32)
+    }
+
+    /// Whether integers are read as fractions of their largest value.
+    pub(super) fn is_normalized(&self) -> bool {
+        self.layout.normalized
     }
 
     /// The same elements, integers read as fractions of their largest value.
@@ -232,6 +243,13 @@ impl Elements<'_> {
     /// An element as an index. `i` must be less than the count.
     pub(super) fn index(&self, i: usize) -> u32 {
         unsigned(self.layout.component, self.bytes(i))
+    }
+
+    /// An element's first `N` components as indices, zero where it has fewer. `i` must be less than the count.
+    pub(super) fn indices<const N: usize>(&self, i: usize) -> [u32; N] {
+        let component = self.layout.component;
+        let mut components = self.bytes(i).chunks_exact(component.size());
+        std::array::from_fn(|_| components.next().map_or(0, |bytes| unsigned(component, bytes)))
     }
 
     /// An element's first `N` components as numbers, zero where it has fewer. `i` must be less than the count.

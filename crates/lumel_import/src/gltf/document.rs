@@ -1,10 +1,11 @@
 //! From JSON to the types of the schema.
 
 use super::fault::Fault;
+use super::morph::MorphTargets;
 use super::{extensions, specular_glossiness};
 use gltf_json::extensions::scene::khr_lights_punctual::Light;
 use gltf_json::texture::Sampler;
-use gltf_json::{Accessor, Buffer, Camera, Image, Index, Material, Mesh, Node, Texture, buffer};
+use gltf_json::{Accessor, Buffer, Camera, Image, Index, Material, Mesh, Node, Skin, Texture, buffer};
 use lumel_scene::Warnings;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Number, Value};
@@ -22,7 +23,9 @@ pub(super) struct Document {
     pub(super) views: Vec<buffer::View>,
     pub(super) accessors: Vec<Accessor>,
     pub(super) meshes: Vec<Mesh>,
+    pub(super) targets: MorphTargets,
     pub(super) nodes: Vec<Node>,
+    pub(super) skins: Vec<Skin>,
     pub(super) materials: Vec<Option<Material>>,
     pub(super) textures: Vec<Option<Texture>>,
     pub(super) images: Vec<Option<Image>>,
@@ -53,12 +56,15 @@ impl Document {
             Some(Value::Object(extension)) => take_list(extension, "lights")?,
             _ => Vec::new(),
         };
+        let targets = MorphTargets::take(&mut root)?;
         Ok(Self {
             buffers: strict(&mut root, "buffers", "buffer")?,
             views: strict(&mut root, "bufferViews", "bufferView")?,
             accessors: strict(&mut root, "accessors", "accessor")?,
             meshes: strict(&mut root, "meshes", "mesh")?,
+            targets,
             nodes: strict(&mut root, "nodes", "node")?,
+            skins: strict(&mut root, "skins", "skin")?,
             materials: lenient(materials, "material", warnings),
             textures: lenient(take_list(&mut root, "textures")?, "texture", warnings),
             images: lenient(take_list(&mut root, "images")?, "image", warnings),
@@ -180,7 +186,8 @@ fn take_list(map: &mut Map<String, Value>, key: &str) -> Result<Vec<Value>, Faul
     }
 }
 
-fn typed<T: DeserializeOwned>(value: Value, place: &str) -> Result<T, Fault> {
+/// A value as a type of the schema; `place` is for messages.
+pub(super) fn typed<T: DeserializeOwned>(value: Value, place: &str) -> Result<T, Fault> {
     serde_json::from_value(value).map_err(|error| Fault::at(place, error))
 }
 

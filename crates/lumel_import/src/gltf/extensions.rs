@@ -6,10 +6,12 @@ use serde_json::{Map, Value};
 
 /// Extensions that a file may require.
 const SUPPORTED: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 
@@ -31,8 +33,7 @@ const HARMLESS: &[&str] = &[
     "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
-    // Named by material or node.
-    "EXT_mesh_gpu_instancing",
+    // Named by material.
     "KHR_materials_diffuse_transmission",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_transmission",

@@ -1,7 +1,8 @@
 //! glTF 2.0 and GLB.
 //!
 //! Bytes become parts ([`container`]), a typed document ([`document`]) and checked data ([`buffers`], [`accessor`]);
-//! everything else works on nodes in world space: [`nodes`], [`mesh`], [`materials`], [`lights`].
+//! everything else works on nodes in world space: [`nodes`], [`mesh`] with [`morph`], [`skin`] and [`instances`],
+//! [`materials`], [`lights`]. What is animated is read as the file shows it at rest.
 //!
 //! Parts of a document are checked when they are used: a broken part that is not used does no harm. Broken geometry is
 //! an error; broken appearance is a warning.
@@ -16,10 +17,15 @@ mod damage;
 mod document;
 mod extensions;
 mod fault;
+mod instances;
 mod lights;
 mod materials;
 mod mesh;
+mod morph;
 mod nodes;
+mod part;
+mod pose;
+mod skin;
 mod specular_glossiness;
 #[cfg(test)]
 mod testing;
@@ -63,13 +69,16 @@ fn read(bytes: &[u8], resolver: &Resolver) -> Result<Imported, Fault> {
     let materials = Materials::new(&document, Textures::new(&document, &buffers, resolver));
     let mut meshes = MeshReader::new(&document, Accessors::new(&document, &buffers), materials);
     let mut scene = SceneBuilder::default();
-    let placed = nodes::place_all(&document, &mut warnings)?;
-    meshes.check_size(&placed)?;
-    for placed in placed {
-        scene.objects.extend(meshes.object_at(placed, &mut warnings)?);
+    let mut nodes = nodes::place_all(&document, &mut warnings)?;
+    let shown: Vec<_> = nodes.placed.iter().filter(|placed| placed.visible).copied().collect();
+    meshes.check_size(&shown)?;
+    for placed in shown {
+        scene.objects.extend(meshes.objects_at(placed, &mut nodes, &mut warnings)?);
         if let Some((name, light)) = lights::light_at(&document, placed, &mut warnings)? {
             scene.add_named_light(name, light);
         }
+    }
+    for &placed in &nodes.placed {
         scene.cameras.extend(lights::camera_at(&document, placed, &mut warnings)?);
     }
     (scene.materials, scene.textures) = meshes.into_materials().finish();

@@ -13,34 +13,79 @@ pub(super) struct Placed {
     pub(super) node: usize,
     /// World from node.
     pub(super) world: DAffine3,
+    /// Whether its mesh and its light are shown: KHR_node_visibility hides a node and all below it.
+    pub(super) visible: bool,
 }
 
-/// All nodes of the scene, parents before their children, otherwise in the order of the file.
+/// Where the nodes of a file stand.
+pub(super) struct Nodes {
+    /// The nodes of the scene, parents before their children, otherwise in the order of the file.
+    pub(super) placed: Vec<Placed>,
+    parents: Vec<Option<usize>>,
+    /// World from node, where it is known.
+    worlds: Vec<Option<DAffine3>>,
+}
+
+impl Nodes {
+    /// World from node, whether it is in the scene or not.
+    pub(super) fn world(
+        &mut self,
+        document: &Document,
+        node: usize,
+        warnings: &mut Warnings,
+    ) -> Result<DAffine3, Fault> {
+        let (mut world, mut chain) = (DAffine3::IDENTITY, Vec::new());
+        let mut next = Some(node);
+        while let Some(node) = next {
+            if let Some(known) = self.worlds[node] {
+                world = known;
+                break;
+            }
+            chain.push(node);
+            next = self.parents[node];
+        }
+        for node in chain.into_iter().rev() {
+            world = world * local(document, node, warnings)?;
+            self.worlds[node] = Some(world);
+        }
+        Ok(world)
+    }
+}
+
+/// Places all nodes of the scene.
 ///
 /// The whole file's nodes must form trees, those outside the scene included. Depth is limited by memory only.
-pub(super) fn place_all(document: &Document, warnings: &mut Warnings) -> Result<Vec<Placed>, Fault> {
+pub(super) fn place_all(document: &Document, warnings: &mut Warnings) -> Result<Nodes, Fault> {
     let parents = parents(document)?;
     refuse_cycles(document, &parents)?;
     let all_roots = || (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
     let roots = document.roots.clone().unwrap_or_else(all_roots);
     let mut placed = Vec::new();
-    let mut seen = vec![false; parents.len()];
+    let mut worlds = vec![None; parents.len()];
     let mut waiting = Vec::new();
     for root in roots {
         if root >= parents.len() {
             return Err(Fault::absent("scene", "node", root, parents.len()));
         }
-        waiting.push((root, DAffine3::IDENTITY));
-        while let Some((node, parent)) = waiting.pop() {
-            if std::mem::replace(&mut seen[node], true) {
+        waiting.push((root, DAffine3::IDENTITY, true));
+        while let Some((node, parent, visible)) = waiting.pop() {
+            if worlds[node].is_some() {
                 return Err(Fault::at(document.node_label(node), "it is in the scene twice"));
             }
             let world = parent * local(document, node, warnings)?;
-            placed.push(Placed { node, world });
-            waiting.extend(children(&document.nodes[node]).rev().map(|child| (child, world)));
+            worlds[node] = Some(world);
+            let visible = visible && !hides(&document.nodes[node]);
+            placed.push(Placed { node, world, visible });
+            waiting.extend(children(&document.nodes[node]).rev().map(|child| (child, world, visible)));
         }
     }
-    Ok(placed)
+    Ok(Nodes { placed, parents, worlds })
+}
+
+/// Whether a node hides itself and all below it.
+fn hides(node: &Node) -> bool {
+    let extension = node.extensions.as_ref().and_then(|e| e.others.get("KHR_node_visibility"));
+    extension.and_then(|e| e.get("visible")?.as_bool()) == Some(false)
 }
 
 fn children(node: &Node) -> impl DoubleEndedIterator<Item = usize> + '_ {
@@ -130,8 +175,8 @@ mod tests {
         let mut warnings = Warnings::default();
         let json = serde_json::to_vec(&model.json).unwrap();
         let document = Document::parse(&json, &mut warnings).map_err(|fault| fault.to_string())?;
-        let placed = place_all(&document, &mut warnings).map_err(|fault| fault.to_string())?;
-        Ok((placed, warnings))
+        let nodes = place_all(&document, &mut warnings).map_err(|fault| fault.to_string())?;
+        Ok((nodes.placed, warnings))
     }
 
     fn order(nodes: Value, scenes: Value) -> Result<Vec<usize>, String> {
@@ -192,6 +237,57 @@ mod tests {
         let message = order(nodes.clone(), json!([{ "nodes": [0, 1] }])).unwrap_err();
         assert_eq!(message, "node \"Lamp\": it is in the scene twice");
         assert_eq!(order(nodes, json!([{ "nodes": [1] }])).unwrap(), [1], "part of a tree is fine");
+    }
+
+    #[test]
+    fn a_hidden_node_hides_all_below_it_but_moves_it_still() {
+        let hidden = |visible: Value| json!({ "KHR_node_visibility": { "visible": visible } });
+        let nodes = json!([
+            { "children": [1, 2], "translation": [1, 0, 0] },
+            { "children": [3], "extensions": hidden(json!(false)), "translation": [0, 2, 0] },
+            { "extensions": hidden(json!(true)) },
+            { "extensions": hidden(json!(true)) },
+            { "extensions": { "KHR_node_visibility": {} } },
+        ]);
+        let (placed, _) = place(nodes, json!([])).unwrap();
+        let seen: Vec<_> = placed.iter().map(|p| (p.node, p.visible)).collect();
+        assert_eq!(seen, [(0, true), (1, false), (3, false), (2, true), (4, true)]);
+        assert_eq!(placed[2].world.translation, DVec3::new(1.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn what_hidden_nodes_show_is_left_out_but_for_cameras() {
+        let mut model = Model::triangle();
+        model.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 1 } }));
+        let light = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+        model.json["extensions"] = light;
+        model.json["extensionsRequired"] = json!(["KHR_node_visibility"]);
+        let contents = json!({ "mesh": 0, "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } });
+        model.push("nodes", contents);
+        let mut counts = |visible: bool| {
+            let extension = json!({ "KHR_node_visibility": { "visible": visible } });
+            model.json["nodes"][0] = json!({ "children": [1], "extensions": extension });
+            let scene = model.read().unwrap().scene;
+            (scene.objects.len(), scene.lights.len(), scene.cameras.len())
+        };
+        assert_eq!((counts(true), counts(false)), ((1, 1, 1), (0, 0, 1)));
+    }
+
+    #[test]
+    fn nodes_outside_the_scene_have_a_place_too() {
+        let mut model = Model::empty();
+        let moved = |children: Value| json!({ "translation": [1, 0, 0], "children": children });
+        model.json["nodes"] = json!([moved(json!([1])), moved(json!([2])), moved(json!([])), {}]);
+        model.json["scenes"] = json!([{ "nodes": [3] }]);
+        let mut warnings = Warnings::default();
+        let json = serde_json::to_vec(&model.json).unwrap();
+        let document = Document::parse(&json, &mut warnings).unwrap();
+        let mut nodes = place_all(&document, &mut warnings).unwrap();
+        assert_eq!(nodes.placed.len(), 1);
+        for node in [2, 0, 1] {
+            let world = nodes.world(&document, node, &mut warnings).unwrap();
+            assert_eq!(world.translation.x, node as f64 + 1.0);
+        }
     }
 
     #[test]

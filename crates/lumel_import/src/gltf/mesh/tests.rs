@@ -1,4 +1,6 @@
 use super::*;
+use glam::{Vec2, Vec3};
+use lumel_scene::Smoothing;
 use crate::gltf::testing::{Model, U8, U16, U32, facing, text};
 use serde_json::{Value, json};
 
@@ -260,19 +262,4 @@ fn instances_beyond_number_are_refused_before_they_take_memory() {
     model.json["meshes"][0]["primitives"] = json!(vec![points; 2000]);
     model.json["nodes"] = json!(vec![json!({ "mesh": 0 }); 2000]);
     assert!(model.error().starts_with("node 1048: with it"));
-}
-
-#[test]
-fn what_would_move_is_shown_at_rest_with_a_warning() {
-    let mut model = Model::triangle();
-    model.json["nodes"][0] = json!({
-        "name": "Hero", "mesh": 0, "skin": 0, "weights": [0.5],
-        "extensions": { "EXT_mesh_gpu_instancing": { "attributes": {} } },
-    });
-    let imported = model.read().unwrap();
-    assert_eq!(imported.scene.objects[0].faces.len(), 1);
-    let warnings = text(&imported.warnings);
-    for what in ["skinning", "EXT_mesh_gpu_instancing", "morph targets"] {
-        assert!(warnings.contains(&format!("node \"Hero\": {what}")), "{warnings}");
-    }
 }
