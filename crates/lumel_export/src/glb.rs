@@ -25,11 +25,12 @@ const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 /// - `_IRRADIANCE`: irradiance, W·m⁻² (lux if the lights are photometric), linear Rec. 709, exact;
 /// - `COLOR_0`: radiance of a white surface under that irradiance, times the exposure, clamped to 0..=1.
 ///
-/// Materials are unlit and one-sided, with the albedo as base colour, so that any viewer shows base colour times
-/// `COLOR_0`: radiance times exposure. Base colour can only darken, so the exposure is that of white, not of the
-/// actual surfaces. Emissive surfaces show emitted and reflected radiance in `COLOR_0` alone or, if the emission is
-/// textured, their emission. Albedo and emission of each material are in its `extras`; exposure, units
-/// and the hash of the geometry in those of `asset`. Normal maps are left out.
+/// Materials are one-sided, with the albedo as base colour and the radiance as emission, each with its own texture.
+/// They are unlit, so that any viewer shows base colour times `COLOR_0`: radiance times exposure. Base colour can only
+/// darken, so the exposure is that of white, not of the actual surfaces. Emissive surfaces without textures show
+/// emitted and reflected radiance in `COLOR_0` alone, with white as base colour. Emissive surfaces with a texture are
+/// lit: viewers show their emission, unscaled, and reflect light of their own. Albedo and emission of each material
+/// are in its `extras`; exposure, units and the hash of the geometry in those of `asset`. Normal maps are left out.
 ///
 /// # Errors
 /// Light of a different scene or that is not finite, an exposure that is not positive, a scene beyond the format's limit
@@ -42,7 +43,7 @@ pub fn write_glb(
 ) -> Result<f32, ExportError> {
     let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;
-    let materials = Materials::new(scene, exposure).map_err(|error| ExportError::io(path, error))?;
+    let materials = Materials::new(scene).map_err(|error| ExportError::io(path, error))?;
     let primitives = primitive::split(scene);
     let streams = Streams { scene, irradiance, exposure, materials: &materials, primitives: &primitives };
     let mut binary = Binary::default();
@@ -94,7 +95,7 @@ fn asset(scene: &Scene, exposure: f32) -> Value {
             "exposure": exposure,
             "_IRRADIANCE": "irradiance, W/m^2 (lux if the lights are photometric), linear Rec. 709",
             "COLOR_0": "min(1, _IRRADIANCE / pi * vertex tint * exposure); \
-                        on emitting materials min(1, (emitted + reflected radiance) * exposure)",
+                        on emitting materials without textures min(1, (emitted + reflected radiance) * exposure)",
         },
     })
 }

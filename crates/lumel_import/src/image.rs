@@ -1,7 +1,7 @@
 //! Decoding of image files into textures.
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use lumel_scene::{Encoding, Texture, TextureId, Wrap};
+use lumel_scene::{Encoding, Filter, Texture, TextureId, Wrap};
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 use std::io::Cursor;
@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 const MAX_SIDE: u32 = 32_768;
 /// The most memory an image may take while it is decoded and as a texture, bytes: 16,384² texels of RGBA.
 const MAX_BYTES: u64 = 1 << 30;
+/// The most memory the images of a file may take together as textures, bytes: 64 of 4096² texels of RGBA.
+const MAX_TOTAL_BYTES: u64 = 4 << 30;
 /// Image formats that can be read, for messages.
 const FORMATS: &str = "png, jpeg, tga, bmp, hdr, exr, tiff or webp";
 
@@ -51,6 +53,21 @@ pub enum TextureError {
         /// Its height.
         height: u32,
     },
+    /// The images of the file would take too much memory together.
+    #[error(
+        "image {name} with {width} x {height} texels does not fit the {limit} bytes that lumel reads of all images of \
+         a file together; scale images down"
+    )]
+    TooLargeTogether {
+        /// The image.
+        name: String,
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+        /// The limit, bytes.
+        limit: u64,
+    },
 }
 
 /// Reads an image file.
@@ -61,19 +78,48 @@ pub enum TextureError {
 /// # Errors
 /// See [`TextureError`].
 pub fn load_texture(path: &Path, encoding: Encoding) -> Result<Texture, TextureError> {
-    into_texture(decode_file(path)?, &path.display().to_string(), encoding)
+    read_texture(path, encoding, &mut Budget::default())
 }
 
-/// Decodes an image file.
-pub(crate) fn decode_file(path: &Path) -> Result<DynamicImage, TextureError> {
+/// As [`load_texture`], within a budget.
+pub(crate) fn read_texture(
+    path: &Path,
+    encoding: Encoding,
+    budget: &mut Budget,
+) -> Result<Texture, TextureError> {
+    into_texture(decode_file(path, budget)?, &path.display().to_string(), encoding)
+}
+
+/// Decodes an image file within a budget.
+pub(crate) fn decode_file(path: &Path, budget: &mut Budget) -> Result<DynamicImage, TextureError> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path)
         .map_err(|error| TextureError::Read { name: name.clone(), problem: error.to_string() })?;
-    decode_image(&bytes, &name, path.extension().and_then(|e| e.to_str()))
+    decode_image(&bytes, &name, path.extension().and_then(|e| e.to_str()), budget)
+}
+
+/// The memory that is left for the images of a file.
+#[derive(Debug)]
+pub(crate) struct Budget {
+    limit: u64,
+    left: u64,
+}
+
+impl Budget {
+    /// A budget of so many bytes.
+    fn of(limit: u64) -> Self {
+        Self { limit, left: limit }
+    }
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self::of(MAX_TOTAL_BYTES)
+    }
 }
 
 /// Decodes an image in memory; `name` is for messages and becomes the texture's name, `extension` is used
-/// if the content does not determine the format.
+/// if the content does not determine the format. What the texture takes is subtracted from the budget.
 ///
 /// # Errors
 /// See [`TextureError`].
@@ -82,11 +128,17 @@ pub(crate) fn decode(
     name: &str,
     extension: Option<&str>,
     encoding: Encoding,
+    budget: &mut Budget,
 ) -> Result<Texture, TextureError> {
-    into_texture(decode_image(bytes, name, extension)?, name, encoding)
+    into_texture(decode_image(bytes, name, extension, budget)?, name, encoding)
 }
 
-fn decode_image(bytes: &[u8], name: &str, extension: Option<&str>) -> Result<DynamicImage, TextureError> {
+fn decode_image(
+    bytes: &[u8],
+    name: &str,
+    extension: Option<&str>,
+    budget: &mut Budget,
+) -> Result<DynamicImage, TextureError> {
     let by_extension = extension.and_then(ImageFormat::from_extension).filter(ImageFormat::reading_enabled);
     let by_content = image::guess_format(bytes).ok().filter(ImageFormat::reading_enabled);
     // TGA has no magic number, so there the extension comes first; elsewhere extensions are often wrong.
@@ -96,7 +148,7 @@ fn decode_image(bytes: &[u8], name: &str, extension: Option<&str>) -> Result<Dyn
     };
     let mut first_error = None;
     for format in candidates.into_iter().flatten() {
-        match decode_as(bytes, name, format) {
+        match decode_as(bytes, name, format, budget) {
             Ok(image) => return Ok(image),
             Err(error) => first_error = first_error.or(Some(error)),
         }
@@ -104,7 +156,12 @@ fn decode_image(bytes: &[u8], name: &str, extension: Option<&str>) -> Result<Dyn
     Err(first_error.unwrap_or_else(|| TextureError::UnknownFormat { name: name.to_owned() }))
 }
 
-fn decode_as(bytes: &[u8], name: &str, format: ImageFormat) -> Result<DynamicImage, TextureError> {
+fn decode_as(
+    bytes: &[u8],
+    name: &str,
+    format: ImageFormat,
+    budget: &mut Budget,
+) -> Result<DynamicImage, TextureError> {
     let failed =
         |error: image::ImageError| TextureError::Decode { name: name.to_owned(), problem: error.to_string() };
     let mut limits = Limits::default();
@@ -119,7 +176,13 @@ fn decode_as(bytes: &[u8], name: &str, format: ImageFormat) -> Result<DynamicIma
     if decoder.total_bytes().max(as_texture) > MAX_BYTES {
         return Err(TextureError::TooLarge { name: name.to_owned(), width, height });
     }
-    DynamicImage::from_decoder(decoder).map_err(failed)
+    let Some(left) = budget.left.checked_sub(as_texture) else {
+        let (name, limit) = (name.to_owned(), budget.limit);
+        return Err(TextureError::TooLargeTogether { name, width, height, limit });
+    };
+    let image = DynamicImage::from_decoder(decoder).map_err(failed)?;
+    budget.left = left;
+    Ok(image)
 }
 
 /// Memory of a texel in a [`Texture`], bytes.
@@ -157,12 +220,15 @@ pub(crate) struct TextureKey {
     pub(crate) wrap_u: Wrap,
     /// Behaviour beyond the upper and lower edge.
     pub(crate) wrap_v: Wrap,
+    /// Behaviour between the centres of texels.
+    pub(crate) filter: Filter,
 }
 
 impl Hash for TextureKey {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        let Self { source, encoding, wrap_u, wrap_v } = self;
-        (source, discriminant(encoding), discriminant(wrap_u), discriminant(wrap_v)).hash(state);
+        let Self { source, encoding, wrap_u, wrap_v, filter } = self;
+        let wraps = [wrap_u, wrap_v].map(discriminant);
+        (source, discriminant(encoding), wraps, discriminant(filter)).hash(state);
     }
 }
 
@@ -170,6 +236,7 @@ impl Hash for TextureKey {
 #[derive(Debug, Default)]
 pub(crate) struct TextureCache {
     textures: Vec<Texture>,
+    budget: Budget,
     known: HashMap<TextureKey, Result<TextureId, TextureError>>,
 }
 
@@ -181,14 +248,14 @@ impl TextureCache {
     pub(crate) fn get_or_load(
         &mut self,
         key: TextureKey,
-        load: impl FnOnce() -> Result<Texture, TextureError>,
+        load: impl FnOnce(&mut Budget) -> Result<Texture, TextureError>,
     ) -> Result<TextureId, TextureError> {
         if let Some(known) = self.known.get(&key) {
             return known.clone();
         }
         let textures = &mut self.textures;
-        let result = load().map(|mut texture| {
-            (texture.wrap_u, texture.wrap_v) = (key.wrap_u, key.wrap_v);
+        let result = load(&mut self.budget).map(|mut texture| {
+            (texture.wrap_u, texture.wrap_v, texture.filter) = (key.wrap_u, key.wrap_v, key.filter);
             let id = TextureId(textures.len() as u32);
             textures.push(texture);
             id
@@ -209,6 +276,15 @@ mod tests {
     use crate::testing::png;
     use glam::Vec3;
     use image::{ImageBuffer, Rgb, RgbImage};
+
+    fn decode(
+        bytes: &[u8],
+        name: &str,
+        extension: Option<&str>,
+        encoding: Encoding,
+    ) -> Result<Texture, TextureError> {
+        super::decode(bytes, name, extension, encoding, &mut Budget::default())
+    }
 
     fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -276,6 +352,25 @@ mod tests {
     }
 
     #[test]
+    fn images_share_a_budget_that_is_checked_before_they_are_decoded() {
+        let image = |width| encoded(RgbImage::new(width, 2), ImageFormat::Png);
+        let mut budget = Budget::of(4 * 2 * 5);
+        let mut read =
+            |bytes: &[u8], name| super::decode(bytes, name, None, Encoding::Srgb, &mut budget).map(|t| t.size());
+        assert_eq!(read(&image(3), "first"), Ok((3, 2)));
+        let mut damaged = image(3);
+        let end = damaged.len() - 20;
+        damaged.truncate(end);
+        let error = read(&damaged, "second").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "image second with 3 x 2 texels does not fit the 40 bytes that lumel reads of all images of a file \
+             together; scale images down"
+        );
+        assert_eq!(read(&image(2), "third"), Ok((2, 2)), "what was refused takes nothing");
+    }
+
+    #[test]
     fn one_key_is_loaded_once_and_failures_are_remembered() {
         let mut cache = TextureCache::default();
         let key = |source: &str, wrap_u| TextureKey {
@@ -283,14 +378,15 @@ mod tests {
             encoding: Encoding::Srgb,
             wrap_u,
             wrap_v: Wrap::Repeat,
+            filter: Filter::Linear,
         };
-        let load = || decode(&png([0; 4]), "x", None, Encoding::Srgb);
+        let load = |budget: &mut Budget| super::decode(&png([0; 4]), "x", None, Encoding::Srgb, budget);
         let first = cache.get_or_load(key("a", Wrap::Clamp), load).unwrap();
-        assert_eq!(cache.get_or_load(key("a", Wrap::Clamp), || unreachable!()), Ok(first));
+        assert_eq!(cache.get_or_load(key("a", Wrap::Clamp), |_| unreachable!()), Ok(first));
         assert_ne!(cache.get_or_load(key("a", Wrap::Repeat), load), Ok(first));
         let failure = TextureError::UnknownFormat { name: "b".into() };
-        assert_eq!(cache.get_or_load(key("b", Wrap::Repeat), || Err(failure.clone())), Err(failure.clone()));
-        assert_eq!(cache.get_or_load(key("b", Wrap::Repeat), || unreachable!()), Err(failure));
+        assert_eq!(cache.get_or_load(key("b", Wrap::Repeat), |_| Err(failure.clone())), Err(failure.clone()));
+        assert_eq!(cache.get_or_load(key("b", Wrap::Repeat), |_| unreachable!()), Err(failure));
         let textures = cache.into_textures();
         assert_eq!((textures.len(), textures[0].wrap_u), (2, Wrap::Clamp));
     }

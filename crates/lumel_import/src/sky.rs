@@ -1,6 +1,6 @@
 //! Images of the sky.
 
-use crate::image::{TextureError, decode_file, into_texture};
+use crate::image::{Budget, TextureError, decode_file, into_texture};
 use image::DynamicImage;
 use lumel_scene::{Encoding, Texture, Warnings};
 use std::path::Path;
@@ -14,7 +14,7 @@ use std::path::Path;
 /// See [`TextureError`].
 pub fn load_sky(path: &Path, warnings: &mut Warnings) -> Result<Texture, TextureError> {
     let name = path.display().to_string();
-    let image = decode_file(path)?;
+    let image = decode_file(path, &mut Budget::default())?;
     let bad = bad_texels(&image);
     if bad > 0 {
         let texels = if bad == 1 { "1 texel" } else { &format!("{bad} texels") };

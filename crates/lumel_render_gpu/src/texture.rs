@@ -3,21 +3,22 @@
 use crate::Gpu;
 use crate::mips::Pyramid;
 use crate::pipelines::Layouts;
-use lumel_scene::{Texture, TextureRef, Wrap};
+use lumel_scene::{Filter, Texture, TextureRef, Wrap};
 
 /// Anisotropic filtering, on devices that do it in hardware.
 const ANISOTROPY: u16 = 8;
 
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+const FILTERS: [Filter; 2] = [Filter::Linear, Filter::Nearest];
 
-/// What all models share: samplers for all wrap modes, and a white texture for materials without one.
+/// What all models share: samplers for all filters and wrap modes, and a white texture for materials without one.
 #[derive(Debug)]
 pub(crate) struct Blank {
     samplers: Vec<wgpu::Sampler>,
     white: Image,
 }
 
-/// A texture with the sampler for its wrap modes.
+/// A texture with the sampler for its filter and wrap modes.
 #[derive(Clone, Debug)]
 pub(crate) struct Image {
     view: wgpu::TextureView,
@@ -26,19 +27,24 @@ pub(crate) struct Image {
 
 impl Blank {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        let sampler = |u, v| {
+        let sampler = |filter, u, v| {
             gpu.device().create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("texture"),
                 address_mode_u: address_mode(u),
                 address_mode_v: address_mode(v),
-                mag_filter: wgpu::FilterMode::Linear,
+                mag_filter: filter_mode(filter),
                 min_filter: wgpu::FilterMode::Linear,
                 mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                anisotropy_clamp: if gpu.is_software() { 1 } else { ANISOTROPY },
+                // The interface allows anisotropy between linear texels only.
+                anisotropy_clamp: if gpu.is_software() || filter == Filter::Nearest { 1 } else { ANISOTROPY },
                 ..Default::default()
             })
         };
-        let samplers: Vec<_> = WRAPS.into_iter().flat_map(|u| WRAPS.map(|v| sampler(u, v))).collect();
+        let wraps = || WRAPS.into_iter().flat_map(|u| WRAPS.map(|v| (u, v)));
+        let samplers: Vec<_> = (FILTERS.into_iter())
+            .flat_map(|filter| wraps().map(move |(u, v)| (filter, u, v)))
+            .map(|(filter, u, v)| sampler(filter, u, v))
+            .collect();
         let size = [1, 1];
         let level = crate::mips::Level { size, bytes: vec![u8::MAX; 4] };
         let pyramid = Pyramid { format: wgpu::TextureFormat::Rgba8Unorm, levels: vec![level] };
@@ -51,7 +57,9 @@ impl Blank {
         let limit = gpu.device().limits().max_texture_dimension_2d;
         let view = send(gpu, &texture.name, &Pyramid::new(texture, limit));
         let index = |wrap| WRAPS.iter().position(|w| *w == wrap).unwrap_or(0);
-        let sampler = &self.samplers[index(texture.wrap_u) * WRAPS.len() + index(texture.wrap_v)];
+        let filter = FILTERS.iter().position(|f| *f == texture.filter).unwrap_or(0);
+        let number = (filter * WRAPS.len() + index(texture.wrap_u)) * WRAPS.len() + index(texture.wrap_v);
+        let sampler = &self.samplers[number];
         Image { view, sampler: sampler.clone() }
     }
 
@@ -71,6 +79,13 @@ impl Blank {
     /// The bind group of a rectangle light with this texture, or without one.
     pub(crate) fn rect_light(&self, gpu: &Gpu, layouts: &Layouts, image: Option<&Image>) -> wgpu::BindGroup {
         bind(gpu, &layouts.rect_light, &[image.unwrap_or(&self.white)])
+    }
+}
+
+fn filter_mode(filter: Filter) -> wgpu::FilterMode {
+    match filter {
+        Filter::Linear => wgpu::FilterMode::Linear,
+        Filter::Nearest => wgpu::FilterMode::Nearest,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Recognising a scene.
 
 use crate::face_list::FaceList;
-use crate::{Light, Material, Sky, Texture};
+use crate::{Filter, Light, Material, Sky, Texture};
 use std::fmt;
 
 /// What a solution must agree with to belong to a scene.
@@ -84,6 +84,10 @@ fn surfaces(faces: &FaceList, materials: &[Material], textures: &[Texture]) -> B
 fn push_texture(bytes: &mut Bytes, texture: &Texture) {
     let (width, height) = texture.size();
     bytes.push(format!("{width} {height} {:?} {:?}", texture.wrap_u, texture.wrap_v).as_bytes());
+    // Linear ones have the hash they had before there were others.
+    if texture.filter == Filter::Nearest {
+        bytes.push(b"nearest");
+    }
     if let Some((rgba, encoding)) = texture.bytes() {
         bytes.push(format!("{encoding:?}").as_bytes());
         bytes.push(rgba.as_flattened());

@@ -51,7 +51,7 @@ pub use mesh::{Face, ObjectMesh, Smoothing};
 pub use offset::offset_along;
 pub use scene::Scene;
 pub use sky::{Sky, SkyGradient, SkyImage};
-pub use texture::{Encoding, Texture, Wrap};
+pub use texture::{Encoding, Filter, Texture, Wrap};
 pub use units::{Albedo, Irradiance, Radiance, Radiosity, luminance};
 pub use vertex_map::{Share, VertexMap};
 pub use warning::{Warning, Warnings};

@@ -24,6 +24,16 @@ pub enum Wrap {
     Clamp,
 }
 
+/// What a texture shows between the centres of its texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// The four texels around, mixed bilinearly.
+    #[default]
+    Linear,
+    /// The texel in which the point lies.
+    Nearest,
+}
+
 #[derive(Clone, Debug, PartialEq)]
 enum Texels {
     Bytes { rgba: Vec<[u8; 4]>, encoding: Encoding },
@@ -42,6 +52,8 @@ pub struct Texture {
     pub wrap_u: Wrap,
     /// Behaviour above and below it.
     pub wrap_v: Wrap,
+    /// Behaviour between the centres of texels.
+    pub filter: Filter,
 }
 
 static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
@@ -85,6 +97,7 @@ impl Texture {
             texels,
             wrap_u: Wrap::default(),
             wrap_v: Wrap::default(),
+            filter: Filter::default(),
         }
     }
 
@@ -119,10 +132,15 @@ impl Texture {
         }
     }
 
-    /// Bilinear look-up at a texture coordinate, linear.
+    /// The value at a texture coordinate by the texture's wrapping and filter, linear.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         if !uv.is_finite() {
             return self.texel(0, 0);
+        }
+        if self.filter == Filter::Nearest {
+            let [x, y] = [(uv.x, self.width, self.wrap_u), (uv.y, self.height, self.wrap_v)]
+                .map(|(coordinate, size, wrap)| nearest(coordinate, size, wrap));
+            return self.texel(x, y);
         }
         let (x0, x1, fx) = neighbours(uv.x, self.width, self.wrap_u);
         let (y0, y1, fy) = neighbours(uv.y, self.height, self.wrap_v);
@@ -147,16 +165,32 @@ impl Texture {
     }
 }
 
-/// The two texels around a coordinate and the weight of the second.
+/// A coordinate inside the image or, of a mirrored one, inside the image and its mirror image.
+///
+/// Wrapping first keeps the texel position small, so that far-away coordinates lose no precision.
 #[inline]
-fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
-    // Wrapping first keeps the texel position small, so that far-away coordinates lose no precision.
-    let wrapped = match wrap {
+fn wrapped(coordinate: f32, wrap: Wrap) -> f32 {
+    match wrap {
         Wrap::Repeat => coordinate - floor(coordinate),
         Wrap::Mirror => coordinate - 2.0 * floor(0.5 * coordinate),
         Wrap::Clamp => coordinate.clamp(0.0, 1.0),
-    };
-    let position = wrapped * size as f32 - 0.5;
+    }
+}
+
+/// The texel in which a coordinate lies.
+fn nearest(coordinate: f32, size: u32, wrap: Wrap) -> u32 {
+    let index = (wrapped(coordinate, wrap) * size as f32) as u32;
+    match wrap {
+        Wrap::Mirror if index >= size => (2 * size - 1).saturating_sub(index),
+        // Just below a whole number, wrapping rounds up to 1.
+        _ => index.min(size - 1),
+    }
+}
+
+/// The two texels around a coordinate and the weight of the second.
+#[inline]
+fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
+    let position = wrapped(coordinate, wrap) * size as f32 - 0.5;
     let first = floor(position);
     let n = i64::from(size);
     // At most one texel beyond the ends.
@@ -213,6 +247,20 @@ mod tests {
         let seam = Vec2::new(0.0, 0.5);
         assert!((ramp(Wrap::Repeat).sample(seam).x - 1.5).abs() < 1e-5);
         assert!((ramp(Wrap::Clamp).sample(seam).x - 0.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn the_nearest_texel_fills_its_whole_cell_under_every_wrapping() {
+        let inside = [(0.0, 0), (0.24, 0), (0.26, 1), (0.74, 2), (0.76, 3), (0.999, 3)];
+        let [repeat, mirror, clamp] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+        let beyond =
+            [(repeat, 1.3, 1), (repeat, -0.1, 3), (repeat, -1e-9, 3), (mirror, 1.3, 2), (mirror, -0.3, 1)];
+        let far = [(mirror, 2.3, 1), (mirror, 1.0, 3), (mirror, -1e-9, 0), (clamp, 1.0, 3), (clamp, -5.0, 0)];
+        let within = [repeat, mirror, clamp].into_iter().flat_map(|wrap| inside.map(|(u, x)| (wrap, u, x)));
+        for (wrap, u, x) in within.chain(beyond).chain(far).chain([(clamp, 7.0, 3)]) {
+            let texture = Texture { filter: Filter::Nearest, ..ramp(wrap) };
+            assert_eq!(texture.sample(Vec2::new(u, 0.3)).x, x as f32, "{wrap:?} {u}");
+        }
     }
 
     #[test]

@@ -5,14 +5,18 @@ use crate::pixels::{self, srgb_pixels};
 use crate::png::encode_png;
 use glam::Vec3;
 use lumel_scene::{
-    MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, TriId, UvTransform, Wrap,
+    Filter, MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, TriId, UvTransform, Wrap,
 };
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 
-const LINEAR: u32 = 9729;
-const LINEAR_MIPMAP_LINEAR: u32 = 9987;
+/// Magnification and minification of linear and nearest filters.
+const LINEAR: [u32; 2] = [9729, 9987];
+const NEAREST: [u32; 2] = [9728, 9986];
+const UNLIT: &str = "KHR_materials_unlit";
+const STRENGTH: &str = "KHR_materials_emissive_strength";
+const TRANSFORM: &str = "KHR_texture_transform";
 const NO_INDEX: usize = usize::MAX;
 
 /// Materials and textures that the scene's triangles use, ready to be written.
@@ -22,13 +26,36 @@ pub(super) struct Materials {
     textured: Vec<bool>,
     json: Vec<Value>,
     images: Vec<Image>,
-    uses_transform: bool,
+    extensions: BTreeSet<&'static str>,
+}
+
+/// What shows the light of a material's surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// Base colour times `COLOR_0`.
+    Reflection,
+    /// `COLOR_0` alone: emitted and reflected.
+    Colors,
+    /// `COLOR_0` has what is reflected; the emission is the material's own, and viewers must light the rest.
+    Apart,
+}
+
+impl Shown {
+    /// Textures of albedo and emission cannot both be in the base colour, so that emission with any needs a slot.
+    pub(super) fn of(material: &Material) -> Self {
+        match (material.emits(), material.albedo_texture, material.emission_texture) {
+            (false, ..) => Self::Reflection,
+            (true, None, None) => Self::Colors,
+            (true, ..) => Self::Apart,
+        }
+    }
 }
 
 struct Image {
     name: String,
     png: Vec<u8>,
     wrap: [Wrap; 2],
+    filter: Filter,
 }
 
 /// The textures of a file under construction.
@@ -36,10 +63,11 @@ struct Image {
 struct Images {
     list: Vec<Image>,
     index: BTreeMap<TextureId, usize>,
+    extensions: BTreeSet<&'static str>,
 }
 
 impl Materials {
-    pub(super) fn new(scene: &Scene, exposure: f32) -> io::Result<Self> {
+    pub(super) fn new(scene: &Scene) -> io::Result<Self> {
         let n = scene.materials().len();
         let mut used = vec![false; n];
         for tri in 0..scene.triangle_count() as u32 {
@@ -50,18 +78,17 @@ impl Materials {
             textured: vec![false; n],
             json: Vec::new(),
             images: Vec::new(),
-            uses_transform: false,
+            extensions: BTreeSet::new(),
         };
         let mut images = Images::default();
         for (id, material) in scene.materials().iter().enumerate().filter(|(id, _)| used[*id]) {
             materials.index[id] = materials.json.len();
-            let (factor, texture) = base_color(scene, material, exposure);
-            let base_texture = texture.map(|t| images.reference(scene, t)).transpose()?;
-            materials.textured[id] = base_texture.is_some();
-            materials.json.push(describe(material, factor, base_texture));
-            materials.uses_transform |= texture.is_some_and(|t| transform(&t.transform).is_some());
+            let json = describe(scene, material, &mut images)?;
+            let slots = [&json["pbrMetallicRoughness"]["baseColorTexture"], &json["emissiveTexture"]];
+            materials.textured[id] = slots.iter().any(|slot| !slot.is_null());
+            materials.json.push(json);
         }
-        materials.images = images.list;
+        (materials.images, materials.extensions) = (images.list, images.extensions);
         Ok(materials)
     }
 
@@ -70,14 +97,13 @@ impl Materials {
         self.index[material.index()]
     }
 
-    /// Whether the base colour has a texture.
+    /// Whether it has textures.
     pub(super) fn is_textured(&self, material: MaterialId) -> bool {
         self.textured[material.index()]
     }
 
     /// Adds materials, textures, samplers and images to the document.
     pub(super) fn add_to(&self, document: &mut Value, binary: &mut Binary) {
-        let mut extensions = vec!["KHR_materials_unlit"];
         document["materials"] = self.json.clone().into();
         if !self.images.is_empty() {
             let indices = 0..self.images.len();
@@ -91,10 +117,7 @@ impl Materials {
                 })
                 .collect();
         }
-        if self.uses_transform {
-            extensions.push("KHR_texture_transform");
-        }
-        document["extensionsUsed"] = json!(extensions);
+        document["extensionsUsed"] = json!(self.extensions);
     }
 
     /// Writes the images in the order of [`Self::add_to`].
@@ -107,44 +130,59 @@ impl Materials {
     }
 }
 
-/// Base colour factor and texture of a material: its albedo or its emission.
-fn base_color(scene: &Scene, material: &Material, exposure: f32) -> (Vec3, Option<TextureRef>) {
-    let largest = |texture: TextureRef| pixels::largest(&scene.textures()[texture.texture.index()]);
-    match (material.emits(), material.albedo_texture, material.emission_texture) {
-        (false, Some(texture), _) => (material.albedo * largest(texture), Some(texture)),
-        (false, None, _) => (material.albedo.min(Vec3::splat(MAX_ALBEDO)), None),
-        (true, _, Some(texture)) => (material.emission.0 * (exposure * largest(texture)), Some(texture)),
-        // The vertex colours hold the visible radiance.
-        (true, _, None) => (Vec3::ONE, None),
-    }
-}
-
-fn describe(material: &Material, factor: Vec3, base_texture: Option<Value>) -> Value {
-    let [r, g, b] = factor.clamp(Vec3::ZERO, Vec3::ONE).to_array();
-    let mut surface =
-        json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0 });
+/// Albedo in the base colour, emission in the emissive slots, each with its own texture.
+fn describe(scene: &Scene, material: &Material, images: &mut Images) -> io::Result<Value> {
+    let shown = Shown::of(material);
     let mut json = json!({
         "name": material.name,
         "doubleSided": false,
-        "extensions": { "KHR_materials_unlit": {} },
+        "extensions": {},
         "extras": { "albedo": material.albedo.to_array(), "emission": material.emission.0.to_array() },
     });
-    if let Some(texture) = base_texture {
-        if material.emits() {
-            json["emissiveTexture"] = texture.clone();
-        }
+    let (albedo, albedo_texture) = images.slot(scene, material.albedo, material.albedo_texture)?;
+    let base = match albedo_texture {
+        _ if shown == Shown::Colors => Vec3::ONE,
+        Some(_) => albedo.clamp(Vec3::ZERO, Vec3::ONE),
+        None => albedo.clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)),
+    };
+    let mut surface =
+        json!({ "baseColorFactor": base.extend(1.0).to_array(), "metallicFactor": 0.0, "roughnessFactor": 1.0 });
+    if let Some(texture) = albedo_texture {
         surface["baseColorTexture"] = texture;
     }
-    if material.emits() {
-        // For programs without support for unlit: the hue at full brightness; the extras hold the radiance.
-        let emission = material.emission.0;
-        json["emissiveFactor"] = json!((emission / emission.max_element()).to_array());
-    }
     json["pbrMetallicRoughness"] = surface;
-    json
+    if material.emits() {
+        let (emission, texture) = images.slot(scene, material.emission.0, material.emission_texture)?;
+        let strength = emission.max_element().max(1.0);
+        json["emissiveFactor"] = json!((emission / strength).to_array());
+        if let Some(texture) = texture {
+            json["emissiveTexture"] = texture;
+        }
+        if strength > 1.0 {
+            json["extensions"][STRENGTH] = json!({ "emissiveStrength": strength });
+            images.extensions.insert(STRENGTH);
+        }
+    }
+    if shown != Shown::Apart {
+        json["extensions"][UNLIT] = json!({});
+        images.extensions.insert(UNLIT);
+    }
+    Ok(json)
 }
 
 impl Images {
+    /// The factor and the texture of a colour; an image holds the texture over its largest value.
+    fn slot(
+        &mut self,
+        scene: &Scene,
+        factor: Vec3,
+        texture: Option<TextureRef>,
+    ) -> io::Result<(Vec3, Option<Value>)> {
+        let Some(texture) = texture else { return Ok((factor, None)) };
+        let largest = pixels::largest(&scene.textures()[texture.texture.index()]);
+        Ok((factor * largest, Some(self.reference(scene, texture)?)))
+    }
+
     /// A material's reference to a texture, which is added if it is new.
     fn reference(&mut self, scene: &Scene, texture: TextureRef) -> io::Result<Value> {
         let index = match self.index.get(&texture.texture) {
@@ -157,7 +195,8 @@ impl Images {
         };
         let mut json = json!({ "index": index });
         if let Some(transform) = transform(&texture.transform) {
-            json["extensions"] = json!({ "KHR_texture_transform": transform });
+            json["extensions"] = json!({ TRANSFORM: transform });
+            self.extensions.insert(TRANSFORM);
         }
         Ok(json)
     }
@@ -173,12 +212,13 @@ fn transform(transform: &UvTransform) -> Option<Value> {
     useful.then(|| json!({ "offset": offset.to_array(), "rotation": rotation, "scale": scale.to_array() }))
 }
 
-/// glTF takes base colour textures as sRGB: others are converted, and brighter ones scaled to fit.
+/// glTF takes textures of colours as sRGB: others are converted, and brighter ones scaled to fit.
 fn encode(texture: &Texture) -> io::Result<Image> {
     let (width, height) = texture.size();
     let mut png = Vec::new();
     encode_png(&mut png, width, height, &srgb_pixels(texture), &[])?;
-    Ok(Image { name: texture.name.clone(), png, wrap: [texture.wrap_u, texture.wrap_v] })
+    let (wrap, filter) = ([texture.wrap_u, texture.wrap_v], texture.filter);
+    Ok(Image { name: texture.name.clone(), png, wrap, filter })
 }
 
 fn sampler(image: &Image) -> Value {
@@ -187,5 +227,9 @@ fn sampler(image: &Image) -> Value {
         Wrap::Mirror => 33648,
         Wrap::Clamp => 33071,
     });
-    json!({ "wrapS": s, "wrapT": t, "magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR })
+    let [mag, min] = match image.filter {
+        Filter::Linear => LINEAR,
+        Filter::Nearest => NEAREST,
+    };
+    json!({ "wrapS": s, "wrapT": t, "magFilter": mag, "minFilter": min })
 }

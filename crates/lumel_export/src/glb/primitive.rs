@@ -1,7 +1,7 @@
 //! The numbers of a GLB file: triangles by object and material, and their vertices' attributes.
 
 use super::binary::Binary;
-use super::material::Materials;
+use super::material::{Materials, Shown};
 use crate::display::{seen_radiance, white_radiance};
 use glam::Vec3;
 use lumel_scene::{Barycentrics, Bounds, MaterialId, ObjectId, Scene, SurfacePoint, TriId};
@@ -144,16 +144,15 @@ impl Streams<'_> {
     fn color(&self, material: MaterialId, corner: u32) -> Vec3 {
         let vertex = vertex(self.scene, corner);
         let irradiance = self.irradiance[vertex];
-        let color = if !self.scene.materials()[material.index()].emits() {
-            white_radiance(irradiance) * self.scene.tints()[vertex] * self.exposure
-        } else if self.materials.is_textured(material) {
-            Vec3::ONE
-        } else {
-            let bary = Barycentrics::CORNERS[corner as usize % 3];
-            let at = SurfacePoint { tri: TriId(corner / 3), bary };
-            seen_radiance(self.scene, at, irradiance).0 * self.exposure
+        let color = match Shown::of(&self.scene.materials()[material.index()]) {
+            Shown::Reflection | Shown::Apart => white_radiance(irradiance) * self.scene.tints()[vertex],
+            Shown::Colors => {
+                let bary = Barycentrics::CORNERS[corner as usize % 3];
+                let at = SurfacePoint { tri: TriId(corner / 3), bary };
+                seen_radiance(self.scene, at, irradiance).0
+            }
         };
-        color.clamp(Vec3::ZERO, Vec3::ONE)
+        (color * self.exposure).clamp(Vec3::ZERO, Vec3::ONE)
     }
 
     fn vertices<'p>(&'p self, primitive: &'p Primitive) -> impl Iterator<Item = usize> + 'p {

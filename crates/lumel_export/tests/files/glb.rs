@@ -1,8 +1,10 @@
-use crate::scenes::{AtVertices, colourful, light_on, plain};
+use crate::scenes::{AtVertices, colourful, light_on, plain, textured_square};
 use crate::tools::run_if_installed;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lumel_export::{ColorScale, ExportError, write_glb};
-use lumel_scene::{Albedo, Irradiance, Scene};
+use lumel_scene::{
+    Albedo, Encoding, Filter, Irradiance, Material, Radiance, Scene, Texture, TextureId, TextureRef, UvTransform,
+};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -121,7 +123,9 @@ fn every_number_is_where_its_description_says() {
         assert!(colors.iter().all(|c| c.min_element() >= 0.0 && c.max_element() <= 1.0));
         let lengths = [normals.len(), colors.len(), glb.vectors(&attributes["_IRRADIANCE"]).len()];
         assert_eq!(lengths, [positions.len(); 3]);
-        let textured = !glb.material(primitive)["pbrMetallicRoughness"]["baseColorTexture"].is_null();
+        let material = glb.material(primitive);
+        let slots = [&material["pbrMetallicRoughness"]["baseColorTexture"], &material["emissiveTexture"]];
+        let textured = slots.iter().any(|slot| !slot.is_null());
         assert_eq!(!attributes["TEXCOORD_0"].is_null(), textured);
         if textured {
             let uvs = glb.floats(&attributes["TEXCOORD_0"], 2, "VEC2");
@@ -171,13 +175,18 @@ fn lamps_and_screens_are_bright() {
     let emission = lamp["extras"]["emission"].clone();
     assert_eq!(emission, serde_json::json!([15.0, 10.0, 5.0]));
     assert_eq!(lamp["emissiveFactor"][0], 1.0);
+    assert_eq!(lamp["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 15.0);
     for primitive in glb.primitives().filter(|p| glb.material(p)["name"] == "lamp") {
         let colors = glb.vectors(&primitive["attributes"]["COLOR_0"]);
         assert!(colors.iter().all(|c| *c == Vec3::ONE), "{colors:?}");
     }
     let screen = glb.material_named("screen");
-    assert!(screen["pbrMetallicRoughness"]["baseColorFactor"][0].as_f64().unwrap() > 0.9);
-    let texture = &glb.json["textures"][number(&screen["pbrMetallicRoughness"]["baseColorTexture"]["index"])];
+    assert_eq!(screen["pbrMetallicRoughness"]["baseColorFactor"], serde_json::json!([0.0, 0.0, 0.0, 1.0]));
+    assert!(screen["pbrMetallicRoughness"]["baseColorTexture"].is_null());
+    // Twice the largest texel, which is 4.
+    assert_eq!(screen["emissiveFactor"], serde_json::json!([1.0, 1.0, 1.0]));
+    assert_eq!(screen["extensions"], serde_json::json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 8.0 } }));
+    let texture = &glb.json["textures"][number(&screen["emissiveTexture"]["index"])];
     let image = &glb.json["images"][number(&texture["source"])];
     assert_eq!(image["name"], "glow");
     // Scaled by a quarter so that the brightest texel fits: 0.5 / 4 and 1 on the sRGB curve.
@@ -220,8 +229,51 @@ fn textures_keep_their_texels_wrapping_and_placement() {
     assert_eq!((&transform["scale"][1], &transform["offset"][0]), (&Value::from(3.0), &Value::from(0.25)));
     assert_eq!(
         glb.json["extensionsUsed"],
-        serde_json::json!(["KHR_materials_unlit", "KHR_texture_transform"])
+        serde_json::json!(["KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform"])
     );
+}
+
+#[test]
+fn albedo_and_emission_keep_textures_of_their_own() {
+    let texel = |rgb: [u8; 3]| vec![[rgb[0], rgb[1], rgb[2], 255]];
+    let texture = |name, rgb| Texture::from_bytes(name, 1, 1, texel(rgb), Encoding::Srgb).unwrap();
+    let mut glow = texture("glow", [0, 0, 255]);
+    glow.filter = Filter::Nearest;
+    let offset = UvTransform { offset: Vec2::new(0.5, 0.0), ..UvTransform::default() };
+    let screen = Material {
+        albedo_texture: Some(TextureRef::plain(TextureId(0))),
+        emission: Radiance(Vec3::new(3.0, 6.0, 12.0)),
+        emission_texture: Some(TextureRef { texture: TextureId(1), transform: offset }),
+        ..Material::diffuse("screen", Vec3::splat(0.5))
+    };
+    let painted = Material { emission_texture: None, name: "painted".into(), ..screen.clone() };
+    let scene = textured_square(vec![screen, painted], vec![texture("paint", [255, 0, 0]), glow]);
+    let (glb, _) = written(&scene, ColorScale::Auto);
+    let image_of = |slot: &Value| {
+        let texture = &glb.json["textures"][number(&slot["index"])];
+        let sampler = &glb.json["samplers"][number(&texture["sampler"])];
+        (glb.json["images"][number(&texture["source"])]["name"].clone(), number(&sampler["magFilter"]))
+    };
+    for name in ["screen", "painted"] {
+        let material = glb.material_named(name);
+        let base = &material["pbrMetallicRoughness"];
+        assert_eq!(image_of(&base["baseColorTexture"]), (Value::from("paint"), 9729));
+        assert_eq!(base["baseColorFactor"], serde_json::json!([0.5, 0.5, 0.5, 1.0]));
+        assert_eq!(material["emissiveFactor"], serde_json::json!([0.25, 0.5, 1.0]));
+        let strength = &material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"];
+        assert_eq!(strength, &Value::from(12.0));
+        assert!(material["extensions"]["KHR_materials_unlit"].is_null());
+    }
+    let emissive = &glb.material_named("screen")["emissiveTexture"];
+    assert_eq!(image_of(emissive), (Value::from("glow"), 9728));
+    assert_eq!(emissive["extensions"]["KHR_texture_transform"]["offset"], serde_json::json!([0.5, 0.0]));
+    assert!(glb.material_named("painted")["emissiveTexture"].is_null());
+    // What is reflected is beside it, whatever is emitted.
+    for primitive in glb.primitives() {
+        let (light, colors) =
+            ["_IRRADIANCE", "COLOR_0"].map(|name| glb.vectors(&primitive["attributes"][name])).into();
+        assert!(colors.iter().zip(&light).all(|(c, e)| (c.x / c.y - e.x / e.y).abs() < 1e-5 || c.x == 1.0));
+    }
 }
 
 #[test]
@@ -239,7 +291,8 @@ fn objects_materials_and_origin_are_named() {
     assert_eq!(extras["exposure"].as_f64().unwrap() as f32, exposure);
     for material in glb.json["materials"].as_array().unwrap() {
         assert_eq!(material["doubleSided"], false);
-        assert!(material["extensions"]["KHR_materials_unlit"].is_object());
+        let lit = material["name"] == "screen";
+        assert_eq!(material["extensions"]["KHR_materials_unlit"].is_object(), !lit);
     }
 }
 

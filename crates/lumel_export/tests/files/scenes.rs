@@ -31,6 +31,12 @@ pub(crate) fn plain(name: &str) -> Scene {
     builder.build().unwrap().0
 }
 
+/// A square of two triangles with a material each.
+pub(crate) fn textured_square(materials: Vec<Material>, textures: Vec<Texture>) -> Scene {
+    let objects = vec![square("square", 0.0, [0, 1])];
+    SceneBuilder { objects, materials, textures, ..SceneBuilder::default() }.build().unwrap().0
+}
+
 /// Squares with all that materials can have: two sides, two materials at one vertex, textures of every kind, tints and
 /// lamps, and a material that nothing uses.
 pub(crate) fn colourful() -> Scene {

@@ -4,12 +4,12 @@ use super::buffers::Buffers;
 use super::document::Document;
 use super::uri;
 use crate::TextureError;
-use crate::image::{TextureCache, TextureKey, decode};
+use crate::image::{Budget, TextureCache, TextureKey, decode};
 use crate::paths::Resolver;
 use gltf_json::Image;
-use gltf_json::texture::WrappingMode;
+use gltf_json::texture::{MagFilter, WrappingMode};
 use gltf_json::validation::Checked;
-use lumel_scene::{Encoding, Texture, TextureId, Wrap};
+use lumel_scene::{Encoding, Filter, Texture, TextureId, Wrap};
 use std::borrow::Cow;
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ impl<'a> Textures<'a> {
 
     /// The scene's texture for one of the document's, or why it is unavailable.
     ///
-    /// Uses of the same image with the same wrapping and encoding share a texture.
+    /// Uses of the same image with the same wrapping, filter and encoding share a texture.
     pub(super) fn get(&mut self, index: usize, encoding: Encoding) -> Result<TextureId, String> {
         let Self { document, buffers, resolver, cache } = self;
         let texture = document.textures.get(index).and_then(Option::as_ref);
@@ -41,14 +41,19 @@ impl<'a> Textures<'a> {
         let sampler = texture.sampler.and_then(|sampler| document.samplers.get(sampler.value())?.as_ref());
         let (wrap_u, wrap_v) =
             sampler.map_or_else(Default::default, |s| (wrapping(s.wrap_s), wrapping(s.wrap_t)));
+        // Baked light is seen from near by: how a texture is made smaller does not matter.
+        let filter = match sampler.and_then(|sampler| sampler.mag_filter) {
+            Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
+            _ => Filter::Linear,
+        };
         let source = Source::of(image, image_index, resolver)?;
         // Files have absolute paths, so no file is called that.
         let inline = || PathBuf::from(format!("image {image_index}"));
         let unique = source.file.clone().unwrap_or_else(inline);
-        let key = TextureKey { source: unique, encoding, wrap_u, wrap_v };
-        let load = || {
+        let key = TextureKey { source: unique, encoding, wrap_u, wrap_v, filter };
+        let load = |budget: &mut Budget| {
             let bytes = source.bytes(image, buffers)?;
-            decode(&bytes, &source.name, source.extension(image), encoding)
+            decode(&bytes, &source.name, source.extension(image), encoding, budget)
         };
         cache.get_or_load(key, load).map_err(|error| error.to_string())
     }

@@ -2,11 +2,11 @@
 
 use super::map::MapStatement;
 use super::statements::MtlMaterial;
-use crate::image::{TextureCache, TextureKey, load_texture};
+use crate::image::{TextureCache, TextureKey, read_texture};
 use crate::paths::Resolver;
 use crate::text::name_list;
 use glam::Vec3;
-use lumel_scene::{Encoding, Material, Radiance, TextureRef, Warnings};
+use lumel_scene::{Encoding, Filter, Material, Radiance, TextureRef, Warnings};
 use std::path::Path;
 
 /// Warnings about single materials beyond this number are only counted: a scene without its textures would
@@ -76,8 +76,9 @@ impl<'a> Converter<'a> {
     ) -> Option<TextureRef> {
         let map = map?;
         let loaded = resolver.resolve(&map.file).map_err(|error| error.to_string()).and_then(|path| {
-            let key = TextureKey { source: path.clone(), encoding, wrap_u: map.wrap, wrap_v: map.wrap };
-            let texture = self.textures.get_or_load(key, || load_texture(&path, encoding));
+            let (source, filter) = (path.clone(), Filter::Linear);
+            let key = TextureKey { source, encoding, wrap_u: map.wrap, wrap_v: map.wrap, filter };
+            let texture = self.textures.get_or_load(key, |budget| read_texture(&path, encoding, budget));
             texture.map_err(|error| error.to_string())
         });
         if map.changes_values {
