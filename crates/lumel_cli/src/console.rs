@@ -5,6 +5,7 @@ use crate::outcome::{FAILED, Outcome};
 use anyhow::Context;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -73,6 +74,7 @@ impl Console {
     }
 
     fn message(&self, kind: &str, color: &str, message: &str, hint: Option<&str>) {
+        let message = &*printable(message);
         match self.messages {
             Messages::Json => {
                 let mut event = json!({ "event": kind, "message": message });
@@ -84,7 +86,7 @@ impl Console {
             Messages::Text => {
                 let kind =
                     if self.color { format!("\x1b[1;{color}m{kind}:\x1b[0m") } else { format!("{kind}:") };
-                let hint = hint.map(|hint| format!("\n  hint: {hint}")).unwrap_or_default();
+                let hint = hint.map(|hint| format!("\n  hint: {}", printable(hint))).unwrap_or_default();
                 self.line(&format!("{kind} {message}{hint}"));
             }
         }
@@ -108,9 +110,19 @@ impl Console {
     }
 }
 
-/// Writes a result to stdout. A closed pipe is not an error.
+/// Writes a result to stdout, with control characters spelled out. A closed pipe is not an error.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
-    print_bytes(text.as_bytes())
+    print_bytes(printable(text).as_bytes())
+}
+
+/// Text whose lines stay lines, but which cannot steer a terminal.
+fn printable(text: &str) -> Cow<'_, str> {
+    let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if !text.contains(steers) {
+        return text.into();
+    }
+    let spell = |c: char| if steers(c) { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(spell).collect()
 }
 
 /// As [`print()`], for what need not be UTF-8.
@@ -128,5 +140,16 @@ pub(crate) fn print_usage(message: &clap::Error) -> u8 {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => FAILED,
         _ if message.use_stderr() => FAILED,
         _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_cannot_steer_a_terminal() {
+        assert_eq!(printable("a\tb\nTür"), "a\tb\nTür");
+        assert_eq!(printable("\u{1b}[2J\r\u{9b}"), "\\u{1b}[2J\\r\\u{9b}");
     }
 }

@@ -1,6 +1,7 @@
 //! Why a scene file cannot be imported.
 
 use crate::paths::PathError;
+use crate::text::escaped;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -69,6 +70,17 @@ impl ImportError {
     /// An [`Unsupported`](Self::Unsupported).
     pub(crate) fn unsupported(path: &Path, what: impl Into<String>) -> Self {
         Self::Unsupported { path: path.to_owned(), what: what.into() }
+    }
+
+    /// The same with control characters spelled out in what comes from the file.
+    pub(crate) fn escaped(self) -> Self {
+        match self {
+            Self::Malformed { path, line, message } => {
+                Self::Malformed { path, line, message: escaped(&message) }
+            }
+            Self::Unsupported { path, what } => Self::Unsupported { path, what: escaped(&what) },
+            other => other,
+        }
     }
 
     /// An [`Io`](Self::Io), made for `map_err`.

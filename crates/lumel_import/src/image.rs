@@ -355,8 +355,9 @@ mod tests {
     fn images_share_a_budget_that_is_checked_before_they_are_decoded() {
         let image = |width| encoded(RgbImage::new(width, 2), ImageFormat::Png);
         let mut budget = Budget::of(4 * 2 * 5);
-        let mut read =
-            |bytes: &[u8], name| super::decode(bytes, name, None, Encoding::Srgb, &mut budget).map(|t| t.size());
+        let mut read = |bytes: &[u8], name| {
+            super::decode(bytes, name, None, Encoding::Srgb, &mut budget).map(|t| t.size())
+        };
         assert_eq!(read(&image(3), "first"), Ok((3, 2)));
         let mut damaged = image(3);
         let end = damaged.len() - 20;

@@ -1,6 +1,7 @@
 //! What goes into reading a scene file, and what comes out.
 
 use crate::PathPolicy;
+use crate::text::escaped;
 use lumel_scene::{SceneBuilder, Warnings};
 use std::path::Path;
 
@@ -20,7 +21,11 @@ pub struct Imported {
     pub warnings: Warnings,
 }
 
+/// Why vertex colours of files that lumel has written are not used.
+pub(crate) const BAKED_COLORS: &str =
+    "lumel has baked its vertex colours: they are light and left out of the albedo";
+
 /// The name of the scene in a file.
 pub(crate) fn scene_name(path: &Path) -> String {
-    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    escaped(&path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy())
 }

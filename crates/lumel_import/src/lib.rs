@@ -2,7 +2,7 @@
 //!
 //! [`load`] chooses the reader and returns a [`SceneBuilder`](lumel_scene::SceneBuilder) with the content of the file,
 //! and warnings about missing textures, unknown materials, polygons without area and the like. Malformed files are
-//! errors that name file, line and object. No input makes this crate panic, hang or allocate much more than the size
+//! errors that name file, line and object. Control characters in names and messages are spelled out. No input makes this crate panic, hang or allocate much more than the size
 //! of the file.
 
 mod color;
@@ -27,20 +27,29 @@ pub use error::ImportError;
 use format::Format;
 pub use image::{TextureError, load_texture};
 pub use imported::{ImportOptions, Imported};
+use lumel_scene::{Warning, Warnings};
 pub use paths::{PathError, PathPolicy};
 pub use sky::load_sky;
 use std::path::{Path, PathBuf};
+use text::escaped;
 
 /// Reads a scene file. The format is determined by the extension, otherwise by the content.
 ///
 /// # Errors
 /// See [`ImportError`].
 pub fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
-    match Format::of(path)? {
+    let imported = Format::of(path).and_then(|format| match format {
         Format::Obj => obj::load(path, options),
         Format::Gltf => gltf::load(path, options),
-        Format::Ply => ply::load(path),
+        Format::Ply => ply::load(path, options),
+    });
+    let mut imported = imported.map_err(ImportError::escaped)?;
+    let mut warnings = Warnings::default();
+    for Warning { subject, message } in imported.warnings.iter() {
+        warnings.push(escaped(subject), escaped(message));
     }
+    imported.warnings = warnings;
+    Ok(imported)
 }
 
 /// The file that `file` refers to by `reference`, if the policy allows it.

@@ -10,7 +10,7 @@ const MAX_LINE: usize = 1 << 24;
 
 /// Reads a text file line by line.
 ///
-/// A byte order mark is skipped, UTF-16 is turned into UTF-8, and a line that ends in a backslash is continued by
+/// A byte order mark is skipped, UTF-16 with or without one is turned into UTF-8, and a line that ends in a backslash is continued by
 /// the next one, unless it is a comment.
 pub(crate) struct Lines {
     reader: Box<dyn BufRead>,
@@ -47,18 +47,14 @@ impl Lines {
         first: usize,
     ) -> Result<Self, ImportError> {
         let mut start = Vec::new();
-        reader.by_ref().take(3).read_to_end(&mut start).map_err(ImportError::io(path))?;
+        reader.by_ref().take(4).read_to_end(&mut start).map_err(ImportError::io(path))?;
         let reader: Box<dyn BufRead> = match start.as_slice() {
-            [0xef, 0xbb, 0xbf] => Box::new(reader),
-            [a @ (0xff | 0xfe), b @ (0xff | 0xfe), rest @ ..] if a != b => {
-                let unit = if *a == 0xff { u16::from_le_bytes } else { u16::from_be_bytes };
-                let mut bytes = rest.to_vec();
-                reader.read_to_end(&mut bytes).map_err(ImportError::io(path))?;
-                let units = bytes.as_chunks::<2>().0.iter().map(|pair| unit(*pair));
-                let text: String =
-                    char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
-                Box::new(Cursor::new(text))
-            }
+            [0xef, 0xbb, 0xbf, rest @ ..] => Box::new(Cursor::new(rest.to_vec()).chain(reader)),
+            [0xff, 0xfe, rest @ ..] => utf_16(path, rest, reader, u16::from_le_bytes)?,
+            [0xfe, 0xff, rest @ ..] => utf_16(path, rest, reader, u16::from_be_bytes)?,
+            // Without a mark, letters of ASCII beside zeros tell.
+            [1..=0x7f, 0, 1..=0x7f, 0] => utf_16(path, &start, reader, u16::from_le_bytes)?,
+            [0, 1..=0x7f, 0, 1..=0x7f] => utf_16(path, &start, reader, u16::from_be_bytes)?,
             _ => Box::new(Cursor::new(start).chain(reader)),
         };
         Ok(Self { reader, path: path.to_owned(), next_line: first, text: Vec::new() })
@@ -100,6 +96,20 @@ impl Lines {
     }
 }
 
+/// The rest of a file in UTF-16 as UTF-8.
+fn utf_16(
+    path: &Path,
+    start: &[u8],
+    mut reader: impl BufRead,
+    unit: fn([u8; 2]) -> u16,
+) -> Result<Box<dyn BufRead>, ImportError> {
+    let mut bytes = start.to_vec();
+    reader.read_to_end(&mut bytes).map_err(ImportError::io(path))?;
+    let units = bytes.as_chunks::<2>().0.iter().map(|pair| unit(*pair));
+    let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+    Ok(Box::new(Cursor::new(text)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,8 +147,8 @@ mod tests {
         let units = || "v 1\nö".encode_utf16();
         let little: Vec<u8> = [0xff, 0xfe].into_iter().chain(units().flat_map(u16::to_le_bytes)).collect();
         let big: Vec<u8> = [0xfe, 0xff].into_iter().chain(units().flat_map(u16::to_be_bytes)).collect();
-        for bytes in [little, big] {
-            assert_eq!(read(&bytes), expect(&[(1, "v 1"), (2, "ö")]));
+        for bytes in [&little, &big, &little[2..], &big[2..]] {
+            assert_eq!(read(bytes), expect(&[(1, "v 1"), (2, "ö")]));
         }
         assert_eq!(read(&[0xff, 0xfe]), []);
         assert_eq!(read(&[0xff]), expect(&[(1, "\u{fffd}")]));

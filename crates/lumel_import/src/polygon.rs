@@ -9,8 +9,16 @@ pub(crate) const MAX_CORNERS: usize = 1 << 14;
 
 /// What [`Tally`](crate::tally::Tally) calls polygons that [`Triangulator::triangulate`] refuses.
 pub(crate) const TOO_FEW_CORNERS: &str = "faces dropped: fewer than three corners";
-/// The other reason.
+/// Another reason.
 pub(crate) const NO_AREA: &str = "faces dropped: no area";
+/// The last reason.
+pub(crate) const TWISTED: &str =
+    "faces dropped: their outline crosses itself and encloses as much on either side; split them";
+/// What it calls polygons that are covered in some way.
+pub(crate) const CROSSES: &str = "faces whose outline crosses itself are covered in some way; split them";
+
+/// The most corners of an outline that is checked for crossings, which takes time by their square.
+const MAX_CHECKED: usize = 64;
 
 /// Twice the area of a polygon relative to the square of its extent, below which it has none: far below what
 /// positions of 24 bits can express, so only exactly collinear or cancelling outlines fall under it.
@@ -22,31 +30,42 @@ pub(crate) struct Triangulator {
     plane: Vec<[f64; 2]>,
     indices: Vec<u32>,
     triangles: Vec<[u32; 3]>,
+    crosses: bool,
 }
 
 impl Triangulator {
     /// An empty triangulator.
     pub(crate) fn new() -> Self {
-        Self { earcut: Earcut::new(), plane: Vec::new(), indices: Vec::new(), triangles: Vec::new() }
+        Self {
+            earcut: Earcut::new(),
+            plane: Vec::new(),
+            indices: Vec::new(),
+            triangles: Vec::new(),
+            crosses: false,
+        }
     }
 
     /// Triangles that cover the polygon, as indices into `corners`, wound like it.
     ///
     /// Concave outlines and collinear corners are fine; self-intersecting outlines give some cover of the area
-    /// they enclose. `None` for a polygon without area or with fewer than three corners. A single triangle is returned
+    /// they enclose, and [`Self::crosses`] says so. A single triangle is returned
     /// as it is, and so is the fan of a polygon whose corners are not all finite: whoever checks triangles drops it.
     /// The caller makes sure of at most [`MAX_CORNERS`] corners.
-    pub(crate) fn triangulate(&mut self, corners: &[Vec3]) -> Option<&[[u32; 3]]> {
+    ///
+    /// # Errors
+    /// Why there are no triangles: fewer than three corners, or no area.
+    pub(crate) fn triangulate(&mut self, corners: &[Vec3]) -> Result<&[[u32; 3]], &'static str> {
         self.triangles.clear();
+        self.crosses = false;
         let n = corners.len() as u32;
         if n < 3 {
-            return None;
+            return Err(TOO_FEW_CORNERS);
         }
         if n == 3 || !corners.iter().all(|p| p.is_finite()) {
             self.triangles.extend((2..n).map(|i| [0, i - 1, i]));
-            return Some(&self.triangles);
+            return Ok(&self.triangles);
         }
-        let normal = newell_normal(corners)?;
+        let normal = newell_normal(corners).ok_or(if is_line(corners) { NO_AREA } else { TWISTED })?;
         self.project(corners, normal);
         match *self.plane.as_slice() {
             [a, b, c, d] if turns_left([a, b, c]) && turns_left([a, c, d]) => {
@@ -55,9 +74,17 @@ impl Triangulator {
             [a, b, c, d] if turns_left([a, b, d]) && turns_left([b, c, d]) => {
                 self.triangles.extend([[0, 1, 3], [1, 2, 3]]);
             }
-            _ => self.clip_ears(),
+            _ => {
+                self.crosses = self.plane.len() <= MAX_CHECKED && crosses_itself(&self.plane);
+                self.clip_ears();
+            }
         }
-        (!self.triangles.is_empty()).then_some(&self.triangles)
+        if self.triangles.is_empty() { Err(NO_AREA) } else { Ok(&self.triangles) }
+    }
+
+    /// Whether the outline of the last polygon crosses itself, as far as that is checked.
+    pub(crate) fn crosses(&self) -> bool {
+        self.crosses
     }
 
     /// Fills `plane` with the corners as seen against the normal: counter-clockwise, relative to the first.
@@ -92,6 +119,25 @@ fn newell_normal(corners: &[Vec3]) -> Option<DVec3> {
         extent = extent.max(b.length_squared());
     }
     (doubled_area.length() > SMALLEST_AREA * extent).then(|| doubled_area.try_normalize()).flatten()
+}
+
+/// Whether all corners lie on one line.
+fn is_line(corners: &[Vec3]) -> bool {
+    let origin = corners[0].as_dvec3();
+    let arms = || corners.iter().map(|p| p.as_dvec3() - origin);
+    let longest =
+        arms().fold(DVec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
+    arms().all(|arm| longest.cross(arm).length() <= SMALLEST_AREA * longest.length_squared())
+}
+
+/// Whether two edges of an outline cross inside both.
+fn crosses_itself(outline: &[[f64; 2]]) -> bool {
+    let n = outline.len();
+    let edge = |i: usize| [outline[i], outline[(i + 1) % n]];
+    let apart = |[a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]| {
+        doubled_area([a, b, c]) * doubled_area([a, b, d]) < 0.0
+    };
+    (0..n).any(|i| (i + 2..n).any(|j| apart(edge(i), edge(j)) && apart(edge(j), edge(i))))
 }
 
 fn doubled_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
@@ -133,7 +179,7 @@ mod tests {
     #[test]
     fn convex_quads_are_split_at_their_first_corner() {
         let square = flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
-        assert_eq!(Triangulator::new().triangulate(&square), Some(&[[0, 1, 2], [0, 2, 3]][..]));
+        assert_eq!(Triangulator::new().triangulate(&square), Ok(&[[0, 1, 2], [0, 2, 3]][..]));
     }
 
     #[test]
@@ -170,14 +216,38 @@ mod tests {
         let mut triangulator = Triangulator::new();
         let line = flat(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]);
         let bow_tie = flat(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]);
-        for corners in [&line[..2], &[], &line, &bow_tie, &[Vec3::ONE; 5]] {
-            assert_eq!(triangulator.triangulate(corners), None, "{corners:?}");
+        let five = [Vec3::ONE; 5];
+        let cases: [(&[Vec3], &str); 5] = [
+            (&line[..2], TOO_FEW_CORNERS),
+            (&[], TOO_FEW_CORNERS),
+            (&line, NO_AREA),
+            (&bow_tie, TWISTED),
+            (&five, NO_AREA),
+        ];
+        for (corners, reason) in cases {
+            assert_eq!(triangulator.triangulate(corners), Err(reason), "{corners:?}");
         }
         let tiny: Vec<Vec3> =
             flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).iter().map(|p| *p * 1e-12).collect();
-        assert!(triangulator.triangulate(&tiny).is_some(), "size alone is no reason");
+        assert!(triangulator.triangulate(&tiny).is_ok(), "size alone is no reason");
         let broken = flat(&[[0.0, 0.0], [1.0, 0.0], [f32::NAN, 1.0], [0.0, 1.0]]);
-        assert_eq!(triangulator.triangulate(&broken).map(<[_]>::len), Some(2), "left for build() to drop");
+        assert_eq!(triangulator.triangulate(&broken).map(<[_]>::len), Ok(2), "left for build() to drop");
+    }
+
+    #[test]
+    fn outlines_that_cross_themselves_are_told_from_those_that_do_not() {
+        let crosses = |points: &[[f32; 2]]| {
+            let mut triangulator = Triangulator::new();
+            assert!(triangulator.triangulate(&flat(points)).is_ok());
+            triangulator.crosses()
+        };
+        assert!(crosses(&[[0.0, 0.0], [3.0, 2.0], [3.0, 0.0], [0.0, 1.0]]), "a bow tie");
+        assert!(crosses(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [3.0, 1.0], [0.0, 1.0]]));
+        assert!(!crosses(&[[0.0, 0.0], [2.0, -1.0], [0.5, 0.0], [2.0, 1.0]]), "concave");
+        assert!(
+            !crosses(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.0], [0.0, 2.0]]),
+            "corners that touch an edge"
+        );
     }
 
     #[test]
@@ -188,7 +258,7 @@ mod tests {
             .map(|h| Vec3::new((h >> 40) as f32, (h & 0xff_ffff) as f32, 0.0))
             .collect();
         for corners in [star(&spiky), tangled] {
-            assert!(Triangulator::new().triangulate(&corners).is_some());
+            assert!(Triangulator::new().triangulate(&corners).is_ok());
         }
     }
 

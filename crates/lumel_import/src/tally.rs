@@ -1,5 +1,6 @@
 //! Warnings that may occur a million times, reported once.
 
+use crate::ImportError;
 use lumel_scene::Warnings;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,6 +15,19 @@ impl Tally {
     /// Counts one. `what` completes "3 ..., first in ...".
     pub(crate) fn note(&mut self, what: &'static str, place: impl FnOnce() -> String) {
         self.kinds.entry(what).or_insert_with(|| (0, place())).0 += 1;
+    }
+
+    /// The error of a file of which nothing is left: it names what was skipped, if anything was.
+    pub(crate) fn nothing_left(&self, path: &Path) -> ImportError {
+        if self.kinds.is_empty() {
+            return ImportError::Empty { path: path.to_owned() };
+        }
+        let skipped: Vec<String> = self
+            .kinds
+            .iter()
+            .map(|(what, (count, first))| format!("{count} {what}, first in {first}"))
+            .collect();
+        ImportError::malformed(path, format!("no triangles are left: {}", skipped.join("; ")))
     }
 
     /// One warning for each kind.

@@ -14,6 +14,19 @@ pub(crate) fn decode(bytes: &[u8]) -> String {
     }
 }
 
+/// Text in which control characters, and those that turn the direction of writing, are spelled out (`\u{1b}`), because
+/// names and messages are printed to terminals.
+pub(crate) fn escaped(text: &str) -> String {
+    let turns =
+        |c: char| matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let hidden = |c: char| c.is_control() || turns(c);
+    if !text.contains(hidden) {
+        return text.to_owned();
+    }
+    let spell = |c: char| if hidden(c) { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(spell).collect()
+}
+
 /// A piece of a file in quotation marks, shortened, for messages.
 pub(crate) fn quoted(bytes: &[u8]) -> String {
     // Four bytes make at most one character less than four, so this prefix is long enough.
@@ -108,6 +121,15 @@ mod tests {
         assert_eq!(floats::<4>(b"1\t2  3 # 4 blue"), Ok(([1.0, 2.0, 3.0, 0.0], 3)));
         assert_eq!(floats::<2>(b"1 2 x"), Ok(([1.0, 2.0], 2)), "what follows is not looked at");
         assert_eq!(floats::<3>(b"1 x 2"), Err("\"x\" is not a number".to_owned()));
+    }
+
+    #[test]
+    fn control_characters_are_spelled_out_and_other_text_is_kept() {
+        assert_eq!(escaped("Tür \"1\" \\"), "Tür \"1\" \\");
+        assert_eq!(
+            escaped("a\u{1b}[31m\r\nb\u{7}\u{9b}\u{202e}"),
+            "a\\u{1b}[31m\\r\\nb\\u{7}\\u{9b}\\u{202e}"
+        );
     }
 
     #[test]

@@ -20,7 +20,7 @@ impl SceneBuilder {
     pub fn build(mut self) -> Result<(Scene, Warnings), SceneError> {
         let mut warnings = Warnings::default();
         check::builder(&self)?;
-        sanitize::materials(&mut self.materials, &self.textures, &mut warnings);
+        sanitize::materials(&mut self.materials, &self.textures, &self.objects, &mut warnings);
         let smallest = 1e-12 * self.diagonal_squared();
         let mut faces = FaceList::default();
         for mut object in std::mem::take(&mut self.objects) {
@@ -114,6 +114,18 @@ mod tests {
         bad.uvs = vec![Vec2::ZERO; 3];
         let message = builder(vec![bad]).build().unwrap_err().to_string();
         assert_eq!(message, "object \"bad\" has 3 texture coordinates for 4 vertices");
+    }
+
+    #[test]
+    fn white_walls_with_dark_vertex_colours_are_not_clamped() {
+        let warned = |tint: Vec3| {
+            let mut b = builder(vec![ObjectMesh { tints: vec![tint; 4], ..quad("q") }]);
+            b.materials[0].albedo = Vec3::ONE;
+            let (_, warnings) = b.build().unwrap();
+            warnings.iter().any(|warning| warning.message.contains("clamped"))
+        };
+        assert!(!warned(Vec3::splat(0.5)));
+        assert!(warned(Vec3::new(0.1, 0.99, 0.1)) && warned(Vec3::splat(f32::NAN)));
     }
 
     #[test]

@@ -198,11 +198,20 @@ impl PointLight {
     }
 }
 
+/// Differences of cosines below this are those of narrow spots or sharp edges: three digits are left of 24 bits.
+const NARROW: f32 = 1e-4;
+
 impl SpotLight {
     /// Share of the axial intensity towards `direction` (unit vector away from the light).
     pub fn falloff(&self, direction: Vec3) -> f32 {
-        let span = (self.cos_inner - self.cos_outer).max(1e-4);
-        let share = ((self.direction.dot(direction) - self.cos_outer) / span).clamp(0.0, 1.0);
+        let span = self.cos_inner - self.cos_outer;
+        let inside = if span < NARROW {
+            // One minus the cosine, without the digits that a cosine near 1 loses.
+            (1.0 - self.cos_outer) - 0.5 * (self.direction - direction).length_squared()
+        } else {
+            self.direction.dot(direction) - self.cos_outer
+        };
+        let share = (inside / span.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
         share * share
     }
 }

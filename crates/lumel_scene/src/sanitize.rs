@@ -35,17 +35,41 @@ pub(crate) fn object(mesh: &mut ObjectMesh, smallest_area: f64, warnings: &mut W
     for uv in &mut mesh.uvs {
         *uv = if uv.is_finite() { *uv } else { Vec2::ZERO };
     }
-    for tint in &mut mesh.tints {
-        *tint = if tint.is_finite() { tint.max(Vec3::ZERO) } else { Vec3::ONE };
-    }
+    mesh.tints.iter_mut().for_each(|tint| *tint = sound_tint(*tint));
     kept
 }
 
-/// Makes colours finite and not negative. Warns of albedos that [`Scene::albedo`](crate::Scene::albedo) clamps.
-pub(crate) fn materials(materials: &mut [Material], textures: &[Texture], warnings: &mut Warnings) {
+/// A vertex colour that can multiply an albedo.
+fn sound_tint(tint: Vec3) -> Vec3 {
+    if tint.is_finite() { tint.max(Vec3::ZERO) } else { Vec3::ONE }
+}
+
+/// The largest vertex colour in each channel that multiplies each material; 1 where none does.
+fn brightest_tints(objects: &[ObjectMesh], n_materials: usize) -> Vec<Vec3> {
+    let mut brightest = vec![None; n_materials];
+    for object in objects {
+        for face in &object.faces {
+            let slot: &mut Option<Vec3> = &mut brightest[face.material.index()];
+            let tint = |v: &u32| object.tints.get(*v as usize).map_or(Vec3::ONE, |tint| sound_tint(*tint));
+            let largest = face.vertices.iter().map(tint).fold(Vec3::ZERO, Vec3::max);
+            *slot = Some(slot.map_or(largest, |known| known.max(largest)));
+        }
+    }
+    brightest.into_iter().map(|tint| tint.unwrap_or(Vec3::ONE)).collect()
+}
+
+/// Makes colours finite and not negative. Warns of albedos that [`Scene::albedo`](crate::Scene::albedo) clamps, with
+/// the vertex colours that multiply them.
+pub(crate) fn materials(
+    materials: &mut [Material],
+    textures: &[Texture],
+    objects: &[ObjectMesh],
+    warnings: &mut Warnings,
+) {
+    let tints = brightest_tints(objects, materials.len());
     let mut clamped: Vec<&str> = Vec::new();
     let mut highest: f32 = 0.0;
-    for material in materials {
+    for (material, tint) in materials.iter_mut().zip(tints) {
         let subject = format!("material \"{}\"", material.name);
         if !material.albedo.is_finite() || !material.emission.0.is_finite() {
             warnings.push(&subject, "colour is not a finite number: black is used instead");
@@ -53,7 +77,7 @@ pub(crate) fn materials(materials: &mut [Material], textures: &[Texture], warnin
         material.albedo = sound(material.albedo);
         material.emission = Radiance(sound(material.emission.0));
         let texture = material.albedo_texture.map_or(Vec3::ONE, |t| textures[t.texture.index()].max());
-        let brightest = (material.albedo * texture).max_element();
+        let brightest = (material.albedo * texture * tint).max_element();
         if brightest > MAX_ALBEDO {
             highest = highest.max(brightest);
             clamped.push(&material.name);

@@ -10,9 +10,11 @@ mod help;
 mod info;
 mod lights;
 mod measure;
+mod names;
 mod project;
 mod refusals;
 mod render;
 mod resume;
+mod shown;
 #[cfg(unix)]
 mod view;

@@ -145,8 +145,7 @@ fn describe(scene: &Scene, material: &Material, images: &mut Images) -> io::Resu
         Some(_) => albedo.clamp(Vec3::ZERO, Vec3::ONE),
         None => albedo.clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)),
     };
-    let mut surface =
-        json!({ "baseColorFactor": base.extend(1.0).to_array(), "metallicFactor": 0.0, "roughnessFactor": 1.0 });
+    let mut surface = json!({ "baseColorFactor": base.extend(1.0).to_array(), "metallicFactor": 0.0, "roughnessFactor": 1.0 });
     if let Some(texture) = albedo_texture {
         surface["baseColorTexture"] = texture;
     }

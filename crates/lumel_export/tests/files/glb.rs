@@ -3,7 +3,8 @@ use crate::tools::run_if_installed;
 use glam::{Vec2, Vec3};
 use lumel_export::{ColorScale, ExportError, write_glb};
 use lumel_scene::{
-    Albedo, Encoding, Filter, Irradiance, Material, Radiance, Scene, Texture, TextureId, TextureRef, UvTransform,
+    Albedo, Encoding, Filter, Irradiance, Material, Radiance, Scene, Texture, TextureId, TextureRef,
+    UvTransform,
 };
 use serde_json::Value;
 use std::fs;
@@ -185,7 +186,10 @@ fn lamps_and_screens_are_bright() {
     assert!(screen["pbrMetallicRoughness"]["baseColorTexture"].is_null());
     // Twice the largest texel, which is 4.
     assert_eq!(screen["emissiveFactor"], serde_json::json!([1.0, 1.0, 1.0]));
-    assert_eq!(screen["extensions"], serde_json::json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 8.0 } }));
+    assert_eq!(
+        screen["extensions"],
+        serde_json::json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 8.0 } })
+    );
     let texture = &glb.json["textures"][number(&screen["emissiveTexture"]["index"])];
     let image = &glb.json["images"][number(&texture["source"])];
     assert_eq!(image["name"], "glow");
@@ -229,7 +233,11 @@ fn textures_keep_their_texels_wrapping_and_placement() {
     assert_eq!((&transform["scale"][1], &transform["offset"][0]), (&Value::from(3.0), &Value::from(0.25)));
     assert_eq!(
         glb.json["extensionsUsed"],
-        serde_json::json!(["KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_texture_transform"])
+        serde_json::json!([
+            "KHR_materials_emissive_strength",
+            "KHR_materials_unlit",
+            "KHR_texture_transform"
+        ])
     );
 }
 

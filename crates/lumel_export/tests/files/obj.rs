@@ -13,7 +13,9 @@ use std::path::Path;
 fn written_and_read(scene: &Scene, path: &Path) -> Scene {
     write_obj(path, scene, &AtVertices(light_on(scene)), ColorScale::Auto).unwrap();
     let imported = load(path, &ImportOptions::default()).unwrap();
-    assert!(imported.warnings.is_empty(), "{:?}", imported.warnings.iter().next());
+    let warnings: Vec<&str> = imported.warnings.iter().map(|warning| warning.message.as_str()).collect();
+    let expected = "lumel has baked its vertex colours: they are light and left out of the albedo";
+    assert_eq!(warnings, [expected]);
     imported.scene.build().unwrap().0
 }
 

@@ -2,7 +2,8 @@
 
 use super::fault::Fault;
 use super::morph::MorphTargets;
-use super::{extensions, specular_glossiness};
+use super::{compression, extensions, own, specular_glossiness};
+use crate::text::escaped;
 use gltf_json::extensions::scene::khr_lights_punctual::Light;
 use gltf_json::texture::Sampler;
 use gltf_json::{Accessor, Buffer, Camera, Image, Index, Material, Mesh, Node, Skin, Texture, buffer};
@@ -41,6 +42,7 @@ impl Document {
     pub(super) fn parse(json: &[u8], warnings: &mut Warnings) -> Result<Self, Fault> {
         let mut root: Value = serde_json::from_slice(json)
             .map_err(|error| Fault::Malformed(format!("not a glTF document: {error}")))?;
+        own::restore(&mut root, warnings);
         if !tidy(&mut root, "") {
             warnings.push("", "names that are not text are ignored");
         }
@@ -48,6 +50,7 @@ impl Document {
             return Err(Fault::Malformed("not a glTF document: it is no JSON object".into()));
         };
         check_version(&root)?;
+        compression::check(&root)?;
         extensions::check(&root, warnings)?;
         let roots = scene_roots(&mut root)?;
         let mut materials = take_list(&mut root, "materials")?;
@@ -96,7 +99,7 @@ pub(super) fn label(what: &str, index: usize, name: Option<&str>) -> String {
 
 /// Corrects cases in which the types of the schema are too strict or too lax.
 ///
-/// - `extras` are dropped and names that are not text too; very long ones are cut.
+/// - `extras` are dropped and names that are not text too; very long ones are cut, control characters spelled out.
 /// - Whole numbers may be written `3.0`.
 /// - The types keep only 32 bits of an index, so 4294967296 would pass for 0. Numbers that large become floats, which
 ///   are refused where an index is expected. Sizes have 64 bits.
@@ -118,6 +121,7 @@ fn tidy(value: &mut Value, key: &str) -> bool {
             if let Some((end, _)) = text.char_indices().nth(MAX_NAME) {
                 text.truncate(end);
             }
+            *text = escaped(text);
         }
         Value::Number(number) => {
             let is_size = matches!(key, "byteLength" | "byteOffset" | "count");

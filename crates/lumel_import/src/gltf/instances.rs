@@ -76,12 +76,11 @@ impl<'a> Instances<'a> {
         let vector = |elements: &Option<Elements<'a>>, absent| {
             elements.map_or(absent, |elements| DVec3::from(elements.vector::<3>(i).map(f64::from)))
         };
-        let rotation = self.rotation.map_or(DQuat::IDENTITY, |elements| {
-            DQuat::from_array(elements.vector::<4>(i).map(f64::from))
-        });
+        let rotation = self
+            .rotation
+            .map_or(DQuat::IDENTITY, |elements| DQuat::from_array(elements.vector::<4>(i).map(f64::from)));
         let length = rotation.length();
-        let (scale, translation) =
-            (vector(&self.scale, DVec3::ONE), vector(&self.translation, DVec3::ZERO));
+        let (scale, translation) = (vector(&self.scale, DVec3::ONE), vector(&self.translation, DVec3::ZERO));
         let transform = DAffine3::from_scale_rotation_translation(scale, rotation / length, translation);
         if length > 0.0 && transform.is_finite() {
             return Ok(transform);

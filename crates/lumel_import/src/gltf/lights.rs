@@ -9,8 +9,13 @@ use gltf_json::validation::Checked;
 use lumel_scene::{Camera, DirectionalLight, Light, PointLight, SpotLight, Warnings};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// The narrowest difference between a spot's cones, radians: less is an edge no baked light can show.
+/// The narrowest difference between a spot's cones, radians: less is an edge no baked light can show. Narrow spots may
+/// have a narrower one, by this share of the outer angle.
 const LEAST_PENUMBRA: f32 = 1e-3;
+const LEAST_PENUMBRA_SHARE: f32 = 0.02;
+
+/// The narrowest spot, half-angle in radians (0.2°): of less, cosines of 24 bits hold too few digits.
+const LEAST_OUTER: f32 = 3.5e-3;
 
 /// The light of a node, if it has one that emits, and its name: that of the node, else its own, else none.
 ///
@@ -68,8 +73,12 @@ fn convert(
     let direction = direction.ok_or("its node has no direction")?;
     let spot =
         light.spot.clone().unwrap_or(khr::Spot { inner_cone_angle: 0.0, outer_cone_angle: FRAC_PI_2 / 2.0 });
-    let outer = spot.outer_cone_angle.clamp(LEAST_PENUMBRA, FRAC_PI_2);
-    let inner = spot.inner_cone_angle.clamp(0.0, outer - LEAST_PENUMBRA);
+    if spot.outer_cone_angle < LEAST_OUTER {
+        return Err("its outer cone angle is below 0.2°; use a directional light or a wider cone");
+    }
+    let outer = spot.outer_cone_angle.min(FRAC_PI_2);
+    let penumbra = LEAST_PENUMBRA.min(LEAST_PENUMBRA_SHARE * outer);
+    let inner = spot.inner_cone_angle.clamp(0.0, outer - penumbra);
     // The clamps above let everything pass that the extension allows, but for the sharpest of edges.
     let off = (outer - spot.outer_cone_angle).abs().max((inner - spot.inner_cone_angle).abs());
     if off > LEAST_PENUMBRA {
@@ -203,12 +212,33 @@ mod tests {
             json!({ "innerConeAngle": 0.7, "outerConeAngle": 0.6 }),
             json!({ "outerConeAngle": 3 }),
             json!({ "innerConeAngle": -1 }),
-            json!({ "outerConeAngle": 0 }),
         ] {
-            // The last has an edge that is only just too sharp.
             let (_, _, warnings) = cones(bad.clone());
-            assert!(warnings.contains("cone angles") || bad["outerConeAngle"] == 0, "{bad}: {warnings}");
+            assert!(warnings.contains("cone angles"), "{bad}: {warnings}");
         }
+    }
+
+    #[test]
+    fn narrow_spots_are_as_bright_on_their_axis_and_fade_where_they_should() {
+        for degrees in [0.25_f32, 0.5, 1.0, 10.0] {
+            let (outer, inner) = (degrees.to_radians(), 0.5 * degrees.to_radians());
+            let spot = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
+            let (lights, warnings) = lit(json!({ "type": "spot", "spot": spot })).unwrap();
+            let Light::Spot(spot) = lights[0] else { panic!("{lights:?}") };
+            assert_eq!(warnings, "");
+            let at = |share: f64| {
+                let angle = share * f64::from(outer);
+                spot.falloff(Vec3::new(-angle.cos() as f32, angle.sin() as f32, 0.0))
+            };
+            assert_eq!((at(0.0), at(0.45), at(1.05)), (1.0, 1.0, 0.0), "{degrees}");
+            let cosine = |share: f64| (share * f64::from(outer)).cos();
+            let exact = ((cosine(0.75) - cosine(1.0)) / (cosine(0.5) - cosine(1.0))).powi(2);
+            assert!((f64::from(at(0.75)) - exact).abs() < 0.02, "{degrees}: {} {exact}", at(0.75));
+        }
+        let narrow = json!({ "type": "spot", "spot": { "outerConeAngle": 0.003 } });
+        let (lights, warnings) = lit(narrow).unwrap();
+        assert!(lights.is_empty());
+        assert!(warnings.contains("light 0 of node \"Lamp\": left out: its outer cone angle"), "{warnings}");
     }
 
     #[test]

@@ -174,7 +174,10 @@ impl Stand {
             Self::Skinned(skin, world) => (skin, *world),
         };
         let Some(influences) = source.influences()? else {
-            warnings.push(source.place, "a node shows it with a skin, but it has no JOINTS_0: the node places it");
+            warnings.push(
+                source.place,
+                "a node shows it with a skin, but it has no JOINTS_0: the node places it",
+            );
             return Ok(Pose::Rigid(world.into()));
         };
         let transforms = skin.transforms(&influences, part.vertices(), source.place, warnings)?;

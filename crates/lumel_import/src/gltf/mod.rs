@@ -11,6 +11,7 @@
 
 mod accessor;
 mod buffers;
+mod compression;
 mod container;
 #[cfg(test)]
 mod damage;
@@ -23,6 +24,7 @@ mod materials;
 mod mesh;
 mod morph;
 mod nodes;
+mod own;
 mod part;
 mod pose;
 mod skin;

@@ -85,7 +85,10 @@ impl<'a> Morph<'a> {
                 } else if elements.width().min(3) != base.width().min(3) {
                     format!("has {} components", elements.width())
                 } else {
-                    return Ok((*weight, if base.is_normalized() { elements.normalized() } else { elements }));
+                    return Ok((
+                        *weight,
+                        if base.is_normalized() { elements.normalized() } else { elements },
+                    ));
                 };
                 Err(Fault::at(place, format_args!("accessor {accessor} {problem}")))
             }))

@@ -262,7 +262,8 @@ mod tests {
         let light = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
         model.json["extensions"] = light;
         model.json["extensionsRequired"] = json!(["KHR_node_visibility"]);
-        let contents = json!({ "mesh": 0, "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } });
+        let contents =
+            json!({ "mesh": 0, "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } });
         model.push("nodes", contents);
         let mut counts = |visible: bool| {
             let extension = json!({ "KHR_node_visibility": { "visible": visible } });

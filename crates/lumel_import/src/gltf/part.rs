@@ -191,9 +191,9 @@ impl Part<'_> {
     pub(super) fn append_to(&self, object: &mut ObjectMesh, pose: &Pose) {
         let vertices = || self.shape.vertices.iter().map(|&vertex| vertex as usize);
         let first = object.positions.len();
-        object.positions.extend(
-            vertices().enumerate().map(|(i, vertex)| pose.point(i, self.positions.vector(vertex))),
-        );
+        object
+            .positions
+            .extend(vertices().enumerate().map(|(i, vertex)| pose.point(i, self.positions.vector(vertex))));
         let end = object.positions.len();
         let normals = self.normals.as_ref();
         let normals =

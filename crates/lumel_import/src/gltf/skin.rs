@@ -91,9 +91,10 @@ impl Skin {
                 return Ok(DAffine3 { matrix3: sum.matrix3 / total, translation: sum.translation / total });
             }
             n_loose += 1;
-            influences.of(vertex as usize).next().map_or(Ok(self.joints[0]), |(joint, _)| {
-                self.joint(joint, vertex, place)
-            })
+            influences
+                .of(vertex as usize)
+                .next()
+                .map_or(Ok(self.joints[0]), |(joint, _)| self.joint(joint, vertex, place))
         };
         let transforms = vertices.iter().map(&mut blend).collect();
         if n_loose > 0 {

@@ -6,6 +6,7 @@ use super::uri;
 use crate::TextureError;
 use crate::image::{Budget, TextureCache, TextureKey, decode};
 use crate::paths::Resolver;
+use crate::text::escaped;
 use gltf_json::Image;
 use gltf_json::texture::{MagFilter, WrappingMode};
 use gltf_json::validation::Checked;
@@ -78,7 +79,7 @@ impl Source {
         match &image.uri {
             Some(uri) if !uri::is_inline(uri) => {
                 let file = uri::find_file(uri, resolver).map_err(|error| error.to_string())?;
-                Ok(Self { name: given.unwrap_or_else(|| uri.clone()), file: Some(file) })
+                Ok(Self { name: given.unwrap_or_else(|| escaped(uri)), file: Some(file) })
             }
             _ => Ok(Self { name: given.unwrap_or_else(|| format!("image {index}")), file: None }),
         }

@@ -3,7 +3,7 @@
 use super::statements::{Corner, ObjFile, Section};
 use crate::ImportError;
 use crate::color::linear_from_srgb;
-use crate::polygon::{MAX_CORNERS, NO_AREA, TOO_FEW_CORNERS, Triangulator};
+use crate::polygon::{CROSSES, MAX_CORNERS, Triangulator};
 use crate::tally::Tally;
 use glam::{Vec2, Vec3};
 use lumel_scene::{Face, MaterialId, ObjectMesh, Smoothing, Warnings};
@@ -16,6 +16,9 @@ const ABSENT_NORMALS: &str = "faces refer to normals that the file lacks; they a
 /// The objects of a file, in the order of their first faces. `default_name` is for faces outside any object.
 ///
 /// Material ids are those of the file's names; faces without `usemtl` get the id after the last.
+///
+/// # Errors
+/// Indices out of range, or no faces.
 pub(super) fn objects(
     file: &ObjFile,
     path: &Path,
@@ -26,6 +29,11 @@ pub(super) fn objects(
         Assembler { file, path, triangulator: Triangulator::new(), oddities: Tally::default() };
     let objects: Result<Vec<_>, _> =
         parts(file, default_name).into_iter().map(|part| assembler.object(&part)).collect();
+    if let Ok(objects) = &objects
+        && objects.iter().all(|object| object.faces.is_empty())
+    {
+        return Err(assembler.oddities.nothing_left(path));
+    }
     assembler.oddities.report(path, warnings);
     if file.colors.iter().any(|color| color.max_element() > 1.0) {
         let message = "vertex colours above 1 are clamped: they must run from 0 to 1";
@@ -85,16 +93,17 @@ impl<'a> Assembler<'a> {
                     // Files stripped of their normals but not of the references to them are common.
                     self.oddities.note(ABSENT_NORMALS, || format!("line {line}, object \"{}\"", part.name));
                 }
-                let Some(triangles) = self.triangulator.triangulate(&outline) else {
-                    let too_few = corners.len() < 3;
-                    let what = if too_few { TOO_FEW_CORNERS } else { NO_AREA };
-                    self.oddities.note(what, || format!("line {line}, object \"{}\"", part.name));
-                    continue;
-                };
-                faces.extend(triangles.iter().map(|triangle| {
-                    let vertices = triangle.map(|i| vertices.index(corners[i as usize]));
-                    Face { vertices, material, smoothing }
-                }));
+                let place = || format!("line {line}, object \"{}\"", part.name);
+                match self.triangulator.triangulate(&outline) {
+                    Ok(triangles) => faces.extend(triangles.iter().map(|triangle| {
+                        let vertices = triangle.map(|i| vertices.index(corners[i as usize]));
+                        Face { vertices, material, smoothing }
+                    })),
+                    Err(reason) => self.oddities.note(reason, place),
+                }
+                if self.triangulator.crosses() {
+                    self.oddities.note(CROSSES, place);
+                }
             }
         }
         Ok(self.mesh(part.name, vertices, faces))

@@ -6,7 +6,7 @@
 mod assemble;
 mod statements;
 
-use crate::imported::scene_name;
+use crate::imported::{BAKED_COLORS, scene_name};
 use crate::mtl::{self, Palette};
 use crate::paths::Resolver;
 use crate::{ImportError, ImportOptions, Imported};
@@ -18,7 +18,8 @@ use std::path::Path;
 /// - Each `o` becomes an object, or each `g` in files without `o`; parts of one name are one object. Inside an
 ///   object, vertices keep the order of the file's `v`.
 /// - Faces of files without any `s` are smoothed by angle; elsewhere by their group.
-/// - Texture coordinates are flipped, because lumel's have `v` down. Vertex colours are sRGB.
+/// - Texture coordinates are flipped, because lumel's have `v` down. Vertex colours are sRGB; those of files that lumel
+///   has written are light and left out.
 /// - Lines and points are not surfaces and are skipped.
 ///
 /// # Errors
@@ -29,10 +30,10 @@ pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     let file = statements::read(path)?;
     let name = scene_name(path);
     let objects = assemble::objects(&file, path, &name, &mut warnings)?;
-    if objects.iter().all(|object| object.faces.is_empty()) {
-        return Err(ImportError::Empty { path: path.to_owned() });
-    }
     file.skipped.report(path, &mut warnings);
+    if file.has_baked_colors {
+        warnings.push(path.display().to_string(), BAKED_COLORS);
+    }
     let Palette { mut materials, textures } =
         mtl::palette(path, &resolver, &file.libraries, file.materials.into_names(), &mut warnings);
     if file.sections.iter().any(|section| section.material.is_none()) {

@@ -10,6 +10,8 @@ use std::collections::HashMap;
 use std::path::Path;
 
 const FREE_FORMS: &str = "free-form curves or surfaces skipped; export them as polygons";
+/// How the first comment of files that lumel has written begins.
+const OWN: &[u8] = b"lumel ";
 const BAD_SMOOTHING: &str = "smoothing groups taken as off: neither \"off\" nor a number";
 
 /// What one OBJ file says, with indices made absolute but not yet checked against the arrays' ends: faces may come
@@ -32,6 +34,8 @@ pub(super) struct ObjFile {
     pub(super) materials: Names,
     /// The arguments of `mtllib` statements, each with its line.
     pub(super) libraries: Vec<(usize, Vec<u8>)>,
+    /// Whether colours were left out because lumel has baked them, as a comment at the beginning says.
+    pub(super) has_baked_colors: bool,
     /// Whether any `s` occurs.
     pub(super) has_smoothing: bool,
     /// What was skipped.
@@ -115,6 +119,8 @@ struct Reader {
     state: Section,
     /// Whether `state` has changed since the last section began.
     changed: bool,
+    /// Whether lumel has written the file.
+    is_own: bool,
 }
 
 impl Reader {
@@ -144,6 +150,7 @@ impl Reader {
                 self.state.smoothing = Some(smoothing.unwrap_or(Smoothing::Flat));
                 self.file.has_smoothing = true;
             }
+            b"#" if self.file.positions.is_empty() => self.is_own |= arguments.starts_with(OWN),
             b"mtllib" => self.file.libraries.push((line.number, arguments.to_owned())),
             b"curv" | b"curv2" | b"surf" => {
                 self.file.skipped.note(FREE_FORMS, || format!("line {}", line.number));
@@ -164,6 +171,8 @@ impl Reader {
             _ => None,
         };
         let file = &mut self.file;
+        file.has_baked_colors |= self.is_own && color.is_some();
+        let color = color.filter(|_| !self.is_own);
         if color.is_some() || !file.colors.is_empty() {
             file.colors.resize(file.positions.len(), Vec3::ONE);
             file.colors.push(color.unwrap_or(Vec3::ONE));

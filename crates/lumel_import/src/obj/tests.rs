@@ -166,9 +166,35 @@ fn what_is_not_a_surface_is_skipped() {
     let expected =
         "test.obj: 1 free-form curves or surfaces skipped; export them as polygons, first in line 9";
     assert_eq!(warnings(&text), [expected]);
-    for empty in ["", "# nothing\n", SQUARE, &format!("{SQUARE}l 1 2 3\np 1\nf 1 2\n")] {
+    for empty in ["", "# nothing\n", SQUARE, &format!("{SQUARE}l 1 2 3\np 1\n")] {
         let error = try_load(&[("test.obj", empty.as_bytes())]).unwrap_err();
         assert!(matches!(error, ImportError::Empty { .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_lone_face_that_crosses_itself_is_named() {
+    let bow_tie = |y: f32| format!("v 0 0 0\nv 1 {y} 0\nv 1 0 0\nv 0 1 0\no tie\nf 1 2 3 4\n");
+    let message = load_error(&[("test.obj", bow_tie(1.0).as_bytes())]);
+    assert!(
+        message.starts_with("test.obj: no triangles are left: 1 faces dropped: their outline"),
+        "{message}"
+    );
+    assert!(message.ends_with("first in line 6, object \"tie\""), "{message}");
+    let expected = "test.obj: 1 faces whose outline crosses itself are covered in some way; split them, first in \
+                    line 6, object \"tie\"";
+    assert_eq!(warnings(&bow_tie(3.0)), [expected]);
+}
+
+#[test]
+fn light_that_lumel_has_baked_is_no_albedo() {
+    let mesh = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n";
+    let baked = format!("# lumel 0.1.0, scene room\n# vertex colours: sRGB of radiance times 2\n\n{mesh}");
+    assert!(obj(&baked).objects[0].tints.is_empty());
+    let expected = "test.obj: lumel has baked its vertex colours: they are light and left out of the albedo";
+    assert_eq!(warnings(&baked), [expected]);
+    for other in [mesh.to_owned(), format!("# lumelish\n{mesh}"), format!("v 9 9 9\n# lumel 1\n{mesh}")] {
+        assert!(!obj(&other).objects[0].tints.is_empty(), "{other}");
     }
 }
 

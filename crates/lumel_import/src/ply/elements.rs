@@ -16,20 +16,64 @@ pub(super) const INDEX_NAMES: [&str; 2] = ["vertex_indices", "vertex_index"];
 pub(super) struct PlyVertex {
     pub(super) position: Vec3,
     pub(super) normal: Vec3,
-    color: Vec3,
-    color_is_srgb: bool,
+    pub(super) color: PlyColor,
     uv: Vec2,
+}
+
+/// A colour as it is stored.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PlyColor {
+    /// Fractions.
+    value: Vec3,
+    /// Whether it was of an integer type.
+    is_integer: bool,
+}
+
+impl PlyColor {
+    /// Names of its channels.
+    pub(super) const NAMES: [[&str; 3]; 3] =
+        [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+
+    /// Sets a channel; `None` if the property is none, `Some(false)` if it is not a number.
+    fn set(&mut self, name: &str, property: &Property) -> Option<bool> {
+        let channel = Self::NAMES.iter().find_map(|names| names.iter().position(|n| *n == name))?;
+        let (value, white) = match *property {
+            // Bytes, also where the header calls them signed.
+            Property::Char(value) => (f32::from(value.cast_unsigned()), 255.0),
+            Property::UShort(value) => (f32::from(value), 65_535.0),
+            Property::Float(_) | Property::Double(_) => (scalar(property)?, 1.0),
+            // Wider integers hold bytes too.
+            _ => match scalar(property) {
+                Some(value) => (value, 255.0),
+                None => return Some(false),
+            },
+        };
+        self.value[channel] = value / white;
+        self.is_integer |= white > 1.0;
+        Some(true)
+    }
+
+    /// The largest channel of a floating-point colour; zero of others.
+    pub(super) fn largest_float(&self) -> f32 {
+        if self.is_integer { 0.0 } else { self.value.max_element() }
+    }
+
+    /// A floating-point colour that runs to 255 as if it was of bytes.
+    pub(super) fn of_bytes(self) -> Self {
+        if self.is_integer { self } else { Self { value: self.value / 255.0, is_integer: true } }
+    }
+
+    /// The linear colour, 0..=1: integers are sRGB.
+    pub(super) fn linear(&self) -> Vec3 {
+        let value = self.value.clamp(Vec3::ZERO, Vec3::ONE);
+        if self.is_integer { linear_from_srgb(value) } else { value }
+    }
 }
 
 impl PlyVertex {
     /// The texture coordinate with `v` down.
     pub(super) fn uv_down(&self) -> Vec2 {
         Vec2::new(self.uv.x, 1.0 - self.uv.y)
-    }
-
-    /// The linear colour.
-    pub(super) fn tint(&self) -> Vec3 {
-        if self.color_is_srgb { linear_from_srgb(self.color) } else { self.color }
     }
 }
 
@@ -39,6 +83,9 @@ impl PropertyAccess for PlyVertex {
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if let Some(is_number) = self.color.set(name, &property) {
+            return if is_number { PropertyAccessResult::Set } else { PropertyAccessResult::UnsupportedType };
+        }
         let slot = match name {
             "x" => &mut self.position.x,
             "y" => &mut self.position.y,
@@ -46,22 +93,12 @@ impl PropertyAccess for PlyVertex {
             "nx" => &mut self.normal.x,
             "ny" => &mut self.normal.y,
             "nz" => &mut self.normal.z,
-            "red" => &mut self.color.x,
-            "green" => &mut self.color.y,
-            "blue" => &mut self.color.z,
             "s" | "u" | "texture_u" | "texture_s" => &mut self.uv.x,
             "t" | "v" | "texture_v" | "texture_t" => &mut self.uv.y,
             _ => return PropertyAccessResult::Ignored,
         };
-        let is_color = matches!(name, "red" | "green" | "blue");
         let Some(value) = scalar(&property) else { return PropertyAccessResult::UnsupportedType };
-        let white = match property {
-            Property::UChar(_) if is_color => 255.0,
-            Property::UShort(_) if is_color => 65_535.0,
-            _ => 1.0,
-        };
-        *slot = value / white;
-        self.color_is_srgb |= white > 1.0;
+        *slot = value;
         PropertyAccessResult::Set
     }
 }
@@ -84,6 +121,7 @@ fn scalar(property: &Property) -> Option<f32> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct IndexList {
     pub(super) indices: Vec<u32>,
+    pub(super) color: PlyColor,
 }
 
 impl PropertyAccess for IndexList {
@@ -92,6 +130,9 @@ impl PropertyAccess for IndexList {
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if let Some(is_number) = self.color.set(name, &property) {
+            return if is_number { PropertyAccessResult::Set } else { PropertyAccessResult::UnsupportedType };
+        }
         if !INDEX_NAMES.contains(&name) {
             return PropertyAccessResult::Ignored;
         }

@@ -3,43 +3,52 @@
 mod ascii;
 mod elements;
 mod header;
+mod look;
 mod source;
 
 use crate::imported::scene_name;
-use crate::polygon::{MAX_CORNERS, NO_AREA, TOO_FEW_CORNERS, Triangulator};
+use crate::paths::Resolver;
+use crate::polygon::{CROSSES, MAX_CORNERS, Triangulator};
 use crate::tally::Tally;
-use crate::{ImportError, Imported};
-use elements::{IndexList, PlyVertex, Skipped};
-use lumel_scene::{Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, Warnings};
-use ply_rs_bw::ply::ElementDef;
+use crate::{ImportError, ImportOptions, Imported};
+use elements::{IndexList, PlyColor, PlyVertex, Skipped};
+use glam::Vec3;
+use look::Comments;
+use lumel_scene::{Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, TextureRef, Warnings};
+use ply_rs_bw::ply::{ElementDef, Header};
 use source::Source;
 use std::path::Path;
 
 /// The mark between two strips of a `tristrips` list: -1.
 const RESTART: u32 = u32::MAX;
 
-/// Reads a PLY file as one object of the default material.
+/// Reads a PLY file as one object.
 ///
-/// Vertices keep their order. Colours of integer type are taken as sRGB, floating-point ones as linear; texture
-/// coordinates are flipped, because lumel's have `v` down.
+/// Vertices keep their order. Colours of vertices and faces are the albedo: integers are sRGB, floating-point numbers
+/// linear. Without any, the albedo is 0.5. Vertex colours of files that lumel has written are light and left out. The
+/// file that a comment `TextureFile` names multiplies them where vertices have texture coordinates; these are flipped,
+/// because lumel's have `v` down.
 ///
 /// # Errors
 /// A damaged file, indices out of range, or no faces.
-pub(crate) fn load(path: &Path) -> Result<Imported, ImportError> {
-    let file = PlyFile::read(path)?;
-    let mut dropped = Tally::default();
-    let faces = file.triangles(path, &mut dropped)?;
-    if faces.is_empty() {
-        return Err(ImportError::Empty { path: path.to_owned() });
-    }
+pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    let resolver = Resolver::new(path, options.paths).map_err(ImportError::io(path))?;
     let mut warnings = Warnings::default();
+    let (header, source) = Source::open(path)?;
+    let comments = Comments::of(&header);
+    let mut file = PlyFile::read(path, &header, source)?;
+    file.has_colors &= !(file.has_colors && comments.colors_are_baked(path, &mut warnings));
+    let (albedo_texture, textures) = comments.texture(path, &resolver, file.has_uvs, &mut warnings);
+    let (ids, materials) = file.materials(path, albedo_texture, &mut warnings);
+    let mut dropped = Tally::default();
+    let faces = file.triangles(path, &ids, &mut dropped)?;
+    if faces.is_empty() {
+        return Err(dropped.nothing_left(path));
+    }
     dropped.report(path, &mut warnings);
-    let scene = SceneBuilder {
-        name: scene_name(path),
-        objects: vec![file.mesh(scene_name(path), faces)],
-        materials: vec![Material::default()],
-        ..SceneBuilder::default()
-    };
+    let objects = vec![file.mesh(path, scene_name(path), faces, &mut warnings)];
+    let scene =
+        SceneBuilder { name: scene_name(path), objects, materials, textures, ..SceneBuilder::default() };
     Ok(Imported { scene, warnings })
 }
 
@@ -51,12 +60,18 @@ struct PlyFile {
     strips: Vec<IndexList>,
     has_normals: bool,
     has_colors: bool,
+    has_face_colors: bool,
     has_uvs: bool,
 }
 
+/// Whether an element has all channels of a colour.
+fn has_colors(element: &ElementDef) -> bool {
+    let has = |names: &[&str; 3]| names.iter().all(|&name| element.properties.contains_key(name));
+    PlyColor::NAMES.iter().any(has)
+}
+
 impl PlyFile {
-    fn read(path: &Path) -> Result<Self, ImportError> {
-        let (header, mut source) = Source::open(path)?;
+    fn read(path: &Path, header: &Header, mut source: Source<'_>) -> Result<Self, ImportError> {
         let mut file = Self::default();
         for element in header.elements.values() {
             match element.name.as_str() {
@@ -66,6 +81,7 @@ impl PlyFile {
                 }
                 "face" | "tristrips" => {
                     header::check_indices(path, element)?;
+                    file.has_face_colors |= element.name == "face" && has_colors(element);
                     let lists = source.elements(element)?;
                     *(if element.name == "face" { &mut file.faces } else { &mut file.strips }) = lists;
                 }
@@ -83,16 +99,50 @@ impl PlyFile {
             return Err(ImportError::malformed(path, "the vertices have no x, y and z"));
         }
         self.has_normals = has(&["nx", "ny", "nz"]);
-        self.has_colors = has(&["red", "green", "blue"]);
+        self.has_colors = has_colors(element);
         self.has_uvs = elements::UV_NAMES.iter().any(|names| has(names));
         Ok(())
     }
 
-    fn triangles(&self, path: &Path, dropped: &mut Tally) -> Result<Vec<Face>, ImportError> {
+    /// The material of each face, where faces have colours, and all materials.
+    fn materials(
+        &self,
+        path: &Path,
+        albedo_texture: Option<TextureRef>,
+        warnings: &mut Warnings,
+    ) -> (Vec<MaterialId>, Vec<Material>) {
+        let colored = self.has_colors || self.has_face_colors || albedo_texture.is_some();
+        let plain = Material::default();
+        let albedo = if colored { Vec3::ONE } else { plain.albedo };
+        let common = Material { albedo, albedo_texture, ..plain };
+        if !self.has_face_colors || self.faces.is_empty() {
+            return (Vec::new(), vec![common]);
+        }
+        if self.has_colors {
+            let message = "its vertices and faces have colours: they are multiplied";
+            warnings.push(path.display().to_string(), message);
+        }
+        let colors = self.faces.iter().map(|face| face.color).collect();
+        let colors = look::linear("faces", colors, path, warnings);
+        let (ids, mut materials) = look::by_color(&colors, &common, path, warnings);
+        if !self.strips.is_empty() {
+            materials.push(common);
+        }
+        (ids, materials)
+    }
+
+    /// The triangles of faces with these materials, or the first; those of strips have the last.
+    fn triangles(
+        &self,
+        path: &Path,
+        ids: &[MaterialId],
+        dropped: &mut Tally,
+    ) -> Result<Vec<Face>, ImportError> {
         let mut faces = Vec::with_capacity(self.faces.len());
-        let mut push = |vertices| {
-            faces.push(Face { vertices, material: MaterialId(0), smoothing: Smoothing::Crease });
+        let mut push = |vertices, material| {
+            faces.push(Face { vertices, material, smoothing: Smoothing::Crease });
         };
+        let after_last = ids.iter().map(|id| id.0 + 1).max().map_or(MaterialId(0), MaterialId);
         let mut triangulator = Triangulator::new();
         let mut outline = Vec::new();
         for (number, list) in self.faces.iter().enumerate() {
@@ -104,14 +154,15 @@ impl PlyFile {
             }
             outline.clear();
             outline.extend(list.indices.iter().map(|&index| self.vertices[index as usize].position));
+            let material = ids.get(number).copied().unwrap_or(MaterialId(0));
+            let place = || format!("face {number}");
             match triangulator.triangulate(&outline) {
-                Some(triangles) => {
-                    triangles.iter().for_each(|t| push(t.map(|corner| list.indices[corner as usize])));
-                }
-                None => {
-                    let what = if n < 3 { TOO_FEW_CORNERS } else { NO_AREA };
-                    dropped.note(what, || format!("face {number}"));
-                }
+                Ok(triangles) => (triangles.iter())
+                    .for_each(|t| push(t.map(|corner| list.indices[corner as usize]), material)),
+                Err(reason) => dropped.note(reason, place),
+            }
+            if triangulator.crosses() {
+                dropped.note(CROSSES, place);
             }
         }
         for (number, list) in self.strips.iter().enumerate() {
@@ -122,7 +173,7 @@ impl PlyFile {
                     let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
                     // Repeated corners steer the strip and are no triangles.
                     if a != b && b != c && c != a {
-                        push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                        push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] }, after_last);
                     }
                 }
             }
@@ -150,7 +201,7 @@ impl PlyFile {
         }
     }
 
-    fn mesh(&self, name: String, faces: Vec<Face>) -> ObjectMesh {
+    fn mesh(&self, path: &Path, name: String, faces: Vec<Face>, warnings: &mut Warnings) -> ObjectMesh {
         fn all<T>(wanted: bool, vertices: &[PlyVertex], attribute: impl Fn(&PlyVertex) -> T) -> Vec<T> {
             if wanted { vertices.iter().map(attribute).collect() } else { Vec::new() }
         }
@@ -159,7 +210,12 @@ impl PlyFile {
             positions: all(true, &self.vertices, |v| v.position),
             normals: all(self.has_normals, &self.vertices, |v| v.normal),
             uvs: all(self.has_uvs, &self.vertices, PlyVertex::uv_down),
-            tints: all(self.has_colors, &self.vertices, PlyVertex::tint),
+            tints: look::linear(
+                "vertices",
+                all(self.has_colors, &self.vertices, |v| v.color),
+                path,
+                warnings,
+            ),
             faces,
         }
     }

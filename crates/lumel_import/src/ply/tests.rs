@@ -1,4 +1,4 @@
-use crate::testing::{load_error, load_with_warnings, try_load};
+use crate::testing::{load_error, load_with_warnings, png, try_load};
 use crate::{ImportError, Imported};
 use glam::{Vec2, Vec3};
 use lumel_scene::ObjectMesh;
@@ -157,6 +157,107 @@ fn files_without_surfaces_are_empty() {
     for bytes in [b"".as_slice(), b"ply\n", b"not a ply", b"ply\nformat ascii 2.0\nend_header\n"] {
         assert!(error(bytes).starts_with("test.ply"), "{bytes:?}");
     }
+}
+
+/// The square with one red face of these types, and another comment.
+fn red_face(kind: &str, red: &str, comment: &str) -> Vec<u8> {
+    let channels: String = ["red", "green", "blue"].map(|c| format!("property {kind} {c}\n")).concat();
+    let text = String::from_utf8(square(&format!("4 0 1 2 3 {red} 0 0"))).unwrap();
+    text.replace("end_header", &format!("{channels}comment {comment}\nend_header")).into_bytes()
+}
+
+#[test]
+fn colours_of_faces_are_their_albedo() {
+    for (kind, red) in
+        [("uchar", "255"), ("ushort", "65535"), ("int", "255"), ("float", "1"), ("double", "1.0")]
+    {
+        let (imported, warnings) = load_with_warnings(&[("test.ply", &red_face(kind, red, ""))]);
+        assert_eq!(imported.scene.materials.len(), 1);
+        assert_eq!(imported.scene.materials[0].albedo, Vec3::X, "{kind}");
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+    let text = String::from_utf8(red_face("uchar", "255", "")).unwrap().replace("face 1", "face 3");
+    let scene = ply(format!("{text}3 0 1 2 0 188 0\n3 0 2 3 255 0 0\n").as_bytes()).scene;
+    assert_eq!(scene.objects[0].faces.iter().map(|f| f.material.0).collect::<Vec<_>>(), [0, 0, 1, 0]);
+    assert!((scene.materials[1].albedo.y - 0.502_886).abs() < 1e-4, "sRGB");
+}
+
+#[test]
+fn colours_of_vertices_are_the_albedo_whatever_their_type() {
+    let colored = |kind: &str, color: &str| {
+        let channels: String = ["red", "green", "blue"].map(|c| format!("property {kind} {c}\n")).concat();
+        let header = HEADER.replace("element face", &format!("{channels}element face"));
+        let rows: String = VERTICES.map(|[x, y, z]| format!("{x} {y} {z} {color}\n")).concat();
+        let (imported, warnings) =
+            load_with_warnings(&[("test.ply", &ascii(&format!("{header}{rows}4 0 1 2 3\n")))]);
+        let scene = imported.scene;
+        (scene.materials[0].albedo * scene.objects[0].tints[0], warnings)
+    };
+    let half = Vec3::new(1.0, 0.502_886, 0.0);
+    for (kind, color) in
+        [("uchar", "255 188 0"), ("int", "255 188 0"), ("uint", "255 188 0"), ("short", "255 188 0")]
+    {
+        let (albedo, warnings) = colored(kind, color);
+        assert!((albedo - half).length() < 1e-4 && warnings.is_empty(), "{kind}: {albedo}");
+    }
+    assert_eq!(colored("float", "1 0.5 0").0, Vec3::new(1.0, 0.5, 0.0));
+    let (albedo, warnings) = colored("float", "255 188 0");
+    assert!((albedo - half).length() < 1e-4, "{albedo}");
+    assert_eq!(warnings, ["test.ply: colours of vertices reach 255: they are taken as sRGB from 0 to 255"]);
+    let (albedo, warnings) = colored("float", "1.5 0.5 0");
+    assert_eq!(albedo, Vec3::new(1.0, 0.5, 0.0));
+    assert_eq!(warnings, ["test.ply: colours of vertices reach 1.5: they are clamped to 1"]);
+}
+
+#[test]
+fn faces_of_very_many_colours_share_materials() {
+    let n = 66_000;
+    let header = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let face = "property list uchar uchar vertex_indices\nproperty uchar red\nproperty uchar green\n\
+                property uchar blue\nend_header\n";
+    let text = format!("ply\nformat binary_little_endian 1.0\n{header}element face {n}\n{face}");
+    let mut bytes = text.into_bytes();
+    bytes.extend(VERTICES[..3].as_flattened().iter().flat_map(|v| v.to_le_bytes()));
+    bytes.extend((0..n as u32).flat_map(|i| [3, 0, 1, 2, i as u8, (i >> 8) as u8, (i >> 16) as u8]));
+    let (imported, warnings) = load_with_warnings(&[("test.ply", &bytes)]);
+    assert!(imported.scene.materials.len() <= 32 * 32 * 32);
+    assert_eq!(imported.scene.objects[0].faces.len(), n);
+    assert_eq!(warnings, ["test.ply: its faces have more than 65536 colours: they are rounded to 32 steps"]);
+}
+
+#[test]
+fn textures_that_comments_name_are_used_or_named() {
+    let header = HEADER.replace("element face", "property float s\nproperty float t\nelement face");
+    let rows: String = VERTICES.map(|[x, y, z]| format!("{x} {y} {z} {x} {y}\n")).concat();
+    let body = format!("comment TextureFile wood.png\n{header}{rows}4 0 1 2 3\n");
+    let picture = png([255, 0, 0, 255]);
+    let (imported, warnings) = load_with_warnings(&[("test.ply", &ascii(&body)), ("wood.png", &picture)]);
+    let material = &imported.scene.materials[0];
+    assert_eq!((material.albedo, material.albedo_texture.is_some()), (Vec3::ONE, true));
+    assert_eq!((imported.scene.textures.len(), warnings.len()), (1, 0));
+    let (imported, warnings) = load_with_warnings(&[("test.ply", &ascii(&body))]);
+    assert_eq!(imported.scene.materials[0].albedo, Vec3::splat(0.5));
+    assert!(warnings[0].starts_with("test.ply: texture wood.png left out: "), "{warnings:?}");
+    let bare = String::from_utf8(square("4 0 1 2 3")).unwrap().replace("by hand", "TextureFile wood.png");
+    let (_, warnings) = load_with_warnings(&[("test.ply", bare.as_bytes()), ("wood.png", &picture)]);
+    assert!(
+        warnings[0].contains("texture wood.png left out: the vertices have no coordinates"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn light_that_lumel_has_baked_is_no_albedo() {
+    let channels = "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face";
+    let rows: String = VERTICES.map(|[x, y, z]| format!("{x} {y} {z} 9 9 9\n")).concat();
+    let body = format!("{}{rows}4 0 1 2 3\n", HEADER.replace("element face", channels));
+    let baked = ascii(&format!("comment lumel 0.1.0, scene room\n{body}"));
+    let (imported, warnings) = load_with_warnings(&[("test.ply", &baked)]);
+    assert!(imported.scene.objects[0].tints.is_empty());
+    assert_eq!(imported.scene.materials[0].albedo, Vec3::splat(0.5));
+    let expected = "test.ply: lumel has baked its vertex colours: they are light and left out of the albedo";
+    assert_eq!(warnings, [expected]);
+    assert_eq!(mesh(&ascii(&body)).tints.len(), 4);
 }
 
 proptest! {

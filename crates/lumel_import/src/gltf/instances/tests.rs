@@ -79,7 +79,10 @@ fn broken_instances_are_refused_by_name() {
         error(json!({ "SCALE": two, "TRANSLATION": three })),
         format!("{place}, TRANSLATION: accessor {three} has 3 elements where others have 2")
     );
-    assert_eq!(error(json!({ "ROTATION": two })), format!("{place}, ROTATION: accessor {two} has 3 components, not 4"));
+    assert_eq!(
+        error(json!({ "ROTATION": two })),
+        format!("{place}, ROTATION: accessor {two} has 3 components, not 4")
+    );
     assert_eq!(error(json!({ "ROTATION": zeros })), format!("{place}: instance 0 has a rotation of zero"));
     assert_eq!(
         error(json!({ "TRANSLATION": infinite })),

@@ -1,7 +1,6 @@
-use super::*;
+use crate::gltf::testing::{Model, U8, U16, U32, facing, text};
 use glam::{Vec2, Vec3};
 use lumel_scene::Smoothing;
-use crate::gltf::testing::{Model, U8, U16, U32, facing, text};
 use serde_json::{Value, json};
 
 /// A square of four corners in z = 0, drawn in this mode and order.

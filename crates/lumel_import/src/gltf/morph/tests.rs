@@ -53,8 +53,8 @@ fn targets_may_be_sparse() {
         "indices": { "bufferView": at, "componentType": U8 },
         "values": { "bufferView": values },
     });
-    let step =
-        model.push("accessors", json!({ "componentType": 5126, "type": "VEC3", "count": 3, "sparse": sparse }));
+    let step = model
+        .push("accessors", json!({ "componentType": 5126, "type": "VEC3", "count": 3, "sparse": sparse }));
     model.primitive()["targets"][0] = json!({ "POSITION": step });
     assert_eq!(model.object().positions, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]);
 }

@@ -103,7 +103,10 @@ fn broken_skins_are_refused_by_name() {
     let skin = |key: &'static str, value: serde_json::Value| {
         broken(&move |model: &mut Model| model.json["skins"][0][key] = value.clone())
     };
-    assert_eq!(skin("joints", json!([1])), "mesh 0, primitive 0: vertex 1 refers to joint 1 of 1 in skin \"Bones\"");
+    assert_eq!(
+        skin("joints", json!([1])),
+        "mesh 0, primitive 0: vertex 1 refers to joint 1 of 1 in skin \"Bones\""
+    );
     assert_eq!(skin("joints", json!([])), "skin \"Bones\": it has no joints");
     assert_eq!(skin("joints", json!([1, 9])), "skin \"Bones\": refers to node 9 of 3");
     assert_eq!(

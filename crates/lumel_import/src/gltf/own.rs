@@ -1,0 +1,92 @@
+//! Files that lumel has written: what shows their light is not what their surfaces are made of.
+
+use lumel_scene::Warnings;
+use serde_json::{Value, json};
+
+/// Turns a file of `lumel bake` back into the scene that was baked, as far as it holds it.
+///
+/// `COLOR_0` is light and left out. Emissive surfaces that show it alone have white as base colour; their albedo is in
+/// the extras.
+pub(super) fn restore(root: &mut Value, warnings: &mut Warnings) {
+    if !is_own(root) {
+        return;
+    }
+    let mut has_colors = false;
+    for mesh in items(root, "meshes") {
+        for primitive in items(mesh, "primitives") {
+            let attributes = primitive.get_mut("attributes").and_then(Value::as_object_mut);
+            has_colors |= attributes.is_some_and(|attributes| attributes.remove("COLOR_0").is_some());
+        }
+    }
+    items(root, "materials").for_each(restore_material);
+    if has_colors {
+        warnings.push(
+            "COLOR_0",
+            "lumel has baked these vertex colours: they are light and left out of the albedo",
+        );
+    }
+}
+
+fn is_own(root: &Value) -> bool {
+    let asset = &root["asset"];
+    asset["generator"].as_str().is_some_and(|generator| generator.starts_with("lumel "))
+        && asset["extras"]["_IRRADIANCE"].is_string()
+}
+
+fn restore_material(material: &mut Value) {
+    let albedo = material["extras"]["albedo"].clone();
+    if let Some(extensions) = material.get_mut("extensions").and_then(Value::as_object_mut) {
+        extensions.remove("KHR_materials_unlit");
+    }
+    let surface = material.get_mut("pbrMetallicRoughness").filter(|surface| surface.is_object());
+    let Some(surface) = surface else { return };
+    let is_color = albedo.as_array().is_some_and(|a| a.len() == 3 && a.iter().all(Value::is_number));
+    if is_color && surface["baseColorTexture"].is_null() {
+        let alpha = surface["baseColorFactor"].get(3).cloned().unwrap_or(json!(1));
+        surface["baseColorFactor"] = json!([albedo[0], albedo[1], albedo[2], alpha]);
+    }
+}
+
+fn items<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
+    let items = value.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten();
+    items.filter(|item| item.is_object())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::gltf::testing::{Model, text};
+    use glam::Vec3;
+    use serde_json::json;
+
+    /// A triangle with vertex colours and an emissive material, as lumel writes them.
+    fn baked(generator: &str) -> Model {
+        let mut model = Model::triangle();
+        let colors = model.floats("VEC3", &[0.25; 9]);
+        model.primitive()["attributes"]["COLOR_0"] = json!(colors);
+        model.primitive()["material"] = json!(0);
+        model.json["asset"]["generator"] = json!(generator);
+        model.json["asset"]["extras"] = json!({ "_IRRADIANCE": "irradiance" });
+        let surface = json!({ "baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0 });
+        model.json["materials"] = json!([{
+            "pbrMetallicRoughness": surface, "extensions": { "KHR_materials_unlit": {} },
+            "extras": { "albedo": [0.5, 0.25, 0.125], "emission": [0, 0, 0] },
+        }]);
+        model
+    }
+
+    #[test]
+    fn light_that_lumel_has_baked_is_no_albedo() {
+        let imported = baked("lumel 0.1.0").read().unwrap();
+        assert!(imported.scene.objects[0].tints.is_empty());
+        assert_eq!(imported.scene.materials[0].albedo, Vec3::new(0.5, 0.25, 0.125));
+        assert!(text(&imported.warnings).contains("lumel has baked these vertex colours"));
+        assert_eq!(imported.warnings.len(), 1, "nothing is said about unlit");
+    }
+
+    #[test]
+    fn files_of_other_programs_keep_their_colours() {
+        let imported = baked("lumelish").read().unwrap();
+        assert_eq!(imported.scene.objects[0].tints, [Vec3::splat(0.25); 3]);
+        assert_eq!(imported.scene.materials[0].albedo, Vec3::ONE);
+    }
+}
