@@ -26,7 +26,8 @@ const MARK: &str = "# lumel";
 /// OBJ cannot say that a material has two sides and the two are lit differently.
 ///
 /// Irradiance itself has no place in OBJ: write PLY, GLB or a solution beside it. Programs that multiply vertex colours
-/// with materials, lumel among them, show the surface's colour twice. Materials have `Kd`, `Ke`, `map_Kd` and `map_Ke`;
+/// with materials show the surface's colour twice; lumel knows its own files by their first comment and leaves the
+/// colours out. Materials have `Kd`, `Ke`, `map_Kd` and `map_Ke`;
 /// textures are sRGB of 8 bits, bytes of sRGB textures as they were. Textures that are turned on the surface have that
 /// in the `vt` of their faces; where albedo and emission are turned differently, the emission is its mean. A texture
 /// that is clamped in one direction only repeats in both. Vertex tints and normal maps are left out.

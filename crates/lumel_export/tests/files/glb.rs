@@ -2,6 +2,7 @@ use crate::scenes::{AtVertices, colourful, light_on, plain, textured_square};
 use crate::tools::run_if_installed;
 use glam::{Vec2, Vec3};
 use lumel_export::{ColorScale, ExportError, write_glb};
+use lumel_import::{ImportOptions, load};
 use lumel_scene::{
     Albedo, Encoding, Filter, Irradiance, Material, Radiance, Scene, Texture, TextureId, TextureRef,
     UvTransform,
@@ -281,6 +282,38 @@ fn albedo_and_emission_keep_textures_of_their_own() {
         let (light, colors) =
             ["_IRRADIANCE", "COLOR_0"].map(|name| glb.vectors(&primitive["attributes"][name])).into();
         assert!(colors.iter().zip(&light).all(|(c, e)| (c.x / c.y - e.x / e.y).abs() < 1e-5 || c.x == 1.0));
+    }
+}
+
+#[test]
+fn our_importer_reads_materials_back_and_takes_no_light_for_albedo() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let scene = colourful();
+    write_glb(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
+    let imported = load(&path, &ImportOptions::default()).unwrap();
+    let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("lumel has baked these vertex colours"), "{warnings:?}");
+    assert!(imported.scene.objects.iter().all(|object| object.tints.is_empty()));
+    let back = imported.scene;
+    for material in &back.materials {
+        let ours = scene.materials().iter().find(|ours| ours.name == material.name).unwrap();
+        assert!((material.albedo - ours.albedo).length() < 1e-6, "{}", ours.name);
+        let pairs = [
+            (material.albedo_texture, ours.albedo_texture),
+            (material.emission_texture, ours.emission_texture),
+        ];
+        for (read, written) in pairs {
+            assert_eq!(read.map(|t| t.transform), written.map(|t| t.transform), "{}", ours.name);
+            let name = |textures: &[Texture], t: Option<TextureRef>| {
+                t.map(|t| textures[t.texture.index()].name.clone())
+            };
+            assert_eq!(name(&back.textures, read), name(scene.textures(), written), "{}", ours.name);
+        }
+        // An image holds a texture over its largest texel, four.
+        let scale = if ours.emission_texture.is_some() { 4.0 } else { 1.0 };
+        assert!((material.emission.0 - ours.emission.0 * scale).length() < 1e-4, "{}", ours.name);
     }
 }
 

@@ -48,10 +48,23 @@ fn rich() -> Model {
     });
     let fan = json!({ "attributes": { "POSITION": 0 }, "mode": 6, "material": 1 });
     model.push("meshes", json!({ "name": "Fan", "primitives": [fan], "weights": [0] }));
+    let (joints, weights) =
+        (model.accessor(U8, "VEC4", 3, &[0; 12]), model.accessor(U8, "VEC4", 3, &[63; 12]));
+    let bind: Vec<f32> = (0..16).map(|i| f32::from(u8::from(i % 5 == 0))).collect();
+    let bind = model.floats("MAT4", &bind);
+    let attributes = json!({ "POSITION": 0, "JOINTS_0": joints, "WEIGHTS_0": weights });
+    let bones = json!({ "attributes": attributes, "targets": [{ "POSITION": normals }], "material": 1 });
+    model.push("meshes", json!({ "name": "Bones", "primitives": [bones], "weights": [0.5] }));
+    model.push("skins", json!({ "joints": [2], "inverseBindMatrices": bind, "skeleton": 0 }));
+    let moves = model.floats("VEC3", &[1.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+    let turns = model.accessor(U8, "VEC4", 2, &[0, 0, 0, 255, 0, 0, 255, 0]);
+    let instances = json!({ "attributes": { "TRANSLATION": moves, "ROTATION": turns } });
     model.json["nodes"] = json!([
-        { "mesh": 0, "scale": [-1, 2, 1], "children": [1, 2], "name": "Root" },
+        { "mesh": 0, "scale": [-1, 2, 1], "children": [1, 2, 3, 4], "name": "Root" },
         { "mesh": 1, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1] },
         { "camera": 0, "rotation": [0, 0, 0, 1], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        { "mesh": 2, "skin": 0, "extensions": { "KHR_node_visibility": { "visible": true } } },
+        { "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": instances } },
     ]);
     model.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }));
     let spot = json!({ "innerConeAngle": 0.1, "outerConeAngle": 0.5 });
@@ -121,7 +134,7 @@ fn hostile_values() -> Vec<Value> {
 fn the_undamaged_document_is_read_without_loss() {
     let imported = rich().read().unwrap();
     let scene = &imported.scene;
-    assert_eq!((scene.objects.len(), scene.materials.len(), scene.textures.len()), (2, 2, 2));
+    assert_eq!((scene.objects.len(), scene.materials.len(), scene.textures.len()), (5, 2, 2));
     assert_eq!((scene.lights.len(), scene.cameras.len()), (1, 1));
     // The strip's second triangle turns back on itself.
     assert!(scene.objects.iter().all(|object| object.faces.len() == 1));

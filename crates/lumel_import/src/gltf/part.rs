@@ -47,7 +47,7 @@ pub(super) struct Source<'s, 'a> {
     pub(super) place: &'s str,
 }
 
-impl<'s, 'a> Source<'s, 'a> {
+impl<'a> Source<'_, 'a> {
     /// What the primitive is made of; `None` without positions.
     pub(super) fn corners(self) -> Result<Option<Corners<'a>>, Fault> {
         let Self { primitive, accessors, place } = self;

@@ -78,7 +78,9 @@ impl Skin {
         let mut blend = |&vertex: &u32| {
             let (mut sum, mut total) = (DAffine3::from_mat3(DMat3::ZERO), 0.0);
             // Rounding leaves weights just below zero.
-            for (joint, weight) in influences.of(vertex as usize).filter(|(_, weight)| !(*weight <= 0.0)) {
+            for (joint, weight) in
+                influences.of(vertex as usize).filter(|(_, weight)| *weight > 0.0 || weight.is_nan())
+            {
                 if !weight.is_finite() {
                     return Err(Fault::at(place, format_args!("vertex {vertex} has the weight {weight}")));
                 }
