@@ -45,7 +45,7 @@ impl Nodes {
             next = self.parents[node];
         }
         for node in chain.into_iter().rev() {
-            world = world * local(document, node, warnings)?;
+            world *= local(document, node, warnings)?;
             self.worlds[node] = Some(world);
         }
         Ok(world)
