@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 use solves::{Solved, Way};
 
 const HELP: &str = "\
-usage: cargo x bench surfaces [--quick] [--draft] [--rounds N] [--json FILE] [SCENE]...
+usage: cargo x bench surfaces [--quick] [--draft] [--times] [--rounds N] [--json FILE] [SCENE]...
 
 Solves each scene with each projection at equal samples, four bounces, and compares the light over all surfaces.
 
@@ -39,6 +39,7 @@ LUMEL_TEST_SHARED.
 
   --quick       few paths, points and samples, one run
   --draft       samples of the preset draft instead of medium
+  --times       only times, of the three projections
   --rounds N    runs of each projection, 3 unless given
   --json FILE   write the results as JSON too
 ";
@@ -70,11 +71,12 @@ const PASSES: u32 = 4;
 fn main() {
     // Cargo adds --bench.
     let mut arguments = std::env::args().skip(1).filter(|a| a != "--bench");
-    let (mut quick, mut preset, mut rounds, mut json_file) = (false, None, None, None);
+    let (mut quick, mut times, mut preset, mut rounds, mut json_file) = (false, false, None, None, None);
     let mut names = Vec::new();
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
+            "--times" => times = true,
             "--draft" => preset = Some(Preset::Draft),
             "--rounds" => {
                 let number = arguments.next().and_then(|n| n.parse().ok()).filter(|n| *n > 0);
@@ -94,7 +96,8 @@ fn main() {
     let threads = rayon::current_num_threads();
     println!("lumel {} on {threads} threads", env!("CARGO_PKG_VERSION"));
     let wanted = |case: &&Case| names.is_empty() || names.iter().any(|name| name == case.name);
-    let results: Vec<Value> = CASES.iter().filter(wanted).filter_map(|case| bench.measure(case)).collect();
+    let measured = |case| if times { bench.time(case) } else { bench.measure(case) };
+    let results: Vec<Value> = CASES.iter().filter(wanted).filter_map(measured).collect();
     if let Some(file) = json_file {
         let all = json!({"version": env!("CARGO_PKG_VERSION"), "threads": threads, "scenes": results});
         std::fs::write(file, serde_json::to_string_pretty(&all).unwrap()).unwrap();
@@ -102,21 +105,37 @@ fn main() {
 }
 
 impl Bench {
-    fn measure(&self, case: &Case) -> Option<Value> {
-        let effort = &self.effort;
-        let place = match case.open() {
-            Ok(place) => place,
-            Err(reason) => {
-                println!("\n{}: {reason}", case.name);
-                return None;
-            }
-        };
+    /// Opens a scene and announces it.
+    fn open(&self, case: &Case) -> Option<Place> {
+        let place = case.open().map_err(|reason| println!("\n{}: {reason}", case.name)).ok()?;
         let (vertices, triangles) = (place.scene.vertex_count(), place.scene.triangle_count());
         let Settings { direct_samples, indirect_samples, .. } = self.settings;
         println!(
             "\n{}: {vertices} vertices, {triangles} triangles; samples {direct_samples}, {indirect_samples}",
             case.name
         );
+        Some(place)
+    }
+
+    fn time(&self, case: &Case) -> Option<Value> {
+        let place = self.open(case)?;
+        let runs = self.alternate(&place, &Way::ALL[..3]);
+        let mut rows = Vec::new();
+        for i in 0..runs[0].len() {
+            let name = Way::ALL[i].name();
+            let [seconds, ratio] = times(&runs, i);
+            let rays = runs[0][i].rays as f64 * 1e-6;
+            println!("  {name:<14} {seconds:8.3} s, {ratio:.3} of point; {rays:.1} million rays");
+            rows.push(
+                json!({"projection": name, "seconds": seconds, "ratio": ratio, "rays": runs[0][i].rays}),
+            );
+        }
+        Some(json!({"scene": case.name, "rounds": runs.len(), "projections": rows}))
+    }
+
+    fn measure(&self, case: &Case) -> Option<Value> {
+        let effort = &self.effort;
+        let place = self.open(case)?;
         let paths = Paths::trace(&place, effort.paths);
         let [direct, all] = self.references(case, &place);
         println!(
@@ -126,31 +145,27 @@ impl Bench {
             direct.noise() * 100.0,
             all.noise() * 100.0
         );
-        let runs = self.alternate(&place);
+        let runs = self.alternate(&place, &Way::ALL);
         let rows: Vec<Row> = Way::ALL
             .iter()
             .enumerate()
             .map(|(i, way)| {
-                let first = &runs[0][i];
-                let seconds = median(runs.iter().map(|round| round[i].seconds).collect());
-                let cpu_ratio =
-                    median(runs.iter().map(|round| round[i].cpu_seconds / round[0].cpu_seconds).collect());
-                Row::new(way.name(), [seconds, cpu_ratio], &place, first, &paths, [&direct, &all])
+                Row::new(way.name(), times(&runs, i), &place, &runs[0][i], &paths, [&direct, &all])
             })
             .collect();
         rows::print(&rows);
         Some(json!({
-            "scene": case.name, "vertices": vertices, "triangles": triangles, "rounds": effort.rounds,
-            "direct_samples": direct_samples, "indirect_samples": indirect_samples, "paths": paths.count(),
+            "scene": case.name, "vertices": place.scene.vertex_count(), "triangles": place.scene.triangle_count(), "rounds": effort.rounds,
+            "direct_samples": self.settings.direct_samples, "indirect_samples": self.settings.indirect_samples, "paths": paths.count(),
             "reference_points": all.points().len(), "reference_noise": [direct.noise(), all.noise()],
             "projections": rows.iter().map(Row::json).collect::<Vec<_>>(),
         }))
     }
 
-    /// All ways in turn, several times.
-    fn alternate(&self, place: &Place) -> Vec<Vec<Solved>> {
+    /// Some ways in turn, several times.
+    fn alternate(&self, place: &Place, ways: &[Way]) -> Vec<Vec<Solved>> {
         let settings = |round: usize| Settings { seed: round as u64 + 1, ..self.settings.clone() };
-        let round = |round| Way::ALL.iter().map(|way| way.solve(place, &settings(round))).collect();
+        let round = |round| ways.iter().map(|way| way.solve(place, &settings(round))).collect();
         (0..self.effort.rounds).map(round).collect()
     }
 
@@ -181,6 +196,14 @@ impl Bench {
             Reference::measured(&place.scene, effort.points, 3, towards, field, PASSES)
         })
     }
+}
+
+/// Median seconds of a way, and its processor time over that of the first.
+fn times(runs: &[Vec<Solved>], way: usize) -> [f64; 2] {
+    [
+        median(runs.iter().map(|round| round[way].seconds).collect()),
+        median(runs.iter().map(|round| round[way].cpu_seconds / round[0].cpu_seconds).collect()),
+    ]
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
