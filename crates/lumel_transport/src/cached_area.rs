@@ -45,18 +45,16 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     ) -> Result<Sums, TransportError> {
         let inner = &self.inner;
         let mut sums = ElementSums::some(rows.elements.len());
-        let mut weights = NodeWeights::default();
+        let (measured, mut weights) = (measured(job, rows), NodeWeights::default());
         for part in patterns.parts(&inner.order, chunk) {
+            control.check()?;
             let area = self.area_chunk(&part, chunk);
-            for i in measured(job, rows) {
-                control.check()?;
-                measure::add_samples(inner, &area, i, &mut sums[i], |slot, _| {
-                    let at = rows.at(area.first + slot, i);
-                    let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
-                    let value = || reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);
-                    (end != StoredEnd::INSIDE).then(value)
-                });
-            }
+            measure::add_samples(inner, &area, &measured, &mut sums, |i, slot, _| {
+                let at = rows.at(area.first + slot, i);
+                let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
+                let value = || reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);
+                (end != StoredEnd::INSIDE).then(value)
+            });
         }
         Ok(Sums::of_elements(sums, false))
     }
@@ -76,7 +74,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         let (mut scratch, mut reader) = (LightScratch::default(), Reader::new(inner, job.source));
         let mut sky = SkyRays::new(inner, job.source);
         let mut sums = ElementSums::some(rows.elements.len());
-        let mut by_rays = sums.clone();
+        let (measured, mut by_rays) = (measured(job, rows), sums.clone());
         let mut lights = lights.parts(&inner.order, chunk);
         for part in patterns.parts(&inner.order, chunk) {
             let rays = self.area_chunk(&part, chunk);
@@ -84,27 +82,20 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
             let lights = lights
                 .as_ref()
                 .map(|lights| AreaChunk::new(rows.elements, lights, |element| inner.key(job, element)));
-            for i in measured(job, rows) {
+            let end = |i: usize, slot: u32| rows.ends[rows.at(rays.first + slot, i)];
+            for (&i, lights) in measured.iter().flat_map(|i| Some((i, lights.as_ref()?))) {
                 control.check()?;
-                let end = |slot: u32| rows.ends[rows.at(rays.first + slot, i)];
-                if let Some(lights) = &lights {
-                    let turn = rays.keys[i].1;
-                    let is_outside = |number| end(rays.pattern.slot(number, turn)) != StoredEnd::INSIDE;
-                    measure::add_lights_of(
-                        inner,
-                        &direct,
-                        (lights, i),
-                        is_outside,
-                        &mut scratch,
-                        &mut sums[i],
-                    )?;
-                }
-                if let Some(sky) = &mut sky {
-                    sky.set_area(inner, &rays, i);
-                }
-                if inner.lights.needs_hemisphere() {
-                    measure::add_samples(inner, &rays, i, &mut by_rays[i], |slot, _| {
-                        end(slot).end().map(|end| reader.read_with(sky.as_ref(), slot as usize, &end))
+                let turn = rays.keys[i].1;
+                let is_outside = |number| end(i, rays.pattern.slot(number, turn)) != StoredEnd::INSIDE;
+                measure::add_lights_of(inner, &direct, (lights, i), is_outside, &mut scratch, &mut sums)?;
+            }
+            if inner.lights.needs_hemisphere() {
+                for elements in measured.chunks(SkyRays::side_by_side(sky.as_ref())) {
+                    if let Some(sky) = &mut sky {
+                        sky.set_area(inner, &rays, elements[0]);
+                    }
+                    measure::add_samples(inner, &rays, elements, &mut by_rays, |i, slot, _| {
+                        end(i, slot).end().map(|end| reader.read_with(sky.as_ref(), slot as usize, &end))
                     });
                 }
             }
@@ -123,7 +114,6 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
 }
 
 /// The places in a chunk of the elements that a job measures.
-fn measured(job: &Job<'_>, rows: ChunkRows<'_>) -> impl Iterator<Item = usize> {
-    let elements = rows.elements.iter().enumerate();
-    elements.filter(|(_, element)| job.measures(**element)).map(|(i, _)| i)
+fn measured(job: &Job<'_>, rows: ChunkRows<'_>) -> Vec<usize> {
+    (0..rows.elements.len()).filter(|&i| job.measures(rows.elements[i])).collect()
 }

@@ -13,6 +13,7 @@ use crate::hemisphere;
 use crate::job::{Control, Job, Source, TransportError};
 use crate::light_points::LightPoints;
 use crate::operator::CpuTransport;
+use crate::order::CHUNK;
 use crate::shadow_rays::Tally;
 use crate::sky_rays::SkyRays;
 use crate::sums::ElementSums;
@@ -196,11 +197,12 @@ fn add_rays<B: Basis, R: Receivers>(
 ) {
     let (lanes, mut reader) = (area.elements.len(), Reader::new(op, source));
     let mut sky = SkyRays::new(op, source);
-    for (i, sums) in sums.iter_mut().enumerate() {
+    let all: Vec<usize> = (0..lanes).collect();
+    for elements in all.chunks(SkyRays::side_by_side(sky.as_ref())) {
         if let Some(sky) = &mut sky {
-            sky.set_area(op, area, i);
+            sky.set_area(op, area, elements[0]);
         }
-        add_samples(op, area, i, sums, |slot, _| {
+        add_samples(op, area, elements, sums, |i, slot, _| {
             let end = ends[slot as usize * lanes + i];
             if matches!(source, Source::Nothing) {
                 let met_back_face = end.is_none_or(|end| end == RayEnd::BackFace);
@@ -222,7 +224,7 @@ fn add_lights<B: Basis, R: Receivers>(
 ) -> Result<(), TransportError> {
     let (direct, mut scratch) = (direct(op, mask, control), LightScratch::default());
     let lanes = area.elements.len();
-    for (i, sums) in sums.iter_mut().enumerate() {
+    for i in 0..lanes {
         let turn = area.keys[i].1;
         let is_outside = |number| ends[area.pattern.slot(number, turn) as usize * lanes + i].is_some();
         add_lights_of(op, &direct, (area, i), is_outside, &mut scratch, sums)?;
@@ -233,46 +235,82 @@ fn add_lights<B: Basis, R: Receivers>(
 /// Samples whose light is summed in single precision before it goes into a sum in double precision.
 const BLOCK: u32 = 16;
 
-/// Adds the samples of element `i` of a chunk to its sums: `value` of slot and number, `None` for those left out.
+/// Adds the samples of some elements of a chunk to their sums: `value` of element, slot and number, `None` for those left
+/// out.
+///
+/// Slot by slot, with the elements side by side: neighbours' rays through one cell mostly end on the same triangles.
 #[inline(always)]
 pub(crate) fn add_samples<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    chunk: &AreaChunk<'_>,
+    elements: &[usize],
+    sums: &mut [ElementSums],
+    mut value: impl FnMut(usize, u32, u32) -> Option<Vec4>,
+) {
+    let of_triangle = |&i: &usize| Some((i, op.receivers.corners(chunk.elements[i])?));
+    let Some(triangles) = elements.iter().map(of_triangle).collect::<Option<Vec<_>>>() else {
+        return elements.iter().for_each(|&i| {
+            add_to_nodes(op, chunk, i, &mut sums[i], |slot, number| value(i, slot, number));
+        });
+    };
+    let (samples, mut all) = (chunk.pattern.len(), [[(0.0, DVec3::ZERO); 3]; CHUNK]);
+    for first in (0..samples).step_by(BLOCK as usize) {
+        let mut blocks = [CornerSums::default(); CHUNK];
+        for slot in first..samples.min(first + BLOCK) {
+            for (&(i, _), block) in triangles.iter().zip(&mut blocks) {
+                let turn = chunk.keys[i].1;
+                if let Some(value) = value(i, slot, chunk.pattern.number(slot, turn)) {
+                    block.add(chunk.pattern.corner_weights(slot, turn), value);
+                }
+            }
+        }
+        for (all, block) in all.iter_mut().zip(&blocks).take(triangles.len()) {
+            for (k, (weight, sum)) in all.iter_mut().enumerate() {
+                *weight += f64::from(block.weights[k]);
+                *sum += block.values[k].truncate().as_dvec3();
+            }
+        }
+    }
+    for (&(i, (nodes, area)), all) in triangles.iter().zip(all) {
+        let share = chunk.share * f64::from(area);
+        for (k, (weight, sum)) in all.into_iter().enumerate().filter(|(_, (weight, _))| *weight > 0.0) {
+            sums[i].add(k, nodes[k], share * weight, sum / weight);
+        }
+    }
+}
+
+/// Samples of a triangle of unit area, by corner.
+#[derive(Clone, Copy, Default)]
+struct CornerSums {
+    weights: Vec4,
+    values: [Vec4; 3],
+}
+
+impl CornerSums {
+    #[inline(always)]
+    fn add(&mut self, of_corners: Vec4, value: Vec4) {
+        self.weights += of_corners;
+        self.values[0] += value * of_corners.x;
+        self.values[1] += value * of_corners.y;
+        self.values[2] += value * of_corners.z;
+    }
+}
+
+/// Adds the samples of an element that is no triangle to the nodes that it counts towards.
+fn add_to_nodes<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     chunk: &AreaChunk<'_>,
     i: usize,
     sums: &mut ElementSums,
     mut value: impl FnMut(u32, u32) -> Option<Vec4>,
 ) {
-    let (element, turn, samples) = (chunk.elements[i], chunk.keys[i].1, chunk.pattern.len());
-    if let Some((nodes, area)) = op.receivers.corners(element) {
-        let mut all = [(0.0, DVec3::ZERO); 3];
-        for first in (0..samples).step_by(BLOCK as usize) {
-            let (mut weights, mut values) = (Vec4::ZERO, [Vec4::ZERO; 3]);
-            for slot in first..samples.min(first + BLOCK) {
-                let Some(value) = value(slot, chunk.pattern.number(slot, turn)) else { continue };
-                let of_corners = chunk.pattern.corner_weights(slot, turn);
-                weights += of_corners;
-                values[0] += value * of_corners.x;
-                values[1] += value * of_corners.y;
-                values[2] += value * of_corners.z;
-            }
-            for (k, (weight, sum)) in all.iter_mut().enumerate() {
-                *weight += f64::from(weights[k]);
-                *sum += values[k].truncate().as_dvec3();
-            }
-        }
-        let share = chunk.share * f64::from(area);
-        for (k, (weight, sum)) in all.into_iter().enumerate().filter(|(_, (weight, _))| *weight > 0.0) {
-            sums.add(k, nodes[k], share * weight, sum / weight);
-        }
-        return;
-    }
-    let mut towards = NodeWeights::default();
-    for slot in 0..samples {
+    let (turn, mut towards) = (chunk.keys[i].1, NodeWeights::default());
+    for slot in 0..chunk.pattern.len() {
         let number = chunk.pattern.number(slot, turn);
         let Some(value) = value(slot, number) else { continue };
         let (place, weight) = chunk.pattern.place(number);
         towards.clear();
-        op.receivers.towards(element, place, &mut towards);
+        op.receivers.towards(chunk.elements[i], place, &mut towards);
         let weight = chunk.share * f64::from(weight);
         for (k, (node, towards)) in towards.iter().enumerate() {
             sums.add(k, node, weight * f64::from(towards), value.truncate().as_dvec3());
@@ -295,7 +333,7 @@ pub(crate) fn add_lights_of<B: Basis, R: Receivers>(
     (chunk, i): (&AreaChunk<'_>, usize),
     is_outside: impl Fn(u32) -> bool,
     LightScratch { points, lit }: &mut LightScratch,
-    sums: &mut ElementSums,
+    sums: &mut [ElementSums],
 ) -> Result<(), TransportError> {
     lit.clear();
     lit.resize(chunk.pattern.len() as usize, DVec3::ZERO);
@@ -306,7 +344,7 @@ pub(crate) fn add_lights_of<B: Basis, R: Receivers>(
     let (key, turn) = chunk.keys[i];
     let area = AreaSites { sites: &sites, key, number: |slot| chunk.pattern.number(slot, turn) };
     direct.over_area(&area, points, lit)?;
-    add_samples(op, chunk, i, sums, |_, number| {
+    add_samples(op, chunk, &[i], sums, |_, _, number| {
         is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
     });
     Ok(())

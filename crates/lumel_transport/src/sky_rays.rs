@@ -7,6 +7,7 @@ use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::job::Source;
 use crate::operator::CpuTransport;
+use crate::order::CHUNK;
 use crate::plan::Plan;
 use crate::sky_light::{SkyLight, hemisphere_share};
 use crate::trace::Rays;
@@ -53,6 +54,11 @@ impl<'a> SkyRays<'a> {
             let mut cells = CellOrder::default();
             self.add(std::iter::repeat(site), cells.points(&stream, rays.per_element));
         }
+    }
+
+    /// How many elements of a chunk are read at once: one where its rays have to be known, else all.
+    pub(crate) fn side_by_side(sky: Option<&Self>) -> usize {
+        if sky.is_some() { 1 } else { CHUNK }
     }
 
     /// Takes the rays of [`trace::over_areas`](crate::trace::over_areas) of element `i` instead of those before, slot by slot.
