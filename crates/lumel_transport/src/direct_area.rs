@@ -22,9 +22,9 @@ pub(crate) struct AreaSites<'a, N> {
     pub(crate) number: N,
 }
 
-/// Shadow rays of samples, to be traced together.
+/// Shadow rays of samples, to be traced together; kept between elements, so that nothing is allocated for each.
 #[derive(Default)]
-struct Batch {
+pub(crate) struct Batch {
     rays: Vec<Ray>,
     /// The sample and what arrives there if nothing is in the way.
     values: Vec<(usize, DVec3)>,
@@ -60,10 +60,9 @@ impl Direct<'_> {
     pub(crate) fn over_area<N: Fn(u32) -> u32>(
         &self,
         area: &AreaSites<'_, N>,
-        points: &mut LightPoints,
+        (points, batch): (&mut LightPoints, &mut Batch),
         values: &mut [DVec3],
     ) -> Result<(), TransportError> {
-        let mut batch = Batch::default();
         let mut n_rays = 0;
         for (number, site) in area.sites.iter().enumerate() {
             let Some(site) = site else { continue };
@@ -75,12 +74,12 @@ impl Direct<'_> {
             }
         };
         if let Some(tree) = &self.lights.tree {
-            self.choose_over_area(tree, area, points, &mut batch);
+            self.choose_over_area(tree, area, points, batch);
         }
         n_rays += batch.trace(self.tracer, &mut add_lit);
         for (l, light) in self.looped_lights() {
             self.control.check()?;
-            n_rays += self.one_light_over_area((l as u32, light), area, (points, &mut batch), values);
+            n_rays += self.one_light_over_area((l as u32, light), area, (points, batch), values);
         }
         self.control.count(0, n_rays as u64);
         Ok(())

@@ -6,7 +6,7 @@
 
 use crate::area_pattern::{AreaChunk, AreaPatterns};
 use crate::direct::Direct;
-use crate::direct_area::AreaSites;
+use crate::direct_area::{AreaSites, Batch};
 use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::hemisphere;
@@ -322,6 +322,11 @@ fn add_to_nodes<B: Basis, R: Receivers>(
 #[derive(Default)]
 pub(crate) struct LightScratch {
     points: LightPoints,
+    batch: Batch,
+    /// Of all samples, by number.
+    all: Vec<Site>,
+    /// Of those outside geometry.
+    sites: Vec<Option<Site>>,
     /// What arrives at each sample, by number.
     lit: Vec<DVec3>,
 }
@@ -332,18 +337,18 @@ pub(crate) fn add_lights_of<B: Basis, R: Receivers>(
     direct: &Direct<'_>,
     (chunk, i): (&AreaChunk<'_>, usize),
     is_outside: impl Fn(u32) -> bool,
-    LightScratch { points, lit }: &mut LightScratch,
+    LightScratch { points, batch, all, sites, lit }: &mut LightScratch,
     sums: &mut [ElementSums],
 ) -> Result<(), TransportError> {
     lit.clear();
     lit.resize(chunk.pattern.len() as usize, DVec3::ZERO);
-    let mut all = Vec::with_capacity(lit.len());
-    op.receivers.sites(chunk.elements[i], chunk.pattern.places(), &mut all);
-    let outside = |(number, site)| is_outside(number).then_some(site);
-    let sites: Vec<Option<Site>> = (0..).zip(all).map(outside).collect();
+    all.clear();
+    op.receivers.sites(chunk.elements[i], chunk.pattern.places(), all);
+    sites.clear();
+    sites.extend((0..).zip(all.drain(..)).map(|(number, site)| is_outside(number).then_some(site)));
     let (key, turn) = chunk.keys[i];
-    let area = AreaSites { sites: &sites, key, number: |slot| chunk.pattern.number(slot, turn) };
-    direct.over_area(&area, points, lit)?;
+    let area = AreaSites { sites, key, number: |slot| chunk.pattern.number(slot, turn) };
+    direct.over_area(&area, (points, batch), lit)?;
     add_samples(op, chunk, &[i], sums, |_, _, number| {
         is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
     });

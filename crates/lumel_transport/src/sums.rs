@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use lumel_basis::NodeId;
+use smallvec::SmallVec;
 
 /// Weighted sums of measurements, by node: plain data that merges by adding.
 ///
@@ -67,9 +68,9 @@ impl Sums {
     }
 }
 
-/// Sums of the few nodes of one element, whose measurements come one by one.
+/// Sums of the few nodes of one element, whose measurements come one by one; mostly of a triangle's three.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct ElementSums(Vec<(NodeId, f64, DVec3)>);
+pub(crate) struct ElementSums(SmallVec<[(NodeId, f64, DVec3); 3]>);
 
 impl ElementSums {
     /// Adds a measurement of irradiance; `place` is where the node stands among those of the measurement.

@@ -1,7 +1,7 @@
 //! Solving for coefficients.
 
 use super::LeastSquares;
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 /// Iterations end when no residual, over the diagonal of its row, is larger than this share of the largest mean of its
@@ -24,26 +24,28 @@ impl LeastSquares {
         let block = |i: usize| i * BLOCK..((i + 1) * BLOCK).min(n);
         let largest = means.iter().fold(DVec3::ZERO, |max, mean| max.max(mean.abs()));
         let mut u = means.to_vec();
-        let residual = |i: usize| means[i] * self.areas[i] - self.matrix.times(i, means);
-        let mut r: Vec<DVec3> = (0..n).into_par_iter().map(residual).collect();
-        let mut p: Vec<DVec3> =
+        let residual = |u: &[DVec3], i: usize| means[i] * self.areas[i] - self.matrix.times(i, u);
+        let mut r: Vec<DVec3> = (0..n).into_par_iter().map(|i| residual(&u, i)).collect();
+        let mut z: Vec<DVec3> =
             r.par_iter().zip(&self.inverse_diagonal).map(|(r, inverse)| *r * *inverse).collect();
-        let (mut z, mut ap) = (p.clone(), vec![DVec3::ZERO; n]);
+        // Rounded, which is no error: what is added to `u` is what takes its product off the residual.
+        let mut p: Vec<Vec3A> = z.par_iter().map(|z| z.as_vec3a()).collect();
+        let mut ap = vec![DVec3::ZERO; n];
         let mut rz = sum(r.par_chunks(BLOCK).zip(z.par_chunks(BLOCK)).map(|(r, z)| dot(r, z)));
         let mut change = z.iter().fold(DVec3::ZERO, |max, z| max.max(z.abs()));
         let mut n_iterations = 0;
         while change.cmpgt(TOLERANCE * largest).any() && n_iterations < MAX_ITERATIONS {
             n_iterations += 1;
             let of_block = |(i, ap): (usize, &mut [DVec3])| {
-                ap.iter_mut().zip(block(i)).for_each(|(ap, row)| *ap = self.matrix.times(row, &p));
-                dot(&p[block(i)], ap)
+                ap.iter_mut().zip(block(i)).for_each(|(ap, row)| *ap = self.matrix.times_single(row, &p));
+                p[block(i)].iter().zip(ap).fold(DVec3::ZERO, |sum, (p, ap)| sum + p.as_dvec3() * *ap)
             };
             let step = ratio(rz, sum(ap.par_chunks_mut(BLOCK).enumerate().map(of_block)));
             let parts = (u.par_chunks_mut(BLOCK), r.par_chunks_mut(BLOCK), z.par_chunks_mut(BLOCK));
             let stepped = parts.into_par_iter().enumerate().map(|(i, (u, r, z))| {
                 let (mut product, mut largest) = (DVec3::ZERO, DVec3::ZERO);
                 for (k, row) in block(i).enumerate() {
-                    u[k] += step * p[row];
+                    u[k] += step * p[row].as_dvec3();
                     r[k] -= step * ap[row];
                     z[k] = r[k] * self.inverse_diagonal[row];
                     product += r[k] * z[k];
@@ -56,14 +58,15 @@ impl LeastSquares {
             let next = stepped.into_iter().fold(DVec3::ZERO, |sum, (product, _)| sum + product);
             let kept = ratio(next, rz);
             rz = next;
-            p.par_iter_mut().zip(&z).for_each(|(p, z)| *p = *z + kept * *p);
+            p.par_iter_mut().zip(&z).for_each(|(p, z)| *p = (*z + kept * p.as_dvec3()).as_vec3a());
         }
         // What is left goes to the nodes by their areas, so that power is conserved to rounding: the columns of the
         // matrix sum to the areas.
-        for ((u, r), area) in u.iter_mut().zip(&r).zip(&self.areas) {
-            *u += if *area > 0.0 { *r / *area } else { DVec3::ZERO };
-        }
-        (u, n_iterations)
+        let left = |i: usize| {
+            let area = self.areas[i];
+            u[i] + if area > 0.0 { residual(&u, i) / area } else { DVec3::ZERO }
+        };
+        ((0..n).into_par_iter().map(left).collect(), n_iterations)
     }
 }
 

@@ -1,7 +1,7 @@
 //! A sparse matrix over nodes.
 
 use crate::NodeId;
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 /// Rows that are assembled one after the other, to be put together in order.
@@ -26,15 +26,20 @@ impl Matrix {
     ) -> Self {
         let starts: Vec<usize> = (0..n_rows).step_by(ROWS_PER_PART).collect();
         let part = |&start: &usize| {
-            let (mut part, mut terms) = (Self::default(), Vec::new());
+            let (mut part, mut terms, mut sums) = (Self::default(), Vec::new(), Vec::new());
             for row in start..(start + ROWS_PER_PART).min(n_rows) {
                 terms.clear();
+                sums.clear();
                 push_terms(NodeId(row as u32), &mut terms);
-                terms.sort_by_key(|(column, _)| *column);
-                for same in terms.chunk_by(|a, b| a.0 == b.0) {
-                    part.columns.push(same[0].0);
-                    part.values.push(same.iter().map(|(_, value)| value).sum::<f64>() as f32);
+                for &(column, value) in &terms {
+                    match sums.iter_mut().find(|(known, _): &&mut (NodeId, f64)| *known == column) {
+                        Some((_, sum)) => *sum += value,
+                        None => sums.push((column, value)),
+                    }
                 }
+                sums.sort_unstable_by_key(|(column, _)| *column);
+                part.columns.extend(sums.iter().map(|(column, _)| *column));
+                part.values.extend(sums.iter().map(|(_, value)| *value as f32));
                 part.ends.push(part.columns.len() as u32);
             }
             part
@@ -62,6 +67,15 @@ impl Matrix {
         let row = begin as usize..self.ends[row] as usize;
         let values = self.values[row.clone()].iter().map(|&value| f64::from(value));
         self.columns[row].iter().copied().zip(values)
+    }
+
+    /// A row times a vector in single precision: of half the memory, and all colours in one operation.
+    #[inline]
+    pub(super) fn times_single(&self, row: usize, vector: &[Vec3A]) -> DVec3 {
+        let begin = if row == 0 { 0 } else { self.ends[row - 1] };
+        let row = begin as usize..self.ends[row] as usize;
+        let terms = self.columns[row.clone()].iter().zip(&self.values[row]);
+        terms.fold(Vec3A::ZERO, |sum, (column, value)| sum + vector[column.index()] * *value).as_dvec3()
     }
 
     /// A row times a vector.
