@@ -9,6 +9,7 @@ use crate::reflectance::Reflected;
 use crate::sky_rays::SkyRays;
 use crate::sums::ElementSums;
 use crate::{EmitterMask, Sums, trace};
+use glam::Vec4;
 use lumel_basis::{Basis, NodeWeights, Receivers};
 
 impl<B: Basis, R: Receivers> CachedTransport<B, R> {
@@ -52,8 +53,8 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
             measure::add_samples(inner, &area, &measured, &mut sums, |i, slot, _| {
                 let at = rows.at(area.first + slot, i);
                 let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
-                let value = || reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);
-                (end != StoredEnd::INSIDE).then(value)
+                let value = reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);
+                value.truncate().extend(f32::from(u8::from(end != StoredEnd::INSIDE)))
             });
         }
         Ok(Sums::of_elements(sums, false))
@@ -95,7 +96,8 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                         sky.set_area(inner, &rays, elements[0]);
                     }
                     measure::add_samples(inner, &rays, elements, &mut by_rays, |i, slot, _| {
-                        end(i, slot).end().map(|end| reader.read_with(sky.as_ref(), slot as usize, &end))
+                        let read = |end| reader.read_with(sky.as_ref(), slot as usize, &end);
+                        end(i, slot).end().map_or(Vec4::ZERO, read)
                     });
                 }
             }

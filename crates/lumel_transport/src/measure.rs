@@ -19,7 +19,7 @@ use crate::sky_rays::SkyRays;
 use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
-use glam::{DVec3, Vec4};
+use glam::{DVec3, DVec4, Vec3, Vec4};
 use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling, Site};
 use lumel_sample::Dim;
 
@@ -51,14 +51,14 @@ impl<'a, B: Basis, R: Receivers> Reader<'a, B, R> {
         }
     }
 
-    /// The same of ray number `at` of an area, with what it brings from a sky that varies.
+    /// The same of ray number `at` of an area, with what it brings from a sky that varies, and 1 as fourth component.
     #[inline]
     pub(crate) fn read_with(&mut self, sky: Option<&SkyRays<'_>>, at: usize, end: &RayEnd) -> Vec4 {
         let mut value = self.read(end);
         if let Some(sky) = sky {
             value += sky.arriving(at, end);
         }
-        value.as_vec3().extend(0.0)
+        value.as_vec3().extend(1.0)
     }
 }
 
@@ -206,9 +206,9 @@ fn add_rays<B: Basis, R: Receivers>(
             let end = ends[slot as usize * lanes + i];
             if matches!(source, Source::Nothing) {
                 let met_back_face = end.is_none_or(|end| end == RayEnd::BackFace);
-                return Some(Vec4::splat(f32::from(u8::from(met_back_face))));
+                return Vec3::splat(f32::from(u8::from(met_back_face))).extend(1.0);
             }
-            end.map(|end| reader.read_with(sky.as_ref(), slot as usize, &end))
+            end.map_or(Vec4::ZERO, |end| reader.read_with(sky.as_ref(), slot as usize, &end))
         });
     }
 }
@@ -235,17 +235,18 @@ fn add_lights<B: Basis, R: Receivers>(
 /// Samples whose light is summed in single precision before it goes into a sum in double precision.
 const BLOCK: u32 = 16;
 
-/// Adds the samples of some elements of a chunk to their sums: `value` of element, slot and number, `None` for those left
-/// out.
+/// Adds the samples of some elements of a chunk to their sums: `value` of element, slot and number, with 1 as its fourth
+/// component; all zero for those left out.
 ///
-/// Slot by slot, with the elements side by side: neighbours' rays through one cell mostly end on the same triangles.
+/// Slot by slot, with the elements side by side: neighbours' rays through one cell mostly end on the same triangles. The
+/// values of a block come first, with nothing between them, so that the processor waits for many of them at once.
 #[inline(always)]
 pub(crate) fn add_samples<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     chunk: &AreaChunk<'_>,
     elements: &[usize],
     sums: &mut [ElementSums],
-    mut value: impl FnMut(usize, u32, u32) -> Option<Vec4>,
+    mut value: impl FnMut(usize, u32, u32) -> Vec4,
 ) {
     let of_triangle = |&i: &usize| Some((i, op.receivers.corners(chunk.elements[i])?));
     let Some(triangles) = elements.iter().map(of_triangle).collect::<Option<Vec<_>>>() else {
@@ -253,46 +254,33 @@ pub(crate) fn add_samples<B: Basis, R: Receivers>(
             add_to_nodes(op, chunk, i, &mut sums[i], |slot, number| value(i, slot, number));
         });
     };
-    let (samples, mut all) = (chunk.pattern.len(), [[(0.0, DVec3::ZERO); 3]; CHUNK]);
+    let (pattern, samples) = (chunk.pattern, chunk.pattern.len());
+    // By corner: sums of values times weights, and of weights.
+    let mut all = [[DVec4::ZERO; 3]; CHUNK];
+    let mut values = [[Vec4::ZERO; CHUNK]; BLOCK as usize];
     for first in (0..samples).step_by(BLOCK as usize) {
-        let mut blocks = [CornerSums::default(); CHUNK];
-        for slot in first..samples.min(first + BLOCK) {
-            for (&(i, _), block) in triangles.iter().zip(&mut blocks) {
-                let turn = chunk.keys[i].1;
-                if let Some(value) = value(i, slot, chunk.pattern.number(slot, turn)) {
-                    block.add(chunk.pattern.corner_weights(slot, turn), value);
-                }
+        let slots = first..samples.min(first + BLOCK);
+        for (slot, values) in slots.clone().zip(&mut values) {
+            for (&i, value_of) in elements.iter().zip(values) {
+                *value_of = value(i, slot, pattern.number(slot, chunk.keys[i].1));
             }
         }
-        for (all, block) in all.iter_mut().zip(&blocks).take(triangles.len()) {
-            for (k, (weight, sum)) in all.iter_mut().enumerate() {
-                *weight += f64::from(block.weights[k]);
-                *sum += block.values[k].truncate().as_dvec3();
+        for (k, (&i, all)) in elements.iter().zip(&mut all).enumerate() {
+            let (turn, mut block) = (chunk.keys[i].1, [Vec4::ZERO; 3]);
+            for (slot, values) in slots.clone().zip(&values) {
+                let weights = pattern.corner_weights(slot, turn);
+                block[0] += values[k] * weights.x;
+                block[1] += values[k] * weights.y;
+                block[2] += values[k] * weights.z;
             }
+            all.iter_mut().zip(block).for_each(|(all, block)| *all += block.as_dvec4());
         }
     }
     for (&(i, (nodes, area)), all) in triangles.iter().zip(all) {
         let share = chunk.share * f64::from(area);
-        for (k, (weight, sum)) in all.into_iter().enumerate().filter(|(_, (weight, _))| *weight > 0.0) {
-            sums[i].add(k, nodes[k], share * weight, sum / weight);
+        for (k, sum) in all.into_iter().enumerate().filter(|(_, sum)| sum.w > 0.0) {
+            sums[i].add(k, nodes[k], share * sum.w, sum.truncate() / sum.w);
         }
-    }
-}
-
-/// Samples of a triangle of unit area, by corner.
-#[derive(Clone, Copy, Default)]
-struct CornerSums {
-    weights: Vec4,
-    values: [Vec4; 3],
-}
-
-impl CornerSums {
-    #[inline(always)]
-    fn add(&mut self, of_corners: Vec4, value: Vec4) {
-        self.weights += of_corners;
-        self.values[0] += value * of_corners.x;
-        self.values[1] += value * of_corners.y;
-        self.values[2] += value * of_corners.z;
     }
 }
 
@@ -302,12 +290,15 @@ fn add_to_nodes<B: Basis, R: Receivers>(
     chunk: &AreaChunk<'_>,
     i: usize,
     sums: &mut ElementSums,
-    mut value: impl FnMut(u32, u32) -> Option<Vec4>,
+    mut value: impl FnMut(u32, u32) -> Vec4,
 ) {
     let (turn, mut towards) = (chunk.keys[i].1, NodeWeights::default());
     for slot in 0..chunk.pattern.len() {
         let number = chunk.pattern.number(slot, turn);
-        let Some(value) = value(slot, number) else { continue };
+        let value = value(slot, number);
+        if value.w == 0.0 {
+            continue;
+        }
         let (place, weight) = chunk.pattern.place(number);
         towards.clear();
         op.receivers.towards(chunk.elements[i], place, &mut towards);
@@ -350,7 +341,7 @@ pub(crate) fn add_lights_of<B: Basis, R: Receivers>(
     let area = AreaSites { sites, key, number: |slot| chunk.pattern.number(slot, turn) };
     direct.over_area(&area, (points, batch), lit)?;
     add_samples(op, chunk, &[i], sums, |_, _, number| {
-        is_outside(number).then(|| lit[number as usize].as_vec3().extend(0.0))
+        if is_outside(number) { lit[number as usize].as_vec3().extend(1.0) } else { Vec4::ZERO }
     });
     Ok(())
 }

@@ -26,30 +26,32 @@ impl LeastSquares {
         let mut u = means.to_vec();
         let residual = |u: &[DVec3], i: usize| means[i] * self.areas[i] - self.matrix.times(i, u);
         let mut r: Vec<DVec3> = (0..n).into_par_iter().map(|i| residual(&u, i)).collect();
-        let mut z: Vec<DVec3> =
-            r.par_iter().zip(&self.inverse_diagonal).map(|(r, inverse)| *r * *inverse).collect();
+        let conditioned = |r: DVec3, row: usize| r * self.inverse_diagonal[row];
         // Rounded, which is no error: what is added to `u` is what takes its product off the residual.
-        let mut p: Vec<Vec3A> = z.par_iter().map(|z| z.as_vec3a()).collect();
-        let mut ap = vec![DVec3::ZERO; n];
-        let mut rz = sum(r.par_chunks(BLOCK).zip(z.par_chunks(BLOCK)).map(|(r, z)| dot(r, z)));
-        let mut change = z.iter().fold(DVec3::ZERO, |max, z| max.max(z.abs()));
-        let mut n_iterations = 0;
+        let mut p: Vec<Vec3A> =
+            r.par_iter().enumerate().map(|(row, r)| conditioned(*r, row).as_vec3a()).collect();
+        let mut rz = sum(r.par_chunks(BLOCK).zip(p.par_chunks(BLOCK)).map(|(r, z)| dot(z, r)));
+        let mut change = p.iter().fold(Vec3A::ZERO, |max, z| max.max(z.abs())).as_dvec3();
+        let (mut ap, mut n_iterations) = (vec![Vec3A::ZERO; n], 0);
         while change.cmpgt(TOLERANCE * largest).any() && n_iterations < MAX_ITERATIONS {
             n_iterations += 1;
-            let of_block = |(i, ap): (usize, &mut [DVec3])| {
+            let of_block = |(i, ap): (usize, &mut [Vec3A])| {
                 ap.iter_mut().zip(block(i)).for_each(|(ap, row)| *ap = self.matrix.times_single(row, &p));
-                p[block(i)].iter().zip(ap).fold(DVec3::ZERO, |sum, (p, ap)| sum + p.as_dvec3() * *ap)
+                p[block(i)]
+                    .iter()
+                    .zip(ap)
+                    .fold(DVec3::ZERO, |sum, (p, ap)| sum + p.as_dvec3() * ap.as_dvec3())
             };
             let step = ratio(rz, sum(ap.par_chunks_mut(BLOCK).enumerate().map(of_block)));
-            let parts = (u.par_chunks_mut(BLOCK), r.par_chunks_mut(BLOCK), z.par_chunks_mut(BLOCK));
-            let stepped = parts.into_par_iter().enumerate().map(|(i, (u, r, z))| {
+            let parts = u.par_chunks_mut(BLOCK).zip(r.par_chunks_mut(BLOCK)).enumerate();
+            let stepped = parts.map(|(i, (u, r))| {
                 let (mut product, mut largest) = (DVec3::ZERO, DVec3::ZERO);
                 for (k, row) in block(i).enumerate() {
                     u[k] += step * p[row].as_dvec3();
-                    r[k] -= step * ap[row];
-                    z[k] = r[k] * self.inverse_diagonal[row];
-                    product += r[k] * z[k];
-                    largest = largest.max(z[k].abs());
+                    r[k] -= step * ap[row].as_dvec3();
+                    let z = conditioned(r[k], row);
+                    product += r[k] * z;
+                    largest = largest.max(z.abs());
                 }
                 (product, largest)
             });
@@ -58,7 +60,8 @@ impl LeastSquares {
             let next = stepped.into_iter().fold(DVec3::ZERO, |sum, (product, _)| sum + product);
             let kept = ratio(next, rz);
             rz = next;
-            p.par_iter_mut().zip(&z).for_each(|(p, z)| *p = (*z + kept * p.as_dvec3()).as_vec3a());
+            let turned = |row: usize, p: Vec3A| (conditioned(r[row], row) + kept * p.as_dvec3()).as_vec3a();
+            p.par_iter_mut().enumerate().for_each(|(row, p)| *p = turned(row, *p));
         }
         // What is left goes to the nodes by their areas, so that power is conserved to rounding: the columns of the
         // matrix sum to the areas.
@@ -70,8 +73,8 @@ impl LeastSquares {
     }
 }
 
-fn dot(a: &[DVec3], b: &[DVec3]) -> DVec3 {
-    a.iter().zip(b).fold(DVec3::ZERO, |sum, (a, b)| sum + *a * *b)
+fn dot(a: &[Vec3A], b: &[DVec3]) -> DVec3 {
+    a.iter().zip(b).fold(DVec3::ZERO, |sum, (a, b)| sum + a.as_dvec3() * *b)
 }
 
 /// The sum of what blocks have, in their order.

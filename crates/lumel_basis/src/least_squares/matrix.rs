@@ -71,11 +71,11 @@ impl Matrix {
 
     /// A row times a vector in single precision: of half the memory, and all colours in one operation.
     #[inline]
-    pub(super) fn times_single(&self, row: usize, vector: &[Vec3A]) -> DVec3 {
+    pub(super) fn times_single(&self, row: usize, vector: &[Vec3A]) -> Vec3A {
         let begin = if row == 0 { 0 } else { self.ends[row - 1] };
         let row = begin as usize..self.ends[row] as usize;
         let terms = self.columns[row.clone()].iter().zip(&self.values[row]);
-        terms.fold(Vec3A::ZERO, |sum, (column, value)| sum + vector[column.index()] * *value).as_dvec3()
+        terms.fold(Vec3A::ZERO, |sum, (column, value)| sum + vector[column.index()] * *value)
     }
 
     /// A row times a vector.
