@@ -25,6 +25,7 @@ mod layers;
 mod light_entry;
 mod light_file;
 mod light_findings;
+mod max_edge;
 mod measure;
 mod method;
 mod open;
@@ -66,6 +67,7 @@ pub use lumel_scene::{
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
 pub use lumel_transport::{Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError};
+pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
 pub use open::{OpenError, OpenOptions, Opened, open};

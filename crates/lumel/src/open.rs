@@ -1,5 +1,6 @@
 //! From a name on the command line to a scene.
 
+use crate::max_edge::MaxEdge;
 use crate::project::{MaterialEntry, Project, ProjectError};
 use crate::settings::SettingsPatch;
 use crate::two_sided::make_two_sided;
@@ -12,8 +13,9 @@ use std::path::{Path, PathBuf};
 pub struct OpenOptions {
     /// Whether files may refer to files outside their folder.
     pub paths: PathPolicy,
-    /// Longest edge after tessellation, metres; replaces the project's.
-    pub max_edge: Option<f32>,
+    /// Longest edge after tessellation; replaces the project's. Where neither says, files get [`MaxEdge::Auto`] and built-in
+    /// scenes stay as they are.
+    pub max_edge: Option<MaxEdge>,
     /// Levels of refinement of a built-in scene; replaces the project's.
     pub subdivide: Option<u32>,
     /// Names of materials or objects that have two sides, whatever the files say; "all" for all.
@@ -31,6 +33,8 @@ pub struct Opened {
     pub settings: SettingsPatch,
     /// The project file, if it is one; for editing.
     pub project: Option<Project>,
+    /// The longest edge that suited the scene, if [`MaxEdge::Auto`] split any, metres.
+    pub auto_edge: Option<f32>,
 }
 
 /// Why a scene cannot be opened.
@@ -85,13 +89,15 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
         open_project(path, options)?
     } else {
         let (builder, warnings) = open_mesh(name, options.subdivide, options)?;
-        Opened { builder, warnings, settings: SettingsPatch::default(), project: None }
+        Opened { builder, warnings, settings: SettingsPatch::default(), project: None, auto_edge: None }
     };
     two_sided(name, &options.two_sided, &mut opened.builder, &mut opened.warnings);
-    if let Some(max_edge) = options.max_edge {
-        opened.warnings.append(opened.builder.tessellate(max_edge)?);
-    }
-    Ok(opened)
+    let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
+    let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
+    let max_edge = options.max_edge.or(of_project).unwrap_or(MaxEdge::usual(is_builtin));
+    let (auto_edge, warnings) = max_edge.apply(&mut opened.builder)?;
+    opened.warnings.append(warnings);
+    Ok(Opened { auto_edge, ..opened })
 }
 
 fn open_mesh(
@@ -129,10 +135,7 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
         }
     };
     apply(&project, path, options, &mut builder, &mut warnings)?;
-    if let (Some(max_edge), None) = (project.max_edge, options.max_edge) {
-        warnings.append(builder.tessellate(max_edge)?);
-    }
-    Ok(Opened { builder, warnings, settings: project.bake.clone(), project: Some(project) })
+    Ok(Opened { builder, warnings, settings: project.bake.clone(), project: Some(project), auto_edge: None })
 }
 
 fn resolve(project: &Path, reference: &Path, options: &OpenOptions) -> Result<PathBuf, OpenError> {

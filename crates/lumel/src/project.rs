@@ -1,6 +1,7 @@
 //! Project files: a scene with its lights, cameras and settings.
 
 use crate::light_entry::LightEntry;
+use crate::max_edge::MaxEdge;
 use crate::settings::SettingsPatch;
 use crate::sky_entry::SkyEntry;
 use glam::Vec3;
@@ -18,7 +19,7 @@ const MAX_SLOT: u8 = 9;
 /// ```
 /// let text = r#"
 ///     builtin = "cornell-box"       # or: scene = "room.glb", relative to this file
-///     max_edge = 0.05               # metres
+///     max_edge = 0.05               # metres, or "auto" or "off"
 ///
 ///     [[light]]
 ///     center = [0.0, 1.9, 0.0]
@@ -51,9 +52,9 @@ pub struct Project {
     /// Levels of refinement of a built-in scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub subdivide: Option<u32>,
-    /// Longest edge after tessellation, metres.
+    /// Longest edge after tessellation: metres, `"auto"` or `"off"`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_edge: Option<f32>,
+    pub max_edge: Option<MaxEdge>,
     /// Names of materials or objects that have two sides, whatever the mesh file says; `"all"` or `"*"` for all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub two_sided: Vec<String>,
@@ -303,7 +304,7 @@ mod tests {
             scene: Some("room.glb".into()),
             builtin: None,
             subdivide: Some(1),
-            max_edge: Some(0.1),
+            max_edge: Some(MaxEdge::Length(0.1)),
             two_sided: vec!["*".into()],
             sky: Some(SkyEntry::Color(Vec3::splat(0.3))),
             materials: vec![MaterialEntry { name: "wall".into(), albedo: Vec3::new(0.7, 0.2, 1.0) }],

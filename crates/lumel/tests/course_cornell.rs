@@ -26,7 +26,11 @@ fn light_2024_1() -> RectLight {
 }
 
 fn open(mesh: &Path) -> Arc<Scene> {
-    let mut opened = lumel::open(&mesh.to_string_lossy(), &lumel::OpenOptions::default()).unwrap();
+    let mut opened = lumel::open(
+        &mesh.to_string_lossy(),
+        &lumel::OpenOptions { max_edge: Some(lumel::MaxEdge::Off), ..Default::default() },
+    )
+    .unwrap();
     opened.builder.lights = vec![Light::Rect(light_2024_1())];
     Arc::new(opened.builder.build().unwrap().0)
 }

@@ -25,11 +25,13 @@ pub(crate) struct Loaded {
     pub(crate) patch: SettingsPatch,
     /// What was left out.
     pub(crate) warnings: Warnings,
+    /// The longest edge that suited the scene, if edges were split without a length, metres.
+    pub(crate) auto_edge: Option<f32>,
 }
 
 /// Opens and builds the scene.
 pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
-    let Opened { mut builder, mut warnings, settings: patch, .. } = open(args)?;
+    let Opened { mut builder, mut warnings, settings: patch, auto_edge, .. } = open(args)?;
     let new_lights = || args.lights.iter().filter_map(LightChoice::as_new);
     if new_lights().next().is_some() {
         builder.clear_lights();
@@ -42,7 +44,7 @@ pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
     }
     let (scene, more) = builder.build().map_err(|error| in_scene(error, args))?;
     warnings.append(more);
-    Ok(Loaded { scene: Arc::new(scene), patch, warnings })
+    Ok(Loaded { scene: Arc::new(scene), patch, warnings, auto_edge })
 }
 
 /// Like [`load`], and reports the warnings.

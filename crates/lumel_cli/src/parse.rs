@@ -37,12 +37,6 @@ fn finite(text: &str) -> Result<f32, String> {
     spec::number(text).map_err(|error| error.to_string())
 }
 
-/// A positive length, metres.
-pub(crate) fn length(text: &str) -> Result<f32, String> {
-    let length = finite(text)?;
-    if length > 0.0 { Ok(length) } else { Err("a length must be greater than zero".to_owned()) }
-}
-
 /// The largest allowed error, zero or more.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     let number: f64 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
@@ -174,7 +168,6 @@ mod tests {
         }
         assert_eq!(count(1..=8)("8"), Ok(8));
         assert!(count(1..=8)("0").is_err() && count(1..=8)("9").is_err() && count(1..=8)("1.5").is_err());
-        assert!(length("0").is_err() && length("NaN").is_err());
         assert!(range("1,0").is_err() && range("0,1") == Ok([0.0, 1.0]));
         assert!(tolerance("nan").is_err() && tolerance("-1").is_err() && tolerance("1e-3") == Ok(1e-3));
     }

@@ -2,7 +2,7 @@
 
 use crate::folder::with_files;
 use crate::scene::build;
-use lumel::{OpenOptions, Project};
+use lumel::{MaxEdge, OpenOptions, Project};
 use std::path::Path;
 
 /// A shorter edge makes many triangles of the scenes below.
@@ -34,7 +34,7 @@ fn open(project: &Project, path: &Path) {
         Some(_) => false,
         None => true,
     };
-    let is_coarse = project.max_edge.is_none_or(|edge| edge.is_nan() || edge >= LEAST_EDGE);
+    let is_coarse = !matches!(project.max_edge, Some(MaxEdge::Length(edge)) if edge < LEAST_EDGE);
     if !is_small || !is_coarse {
         return;
     }

@@ -13,6 +13,7 @@ mod camera;
 mod check;
 mod corners;
 mod creases;
+mod edge_length;
 mod error;
 mod face_list;
 mod hash;

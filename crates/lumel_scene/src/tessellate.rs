@@ -1,5 +1,6 @@
-//! Uniform tessellation.
+//! Tessellation.
 
+use crate::edge_length::EdgeLength;
 use crate::mesh::{Face, ObjectMesh};
 use crate::triangle::area;
 use crate::{SceneBuilder, SceneError, Warnings, normals};
@@ -7,8 +8,14 @@ use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-/// The most triangles that tessellation makes: about 20 GB of vertices, faces and bookkeeping.
-const MAX_RESULT: u64 = 200_000_000;
+/// The most triangles that tessellation makes: a solve of them takes about 20 GB without stored rays.
+const MAX_RESULT: u64 = 40_000_000;
+
+/// The most triangles that tessellation adds where no length is asked for: about 200,000 vertices.
+const MAX_ADDED: u64 = 400_000;
+
+/// Lengths grow by this until no more triangles than that are added.
+const COARSER: f64 = std::f64::consts::SQRT_2;
 
 impl SceneBuilder {
     /// Splits triangles at the midpoint of their longest edge until no edge is longer than `max_edge` metres.
@@ -29,30 +36,58 @@ impl SceneBuilder {
         if !(max_edge > 0.0 && max_edge.is_finite()) {
             return Err(SceneError::BadEdgeLength(max_edge));
         }
-        let too_fine = |triangles| SceneError::TooFine {
-            scene: self.name.clone(),
-            max_edge,
-            triangles,
-            limit: MAX_RESULT,
-        };
-        let smallest_area = 1e-12 * self.diagonal_squared();
-        let rule = Rule { max_edge: f64::from(max_edge), smallest_area };
-        let bound: f64 = self.objects.iter().map(|o| rule.fewest_triangles(o)).sum();
-        if bound > MAX_RESULT as f64 {
-            return Err(too_fine(bound as u64));
+        let rule = self.rule(EdgeLength::Uniform(f64::from(max_edge)));
+        // Nothing is made before it is known that it fits.
+        let bound: f64 = self.objects.iter().map(|o| rule.fewest_triangles(o, f64::from(max_edge))).sum();
+        let triangles = if bound > MAX_RESULT as f64 { bound as u64 } else { self.count(&rule, MAX_RESULT) };
+        if triangles > MAX_RESULT {
+            let scene = self.name.clone();
+            return Err(SceneError::TooFine { scene, max_edge, triangles, limit: MAX_RESULT });
         }
-        let mut warnings = Warnings::default();
+        Ok(self.split(&rule))
+    }
+
+    /// Splits triangles as [`tessellate`](Self::tessellate) does, by lengths that suit the scene.
+    ///
+    /// Edges get at most a 64th of the diagonal of the box around most of the triangles, growing away from it to a 64th of
+    /// the scene's diagonal; longer ones where more than about 200,000 vertices would be added. Meshes that are as fine
+    /// already stay as they are. Returns the length too, `None` if nothing was split.
+    pub fn tessellate_to_suit(&mut self) -> (Option<f32>, Warnings) {
+        let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
+        let given = self.objects.iter().map(|object| object.faces.len() as u64).sum::<u64>();
+        let limit = given.saturating_add(MAX_ADDED);
+        while self.count(&self.rule(length), limit) > limit {
+            length = length.scaled(COARSER);
+        }
+        let warnings = self.split(&self.rule(length));
+        let after = self.objects.iter().map(|object| object.faces.len() as u64).sum::<u64>();
+        ((after > given).then_some(length.shortest() as f32), warnings)
+    }
+
+    fn rule(&self, length: EdgeLength) -> Rule {
+        Rule { length, smallest_area: 1e-12 * self.diagonal_squared() }
+    }
+
+    /// The triangles that splitting would leave; gives up as soon as there are more than `limit`.
+    fn count(&self, rule: &Rule, limit: u64) -> u64 {
         let mut triangles = 0;
-        let mut objects = self.objects.clone();
-        for object in objects.iter_mut().filter(|o| has_whole_attributes(o)) {
-            rule.split(object, MAX_RESULT - triangles, &mut warnings);
-            triangles += object.faces.len() as u64;
-            if triangles > MAX_RESULT {
-                return Err(too_fine(triangles));
-            }
+        for object in &self.objects {
+            let left = limit.saturating_sub(triangles);
+            triangles += if has_whole_attributes(object) {
+                rule.count(object, left)
+            } else {
+                object.faces.len() as u64
+            };
         }
-        self.objects = objects;
-        Ok(warnings)
+        triangles
+    }
+
+    fn split(&mut self, rule: &Rule) -> Warnings {
+        let mut warnings = Warnings::default();
+        for object in self.objects.iter_mut().filter(|o| has_whole_attributes(o)) {
+            rule.split(object, &mut warnings);
+        }
+        warnings
     }
 }
 
@@ -64,15 +99,40 @@ fn has_whole_attributes(object: &ObjectMesh) -> bool {
 
 /// What is split.
 struct Rule {
-    /// Longer edges are split, metres.
-    max_edge: f64,
+    /// Longer edges are split.
+    length: EdgeLength,
     /// Triangles up to this area are left alone, m².
     smallest_area: f64,
 }
 
 impl Rule {
-    /// Splits the triangles of one object; gives up as soon as there are more than `limit`.
-    fn split(&self, object: &mut ObjectMesh, limit: u64, warnings: &mut Warnings) {
+    /// How many triangles the splitting of one object leaves; gives up as soon as there are more than `limit`.
+    fn count(&self, object: &ObjectMesh, limit: u64) -> u64 {
+        let (mut triangles, mut pending) = (0, Vec::new());
+        for face in &object.faces {
+            if !self.is_sound(object, face) {
+                triangles += 1;
+                continue;
+            }
+            pending.push(object.corners(face));
+            while let Some(corners) = pending.pop() {
+                if let Some(k) = self.edge_to_split(corners) {
+                    let [a, b, c] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
+                    let middle = middle(a, b);
+                    pending.extend([[middle, b, c], [a, middle, c]]);
+                } else {
+                    triangles += 1;
+                }
+                if triangles + pending.len() as u64 > limit {
+                    return triangles + pending.len() as u64;
+                }
+            }
+        }
+        triangles
+    }
+
+    /// Splits the triangles of one object.
+    fn split(&self, object: &mut ObjectMesh, warnings: &mut Warnings) {
         let faces = std::mem::take(&mut object.faces);
         let (sound, other) = faces.into_iter().partition(|f| self.is_sound(object, f));
         object.faces = sound;
@@ -89,10 +149,8 @@ impl Rule {
                         *midpoints.entry((a.min(b), a.max(b))).or_insert_with(|| add_middle(object, a, b));
                     pending.push([middle, b, c]);
                     pending.push([a, middle, c]);
-                } else if object.faces.len() as u64 <= limit {
-                    object.faces.push(Face { vertices, ..face });
                 } else {
-                    return;
+                    object.faces.push(Face { vertices, ..face });
                 }
             }
         }
@@ -105,7 +163,8 @@ impl Rule {
         let too_long = (0..3).filter(|&k| {
             let (a, b, _) = edge(k);
             let middle = middle(a, b);
-            length_squared(a, b) > self.max_edge * self.max_edge && middle != a && middle != b
+            let longest = self.length.at(middle.as_dvec3());
+            length_squared(a, b) > longest * longest && middle != a && middle != b
         });
         too_long.max_by(|&i, &j| {
             let ((a, b, opposite), (p, q, other)) = (edge(i), edge(j));
@@ -116,12 +175,11 @@ impl Rule {
         })
     }
 
-    /// A lower bound for the triangles an object will have.
+    /// A lower bound for the triangles an object will have with edges of at most `h`.
     ///
     /// A triangle with no edge above `h` has at most the area `√3/4·h²` of the equilateral one, and an edge of length
     /// `l` becomes at least `l/h` edges, each the side of another triangle.
-    fn fewest_triangles(&self, object: &ObjectMesh) -> f64 {
-        let h = self.max_edge;
+    fn fewest_triangles(&self, object: &ObjectMesh, h: f64) -> f64 {
         let pieces = |face| {
             let [a, b, c] = object.corners(face);
             let longest =
@@ -376,11 +434,66 @@ mod tests {
     }
 
     #[test]
-    fn splitting_stops_soon_after_the_limit() {
-        let rule = Rule { max_edge: 0.01, smallest_area: 0.0 };
-        let mut object = cube();
-        rule.split(&mut object, 1000, &mut Warnings::default());
-        assert_eq!(object.faces.len(), 1001);
+    fn counting_stops_soon_after_the_limit() {
+        let rule = |length| Rule { length: EdgeLength::Uniform(length), smallest_area: 0.0 };
+        assert_eq!(rule(0.01).count(&cube(), 1000), 1001);
+        assert_eq!(rule(0.3).count(&cube(), 10_000), tessellated(cube(), 0.3).faces.len() as u64);
+    }
+
+    #[test]
+    fn without_a_length_edges_suit_the_scene() {
+        let mut room = builder(vec![cube()]);
+        let (length, _) = room.tessellate_to_suit();
+        assert_eq!(length, Some((3f64.sqrt() / 64.0) as f32));
+        let longest = edge_lengths(&room.objects[0]).into_iter().fold(0.0, f64::max);
+        assert!(longest <= 3f64.sqrt() / 64.0);
+        // What is as fine already stays as it is.
+        let fine = room.objects.clone();
+        assert_eq!((room.tessellate_to_suit().0, room.objects), (None, fine));
+        let mut nothing = builder(Vec::new());
+        assert_eq!(nothing.tessellate_to_suit().0, None);
+        assert_eq!(builder(vec![mesh("point", &[[0.0; 3]; 3], &[[0, 1, 2]])]).tessellate_to_suit().0, None);
+    }
+
+    #[test]
+    fn a_room_on_a_wide_plane_is_as_fine_as_without() {
+        let mut room = cube();
+        room = tessellated(room, 0.3);
+        let plane = mesh("plane", &[[-1e3, -1.0, -1e3], [1e3, -1.0, -1e3], [0.0, -1.0, 1e3]], &[[0, 2, 1]]);
+        let mut alone = builder(vec![room.clone()]);
+        let mut both = builder(vec![room, plane]);
+        let ([(a, _), (b, _)], objects) =
+            ([alone.tessellate_to_suit(), both.tessellate_to_suit()], &both.objects);
+        assert_eq!(a, b);
+        assert_eq!(objects[0], alone.objects[0]);
+        assert!((100..20_000).contains(&objects[1].faces.len()), "{}", objects[1].faces.len());
+        // What met along edges still does.
+        let mut edges = BTreeSet::new();
+        for [x, y, z] in triangles(&objects[1]) {
+            edges.extend([(x, y), (y, z), (z, x)].map(|(p, q)| (bits(p), bits(q))));
+        }
+        let open = edges.iter().filter(|(p, q)| !edges.contains(&(*q, *p))).count();
+        assert!(open < objects[1].faces.len() / 4, "{open}");
+    }
+
+    #[test]
+    fn budgets_are_kept_and_scale_does_not_matter() {
+        let stacked = |scale: f32| {
+            let sheet = |i: i32| {
+                let mut sheet = cube();
+                sheet
+                    .positions
+                    .iter_mut()
+                    .for_each(|p| *p = (*p + Vec3::new(0.0, 0.0, 0.01 * i as f32)) * scale);
+                sheet
+            };
+            let mut many = builder((0..40).map(sheet).collect());
+            many.tessellate_to_suit();
+            many.objects.iter().map(|object| object.faces.len() as u64).sum::<u64>()
+        };
+        let n = stacked(1.0);
+        assert!((MAX_ADDED / 4..=MAX_ADDED + 480).contains(&n), "{n}");
+        assert_eq!(stacked(1024.0), n);
     }
 
     #[test]

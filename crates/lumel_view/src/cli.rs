@@ -2,7 +2,7 @@
 
 use crate::document::OpenRequest;
 use clap::Parser;
-use lumel::{OpenOptions, PathPolicy};
+use lumel::{MaxEdge, OpenOptions, PathPolicy};
 use std::path::PathBuf;
 
 /// Watch light arrive in a scene.
@@ -15,9 +15,9 @@ pub struct Cli {
     /// A mesh (.obj, .gltf, .glb, .ply), a project (.toml) or a built-in scene, such as cornell-box.
     pub scene: Option<String>,
 
-    /// Split edges longer than this many metres.
-    #[arg(long, value_name = "METRES", value_parser = positive)]
-    pub max_edge: Option<f32>,
+    /// Split edges longer than this: a length in metres, auto (the default for files) or off.
+    #[arg(long, value_name = "L|auto|off")]
+    pub max_edge: Option<MaxEdge>,
 
     /// Refine a built-in scene this many times.
     #[arg(long, value_name = "LEVELS")]
@@ -87,11 +87,6 @@ impl Cli {
         };
         self.scene.clone().map(|name| OpenRequest { name, options })
     }
-}
-
-fn positive(text: &str) -> Result<f32, String> {
-    let value: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if value > 0.0 && value.is_finite() { Ok(value) } else { Err("must be a number above zero".to_owned()) }
 }
 
 fn stops(text: &str) -> Result<f32, String> {

@@ -11,7 +11,7 @@
 use crate::camera::FlyCamera;
 use crate::document::{OpenRequest, error_text};
 use glam::Vec3;
-use lumel::{Checkpoint, LightEntry, OpenOptions, PathPolicy, Settings, SlotEntry};
+use lumel::{Checkpoint, LightEntry, MaxEdge, OpenOptions, PathPolicy, Settings, SlotEntry};
 use lumel_export::write_atomically;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, TryLockError};
@@ -29,8 +29,8 @@ const LOCK_END: &str = ".lock";
 pub struct Note {
     /// The scene: an absolute path, or a built-in.
     pub scene: String,
-    /// Longest edge after tessellation, metres.
-    pub max_edge: Option<f32>,
+    /// Longest edge after tessellation.
+    pub max_edge: Option<MaxEdge>,
     /// Levels of refinement of a built-in scene.
     pub subdivide: Option<u32>,
     /// What was made two-sided.
@@ -228,7 +228,7 @@ mod tests {
     fn note() -> Note {
         Note {
             scene: "cornell-box".into(),
-            max_edge: Some(0.1),
+            max_edge: Some(MaxEdge::Length(0.1)),
             subdivide: None,
             two_sided: Vec::new(),
             paths_anywhere: false,
@@ -252,7 +252,7 @@ mod tests {
         recovery.write(&note(), None).unwrap();
         let found = Recovery::left_behind(&folder.path().join("deeper"));
         assert_eq!(found, [LeftBehind { place: recovery.clone(), note: note() }]);
-        assert_eq!(found[0].note.request().options.max_edge, Some(0.1));
+        assert_eq!(found[0].note.request().options.max_edge, Some(MaxEdge::Length(0.1)));
         assert_eq!(found[0].note.summary(), "cornell-box: a solve stopped after 2 bounces");
         recovery.remove();
         assert_eq!(Recovery::left_behind(&folder.path().join("deeper")), []);

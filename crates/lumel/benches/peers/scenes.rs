@@ -2,7 +2,7 @@
 
 use crate::places::Places;
 use glam::Vec3;
-use lumel::{Light, OpenOptions, Scene};
+use lumel::{Light, MaxEdge, OpenOptions, Scene};
 use lumel_scene::Sides;
 
 #[path = "../common/sponza.rs"]
@@ -34,7 +34,13 @@ pub(crate) fn open(name: &str, places: Places, detail: Detail) -> Scene {
                 (Places::Surfaces, Detail::Usual) => 1.0,
                 (Places::Surfaces, Detail::Fine) => 0.5,
             });
-            (sponza::file().unwrap(), OpenOptions { max_edge, ..OpenOptions::default() })
+            (
+                sponza::file().unwrap(),
+                OpenOptions {
+                    max_edge: Some(max_edge.map_or(MaxEdge::Off, MaxEdge::Length)),
+                    ..OpenOptions::default()
+                },
+            )
         }
         _ => panic!("there is no scene {name} to compare renderers in"),
     };

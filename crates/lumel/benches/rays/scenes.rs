@@ -1,7 +1,7 @@
 //! The scenes that rays are traced in.
 
 use glam::Vec3;
-use lumel::{Light, OpenOptions, RectLight, Scene};
+use lumel::{Light, MaxEdge, OpenOptions, RectLight, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -29,7 +29,13 @@ pub(crate) fn open(name: &'static str) -> Result<TestScene, String> {
         "sponza" => (sponza::file()?, None, 0.04),
         other => (PathBuf::from(other), None, 0.04),
     };
-    let opened = lumel::open(&from.to_string_lossy(), &OpenOptions { max_edge, ..OpenOptions::default() });
+    let opened = lumel::open(
+        &from.to_string_lossy(),
+        &OpenOptions {
+            max_edge: Some(max_edge.map_or(MaxEdge::Off, MaxEdge::Length)),
+            ..OpenOptions::default()
+        },
+    );
     let scene = opened.map_err(|e| e.to_string())?.builder.build().map_err(|e| e.to_string())?.0;
     let own = scene
         .lights()

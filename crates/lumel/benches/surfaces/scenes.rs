@@ -2,7 +2,7 @@
 
 use crate::place::Place;
 use glam::Vec3;
-use lumel::{Light, OpenOptions, RectLight, Scene};
+use lumel::{Light, MaxEdge, OpenOptions, RectLight, Scene};
 use lumel_scene::{Radiance, Sides};
 use lumel_testkit::shared;
 use std::path::PathBuf;
@@ -68,7 +68,10 @@ fn build(from: Source, max_edge: Option<f32>) -> Result<Scene, String> {
         Source::Sponza => sponza::file()?,
         Source::Bathroom => shared_file("scenes/bathroom/bathroom.glb")?,
     };
-    let options = OpenOptions { max_edge, ..OpenOptions::default() };
+    let options = OpenOptions {
+        max_edge: Some(max_edge.map_or(MaxEdge::Off, MaxEdge::Length)),
+        ..OpenOptions::default()
+    };
     let mut builder = lumel::open(&path.to_string_lossy(), &options).map_err(|e| e.to_string())?.builder;
     match from {
         Source::BuiltIn(_) | Source::Shared(_) => {}

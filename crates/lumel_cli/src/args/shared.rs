@@ -3,7 +3,7 @@
 use crate::console::Messages;
 use crate::parse::{self, LightChoice};
 use clap::{Args, ValueEnum};
-use lumel::{LightKind, OpenOptions, PathPolicy, SkyEntry, spec};
+use lumel::{LightKind, MaxEdge, OpenOptions, PathPolicy, SkyEntry, spec};
 
 /// The largest number of threads; machines with more cores than that are not built.
 const MAX_THREADS: u32 = 1024;
@@ -41,10 +41,14 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub(crate) two_sided: Vec<String>,
 
-    /// Split edges longer than this, metres. Light is stored at vertices: fine shadows need short edges.
-    #[arg(long, value_name = "L", value_parser = parse::length, help_heading = "Scene")]
+    /// Split edges longer than this: a length in metres, auto or off.
+    ///
+    /// Light is stored at vertices: fine shadows need short edges. auto, the default for files, suits the scene: a 64th of
+    /// its diagonal, longer where more than 200,000 vertices would be added, and longer around the part where most of
+    /// the triangles are. Built-in scenes stay as they are.
+    #[arg(long, value_name = "L|auto|off", help_heading = "Scene")]
     #[arg(allow_negative_numbers = true)]
-    pub(crate) max_edge: Option<f32>,
+    pub(crate) max_edge: Option<MaxEdge>,
 
     /// Halve the edges of a built-in scene this many times, 0 to 5.
     #[arg(long, value_name = "N", help_heading = "Scene")]

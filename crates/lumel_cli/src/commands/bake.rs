@@ -70,7 +70,7 @@ impl BakeFiles {
 /// The bake on the threads of the pool.
 fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<Baked> {
     let (loaded, load_seconds) = run.timed("load", || load::load_and_warn(&args.scene, &run.console));
-    let Loaded { scene, patch, .. } = loaded?;
+    let Loaded { scene, patch, auto_edge, .. } = loaded?;
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
@@ -102,6 +102,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     };
     checkpoint.remove();
     let mut summary = Summary::new(&baker, &state, &solution, run.interrupt.control().rays(), &log);
+    summary.auto_edge = auto_edge;
     summary.resumed_bounces = first_bounce;
     summary.files = written;
     summary.seconds.load = load_seconds;

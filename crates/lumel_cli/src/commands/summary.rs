@@ -12,6 +12,8 @@ pub(crate) struct Summary {
     scene: String,
     vertices: usize,
     triangles: usize,
+    /// The longest edge that `--max-edge auto` chose, if it split any, metres.
+    pub(crate) auto_edge: Option<f32>,
     /// Vertices that could not be measured.
     invalid_vertices: usize,
     /// How the bounces were solved.
@@ -182,6 +184,7 @@ impl Summary {
             scene: scene.name().to_owned(),
             vertices: scene.vertex_count(),
             triangles: scene.triangle_count(),
+            auto_edge: None,
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
             method: baker.method().to_string(),
             steps: validity.into_iter().chain(bounces).chain(gather).chain(rounds).chain(layers).collect(),
@@ -211,7 +214,10 @@ impl Summary {
     pub(crate) fn text(&self) -> String {
         let vertices = counted(self.vertices, "vertex", "vertices");
         let triangles = counted(self.triangles, "triangle", "triangles");
-        let mut lines = vec![format!("scene {}: {vertices}, {triangles}", self.scene)];
+        let edges = self.auto_edge.map_or_else(String::new, |edge| {
+            format!("; edges split to at most {} m (--max-edge auto)", report::significant(f64::from(edge)))
+        });
+        let mut lines = vec![format!("scene {}: {vertices}, {triangles}{edges}", self.scene)];
         match self.invalid_vertices {
             0 => {}
             1 => lines.push("1 vertex lies inside geometry".to_owned()),

@@ -12,6 +12,7 @@ use crate::theme;
 use crate::wake::Wake;
 use crate::widgets::{modal, primary_button};
 use eframe::egui::{self, Button, RichText, TextEdit};
+use lumel::MaxEdge;
 use std::path::{Path, PathBuf};
 
 /// What a file is asked for.
@@ -37,8 +38,8 @@ pub struct FileDialog {
     pub purpose: FilePurpose,
     /// The path as it stands in the dialog.
     pub path: String,
-    /// Longest edge after tessellation, metres; 0 to leave edges alone.
-    pub max_edge: f32,
+    /// Longest edge after tessellation; `None` for what is usual.
+    pub max_edge: Option<MaxEdge>,
     note: String,
     problem: Option<String>,
     browsing: Option<Background<Option<PathBuf>>>,
@@ -47,13 +48,13 @@ pub struct FileDialog {
 
 impl FileDialog {
     fn new(purpose: FilePurpose, path: String) -> Self {
-        let (note, max_edge) = (String::new(), 0.0);
+        let (note, max_edge) = (String::new(), None);
         Self { purpose, path, max_edge, note, problem: None, browsing: None, focus: true }
     }
 
     /// Asks for a scene.
     pub fn open_scene(session: &Session) -> Self {
-        let max_edge = session.document.as_ref().and_then(|d| d.request.options.max_edge).unwrap_or(0.0);
+        let max_edge = session.document.as_ref().and_then(|d| d.request.options.max_edge);
         Self { max_edge, ..Self::new(FilePurpose::OpenScene, String::new()) }
     }
 
@@ -260,7 +261,7 @@ fn act(
     match dialog.purpose {
         FilePurpose::OpenScene => {
             let mut request = OpenRequest::new(name);
-            request.options.max_edge = (dialog.max_edge > 0.0).then_some(dialog.max_edge);
+            request.options.max_edge = dialog.max_edge;
             actions.push(Action::Open(request));
         }
         FilePurpose::SaveMesh => session.save_mesh(path, prefs.view.selection)?,

@@ -1,12 +1,16 @@
 //! What there is to open: built-in scenes and those opened last.
 
 use crate::theme;
-use crate::widgets::number;
 use eframe::egui::{self, Button, DragValue, RichText};
+use lumel::MaxEdge;
 use std::path::Path;
 
 /// Lists scenes; returns the one that is chosen.
-pub(super) fn choices(ui: &mut egui::Ui, recent: &[String], max_edge: &mut f32) -> Option<String> {
+pub(super) fn choices(
+    ui: &mut egui::Ui,
+    recent: &[String],
+    max_edge: &mut Option<MaxEdge>,
+) -> Option<String> {
     let mut chosen = None;
     ui.columns(2, |columns| {
         let [left, right] = columns else { return };
@@ -32,11 +36,35 @@ pub(super) fn choices(ui: &mut egui::Ui, recent: &[String], max_edge: &mut f32) 
     });
     ui.add_space(6.0);
     ui.separator();
-    let hint = "Longer edges are split when the scene is opened: light is stored at vertices. 0 leaves the mesh \
-                unchanged.";
-    let drag = DragValue::new(max_edge).speed(0.005).range(0.0..=1000.0).max_decimals(3).suffix(" m");
-    number(ui, "Longest edge", hint, drag);
+    longest_edge(ui, max_edge);
     chosen
+}
+
+/// The length that the drag value starts from, metres.
+const FIRST_LENGTH: f32 = 0.1;
+
+/// Chooses how finely a scene is tessellated when it is opened.
+fn longest_edge(ui: &mut egui::Ui, max_edge: &mut Option<MaxEdge>) {
+    let hint = "Longer edges are split when the scene is opened: light is stored at vertices. Automatic suits the size of \
+                the scene and leaves built-in scenes alone.";
+    let length = match max_edge {
+        Some(MaxEdge::Length(length)) => *length,
+        _ => FIRST_LENGTH,
+    };
+    let choices = [
+        ("Automatic", None),
+        ("As in the file", Some(MaxEdge::Off)),
+        ("At most", Some(MaxEdge::Length(length))),
+    ];
+    ui.horizontal(|ui| {
+        ui.label("Longest edge").on_hover_text(hint);
+        for (label, choice) in choices {
+            ui.radio_value(max_edge, choice, label).on_hover_text(hint);
+        }
+        if let Some(MaxEdge::Length(length)) = max_edge {
+            ui.add(DragValue::new(length).speed(0.005).range(1e-4..=1e4).max_decimals(4).suffix(" m"));
+        }
+    });
 }
 
 fn entry(ui: &mut egui::Ui, name: &str, hint: &str) -> egui::Response {
