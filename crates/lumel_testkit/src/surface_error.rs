@@ -36,6 +36,8 @@ pub struct SurfaceError {
     pub bias: f64,
     /// Standard error of `bias`.
     pub bias_error: f64,
+    /// Root mean square without the worst 2 % of the points, over that of the reference; its noise is in it.
+    pub trimmed: f64,
     /// The difference that 95 % of the points stay below, over the root mean square of the reference.
     ///
     /// The noise of the reference is in it.
@@ -132,6 +134,8 @@ impl<'a> Reference<'a> {
         distances.sort_by(f64::total_cmp);
         let n = distances.len();
         let power = powers.iter().sum::<f64>() / n as f64;
+        let best = &distances[..n - n / 50];
+        let trimmed = best.iter().map(|distance| distance * distance).sum::<f64>() / best.len() as f64;
         let percentile = |percent: usize| distances[(n * percent / 100).min(n - 1)] / power.sqrt();
         SurfaceError {
             rms,
@@ -143,6 +147,7 @@ impl<'a> Reference<'a> {
             },
             bias: mean.value - 1.0,
             bias_error: mean.error,
+            trimmed: (trimmed / power).sqrt(),
             percentile_95: percentile(95),
             percentile_99: percentile(99),
             n_points: n,

@@ -1,0 +1,54 @@
+//! Scenes of few triangles, tessellated to suit them, against light that is measured at random points.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
+
+use glam::{EulerRot, Quat, Vec3};
+use lumel::{Baker, BounceLimit, Control, Preset, Scene, SceneBuilder, Settings, Silent, SolveState};
+use lumel_basis::{Field, PointReceivers, VertexLighting};
+use lumel_testkit::mesh::{Facing, cuboid};
+use lumel_testkit::scene::{ceiling_light, grey, placed, reordered, scene};
+use lumel_testkit::{Reference, SurfaceError};
+use lumel_transport::{CpuTransport, Plan, Transport};
+use std::sync::Arc;
+
+/// A room of 12 triangles with a block of 12, lit from the ceiling.
+fn room() -> SceneBuilder {
+    let mut meshes = cuboid(Vec3::ZERO, Vec3::splat(2.0), 1, Facing::Inward, [0; 6]);
+    meshes.extend(cuboid(Vec3::new(0.7, 0.5, 0.0), Vec3::new(1.3, 1.2, 0.6), 1, Facing::Outward, [0; 6]));
+    let light = lumel::Light::Rect(ceiling_light(Vec3::new(1.0, 1.0, 1.98), 0.5, 0.5, 20.0));
+    scene(meshes, vec![grey(0.5, 0.0)], vec![light])
+}
+
+fn error(builder: SceneBuilder, settings: &Settings) -> (SurfaceError, Arc<Scene>) {
+    let scene = Arc::new(builder.build().unwrap().0);
+    let baker = Baker::new(Arc::clone(&scene), settings.clone());
+    let mut state = SolveState::new();
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    let values = baker.light_at_vertices(&state);
+    let plan = Plan { direct_samples: 256, indirect_samples: 256, seed: 1, ..Plan::default() };
+    let towards = |points: PointReceivers| -> Box<dyn Transport> {
+        let (scene, tracer) = (Arc::clone(baker.scene()), Arc::clone(baker.tracer()));
+        Box::new(CpuTransport::new(scene, tracer, Arc::clone(baker.basis()), Arc::new(points), plan))
+    };
+    // What the last bounce reflects is not in the light.
+    let reflecting = Field::sum(state.valid.len(), &state.bounces[..state.bounces.len() - 1]);
+    let reference = Reference::measured(&scene, 600, 3, towards, Some(&reflecting), 4);
+    println!("noise of the reference {:.4}", reference.noise());
+    (reference.error_of(&VertexLighting::new(&scene, &values).unwrap()), scene)
+}
+
+#[test]
+fn a_room_of_few_triangles_is_right_over_its_surface() {
+    let settings =
+        Settings { bounces: BounceLimit::Count(3), direct_samples: 32, ..Preset::Draft.settings() };
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.4, -1.1, 2.3);
+    let turned = reordered(placed(room(), turn, Vec3::new(20.0, -14.0, 8.0)));
+    for (place, mut builder) in [("as given", room()), ("turned, moved, reordered", turned)] {
+        let (as_it_is, _) = error(builder.clone(), &settings);
+        let (edge, _) = builder.tessellate_to_suit();
+        let (error, scene) = error(builder, &settings);
+        println!("{place}: {edge:?}, {} vertices: {error:?}, before {as_it_is:?}", scene.vertex_count());
+        assert!(as_it_is.trimmed > 0.1, "{place}: {as_it_is:?}");
+        assert!(error.trimmed < 0.03 && error.bias.abs() < 0.01, "{place}: {error:?}");
+    }
+}
