@@ -11,7 +11,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let baked = Bake::new(opened.builder).preset(Preset::Draft).run()?;
     // A line over the floor, from wall to wall.
     let points = (1..8).map(|i| (Vec3::new(0.07 * i as f32, 0.0, 0.28), Vec3::Y));
-    let points = PointReceivers::new(points).map_err(|i| format!("point {i} has no normal"))?;
+    let points =
+        PointReceivers::new(baked.baker().scene(), points).map_err(|i| format!("point {i} has no normal"))?;
     let measured = baked.measure(&points)?;
     for (i, (all, error)) in measured.irradiance.iter().zip(&measured.standard_error).enumerate() {
         let direct = measured.bounces[0][i];

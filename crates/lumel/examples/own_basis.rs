@@ -12,7 +12,7 @@ use lumel_basis::{
     Adjacency, Basis, ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site, reflecting_areas,
 };
 use lumel_sample::{Frame, uniform_triangle};
-use lumel_scene::{Scene, SurfacePoint, TriId, offset_along};
+use lumel_scene::{Scene, SurfacePoint, TriId};
 use lumel_solve::{Gather, Integrals, Operator, Silent, SolveState, Stop, solve};
 use lumel_transport::{CachedTransport, Control, CpuTransport, Plan};
 use std::sync::Arc;
@@ -88,7 +88,7 @@ impl Receivers for TriangleBasis {
         let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
         let normal = self.scene.geometric_normal(tri);
         Site {
-            origin: offset_along(self.scene.position(at), normal),
+            origin: self.scene.ray_origin(at),
             frame: Frame::from_normal(normal),
             skip: Some(self.scene.traced(tri)),
         }

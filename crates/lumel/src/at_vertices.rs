@@ -56,7 +56,7 @@ impl Baker {
         let errors = state.errors.as_ref();
         Solution {
             meta: SolutionMeta::new(self.scene(), settings),
-            positions: self.scene().positions().to_vec(),
+            positions: self.scene().world_positions().collect(),
             normals: self.scene().normals().to_vec(),
             irradiance: self.light_at_vertices(state),
             bounces: state.bounces.iter().map(at_vertices).collect(),

@@ -4,7 +4,7 @@ use crate::Baker;
 use lumel_accel::Ray;
 use lumel_basis::{Basis, Field};
 use lumel_sample::{Dim, Frame, SamplerKind, StreamKey, cosine_hemisphere};
-use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId, offset_along};
+use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 use lumel_solve::SolveState;
 
 /// Rays from the middle of a face that decide whether it can be seen.
@@ -34,7 +34,7 @@ impl Baker {
         let middle = SurfacePoint { tri, bary: Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 } };
         let normal = scene.geometric_normal(tri);
         let frame = Frame::from_normal(normal);
-        let origin = offset_along(scene.position(middle), normal);
+        let origin = scene.ray_origin(middle);
         let stream =
             SamplerKind::Sobol.for_count(RAYS).stream(StreamKey::new(0).element(tri.0), Dim::Validity);
         let meets_back = |i: &u32| {

@@ -19,6 +19,7 @@ mod at_vertices;
 mod bake;
 mod baker;
 mod dark;
+mod decimal;
 mod difference;
 mod file_format;
 mod layers;
@@ -45,6 +46,7 @@ mod workload;
 
 pub use bake::{Bake, BakeError, Baked};
 pub use baker::Baker;
+pub use decimal::decimal;
 pub use difference::{Difference, Percentiles};
 pub use file_format::{FileFormat, SaveError};
 pub use glam::{self, Vec3};

@@ -1,7 +1,8 @@
 //! Lights as texts describe them: in project files and on the command line, with the same keys.
 
+use crate::decimal::decimal;
 use crate::spec::SpecError;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use lumel_scene::{
     DirectionalLight, DiskLight, Light, PointLight, Radiance, RectLight, SphereLight, SpotLight, SunLight,
 };
@@ -107,10 +108,10 @@ pub struct LightEntry {
     pub kind: LightKind,
     /// Centre of a rectangle or a disk, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub center: Option<Vec3>,
+    pub center: Option<DVec3>,
     /// Position of a point or a spot, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub position: Option<Vec3>,
+    pub position: Option<DVec3>,
     /// Half of one edge of a rectangle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub u: Option<Vec3>,
@@ -126,7 +127,7 @@ pub struct LightEntry {
     pub direction: Option<Vec3>,
     /// A point that it faces, instead of `direction`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub toward: Option<Vec3>,
+    pub toward: Option<DVec3>,
     /// Radius of a disk, or of a point that is a sphere, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<f32>,
@@ -180,7 +181,7 @@ impl LightEntry {
         let light = match self.kind {
             LightKind::Rect => Light::Rect(self.rect()?),
             LightKind::Disk => Light::Disk(DiskLight {
-                center: required("center", self.center)?,
+                center: required("center", self.center)?.as_vec3(),
                 direction: self.facing(required("center", self.center)?)?,
                 radius: positive("radius", required("radius", self.radius)?)?,
                 radiance: Radiance(power("radiance", self.radiance)?),
@@ -190,6 +191,18 @@ impl LightEntry {
             LightKind::Sun => self.sun()?,
         };
         light.problem().map_or(Ok(light), problem)
+    }
+
+    /// The light elsewhere.
+    #[must_use]
+    pub fn moved(&self, by: DVec3) -> Self {
+        let moved = |place: Option<DVec3>| place.map(|place| place + by);
+        Self {
+            center: moved(self.center),
+            position: moved(self.position),
+            toward: moved(self.toward),
+            ..self.clone()
+        }
     }
 
     /// Every key that was given, by its name.
@@ -245,15 +258,16 @@ impl LightEntry {
             }
             [u, v]
         };
-        Ok(RectLight { center, u, v, radiance: Radiance(power("radiance", self.radiance)?), texture: None })
+        let radiance = Radiance(power("radiance", self.radiance)?);
+        Ok(RectLight { center: center.as_vec3(), u, v, radiance, texture: None })
     }
 
     /// The unit direction of its front.
-    fn facing(&self, from: Vec3) -> Result<Vec3, SpecError> {
+    fn facing(&self, from: DVec3) -> Result<Vec3, SpecError> {
         match (self.direction, self.toward) {
             (Some(_), Some(_)) => problem("give either direction or toward"),
             (Some(direction), None) => unit("direction", direction),
-            (None, Some(target)) => unit("toward", target - from),
+            (None, Some(target)) => unit("toward", (target - from).as_vec3()),
             (None, None) => problem("direction or toward is missing"),
         }
     }
@@ -261,7 +275,7 @@ impl LightEntry {
     fn point(&self) -> Result<PointLight, SpecError> {
         let range = self.range.map(|range| positive("range", range)).transpose()?;
         Ok(PointLight {
-            position: required("position", self.position)?,
+            position: required("position", self.position)?.as_vec3(),
             intensity: power("intensity", self.intensity)?,
             range: range.unwrap_or(f32::INFINITY),
         })
@@ -281,7 +295,7 @@ impl LightEntry {
 
     fn spot(&self) -> Result<SpotLight, SpecError> {
         let point = self.point()?;
-        let direction = self.facing(point.position)?;
+        let direction = self.facing(required("position", self.position)?)?;
         let outer = self.outer.unwrap_or(SPOT_DEG);
         let inner = self.inner.unwrap_or(0.0);
         if !(0.0 <= inner && inner < outer && outer <= 90.0) {
@@ -349,30 +363,34 @@ impl From<&Light> for LightEntry {
         let new = Self { kind: LightKind::of(light), ..Self::default() };
         let range = |range: f32| range.is_finite().then_some(range);
         match *light {
-            Light::Rect(RectLight { center, u, v, radiance, .. }) => {
-                Self { center: Some(center), u: Some(u), v: Some(v), radiance: Some(radiance.0), ..new }
-            }
+            Light::Rect(RectLight { center, u, v, radiance, .. }) => Self {
+                center: Some(decimal(center)),
+                u: Some(u),
+                v: Some(v),
+                radiance: Some(radiance.0),
+                ..new
+            },
             Light::Disk(DiskLight { center, direction, radius, radiance }) => Self {
-                center: Some(center),
+                center: Some(decimal(center)),
                 direction: Some(direction),
                 radius: Some(radius),
                 radiance: Some(radiance.0),
                 ..new
             },
             Light::Point(point) => Self {
-                position: Some(point.position),
+                position: Some(decimal(point.position)),
                 intensity: Some(point.intensity),
                 range: range(point.range),
                 ..new
             },
             Light::Sphere(sphere) => Self {
-                position: Some(sphere.center),
+                position: Some(decimal(sphere.center)),
                 intensity: Some(sphere.intensity()),
                 radius: Some(sphere.radius),
                 ..new
             },
             Light::Spot(SpotLight { point, direction, cos_inner, cos_outer }) => Self {
-                position: Some(point.position),
+                position: Some(decimal(point.position)),
                 direction: Some(direction),
                 intensity: Some(point.intensity),
                 inner: Some(cos_inner.min(1.0).acos().to_degrees()),
@@ -408,8 +426,8 @@ mod tests {
     fn examples_are_lights_that_survive_being_an_entry() {
         for kind in LightKind::ALL {
             let spec = crate::spec::light(kind.example()).unwrap();
-            assert_eq!(LightKind::of(&spec.light), kind);
-            let entry = LightEntry::from(&spec.light);
+            assert_eq!(LightKind::of(&spec.light().unwrap()), kind);
+            let entry = LightEntry::from(&spec.light().unwrap());
             let again = LightEntry::from(&entry.light().unwrap());
             let text = |entry: &LightEntry| toml::to_string(entry).unwrap();
             assert_eq!(toml::from_str::<LightEntry>(&text(&entry)).unwrap(), entry);
@@ -429,7 +447,7 @@ mod tests {
 
     #[test]
     fn rectangles_face_where_they_are_told_with_level_edges() {
-        let light = |text: &str| crate::spec::light(text).unwrap().light;
+        let light = |text: &str| crate::spec::light(text).unwrap().light().unwrap();
         let Light::Rect(rect) = light("rect center=1,2,3 toward=4,6,3 size=2,4 radiance=1,1,1") else {
             panic!("it is a rectangle")
         };
@@ -444,7 +462,7 @@ mod tests {
 
     #[test]
     fn suns_have_the_angle_of_the_sun_unless_they_say_otherwise() {
-        let sun = |text: &str| crate::spec::light(text).unwrap().light;
+        let sun = |text: &str| crate::spec::light(text).unwrap().light().unwrap();
         let Light::Sun(SunLight { sin_half_angle, .. }) = sun("sun direction=0,-1,0 irradiance=1,1,1") else {
             panic!("it has a size")
         };

@@ -159,7 +159,7 @@ impl LightFile {
         let same = match (self, other) {
             (Self::Solution(a), Self::Solution(b)) => a.meta.geometry_hash == b.meta.geometry_hash,
             (Self::Solution(a), Self::Rad(b)) | (Self::Rad(b), Self::Solution(a)) => {
-                position_md5(&a.positions) == b.position_md5
+                position_md5(a.positions.iter().copied()) == b.position_md5
             }
             (Self::Rad(a), Self::Rad(b)) => a.position_md5 == b.position_md5,
         };

@@ -194,8 +194,10 @@ impl Baker {
         mask: Option<&EmitterMask>,
         control: &Control,
     ) -> Result<Vec<f64>, TransportError> {
-        let points = places.iter().map(|place| (place.at, place.normal));
-        let Ok(receivers) = PointReceivers::new(points) else { return Ok(vec![0.0; places.len()]) };
+        let points = places.iter().map(|place| (self.scene().to_world(place.at), place.normal));
+        let Ok(receivers) = PointReceivers::new(self.scene(), points) else {
+            return Ok(vec![0.0; places.len()]);
+        };
         // Without closed forms, so that what is hidden gets exactly nothing however few rays there are.
         let light_sampling = LightSampling::Area;
         let plan = Plan { direct_samples: 4, indirect_samples: 16, light_sampling, ..self.settings().plan() };
@@ -237,7 +239,8 @@ mod tests {
     fn with(mut scene: SceneBuilder, lights: &[&str]) -> SceneBuilder {
         for light in lights {
             let spec = spec::light(light).unwrap();
-            scene.add_named_light(spec.name.unwrap_or_default(), spec.light);
+            let light = spec.light().unwrap();
+            scene.add_named_light(spec.name.unwrap_or_default(), light);
         }
         scene
     }

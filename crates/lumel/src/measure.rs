@@ -191,7 +191,7 @@ mod tests {
             let share = Vec3::new(f32::from((i % 20) as u8) + 0.5, 0.02, f32::from((i / 20) as u8) + 0.5);
             bounds.min + (bounds.max - bounds.min) * share / Vec3::new(20.0, 1.0, 20.0)
         };
-        let points = PointReceivers::new((0..400).map(|i| (at(i), Vec3::Y))).unwrap();
+        let points = PointReceivers::new(baker.scene(), (0..400).map(|i| (at(i), Vec3::Y))).unwrap();
         let measured = measure_points(&baker, &state, &points, &Control::default()).unwrap();
         assert_eq!(measured.bounce_errors.len(), 2);
         let variance = |errors: &Vec<Vec3>| errors.iter().map(|e| e.as_dvec3().length_squared()).sum::<f64>();

@@ -31,7 +31,8 @@ pub struct Opened {
     pub warnings: Warnings,
     /// The bake settings of its project file.
     pub settings: SettingsPatch,
-    /// The project file, if it is one; for editing.
+    /// The project file, if it is one; for editing. Its lights and views are [moved](Project::moved) to the coordinates of
+    /// the builder.
     pub project: Option<Project>,
     /// The longest edge that suited the scene, if [`MaxEdge::Auto`] split any, metres.
     pub auto_edge: Option<f32>,
@@ -134,6 +135,7 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
             (scene, Warnings::default())
         }
     };
+    let project = project.moved(-builder.origin);
     apply(&project, path, options, &mut builder, &mut warnings)?;
     Ok(Opened { builder, warnings, settings: project.bake.clone(), project: Some(project), auto_edge: None })
 }
@@ -206,7 +208,7 @@ fn two_sided(subject: &str, names: &[String], builder: &mut SceneBuilder, warnin
 mod tests {
     use super::*;
     use crate::{LightEntry, MaterialEntry};
-    use glam::Vec3;
+    use glam::{DVec3, Vec3};
 
     fn open_with(lights: Vec<LightEntry>) -> Opened {
         let folder = tempfile::tempdir().unwrap();
@@ -236,7 +238,7 @@ mod tests {
     #[test]
     fn lights_that_are_off_stay_in_the_project_and_out_of_the_scene() {
         let on = LightEntry {
-            center: Some(Vec3::ZERO),
+            center: Some(DVec3::ZERO),
             u: Some(Vec3::X),
             v: Some(Vec3::Z),
             radiance: Some(Vec3::ONE),

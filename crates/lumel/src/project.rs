@@ -1,10 +1,11 @@
 //! Project files: a scene with its lights, cameras and settings.
 
+use crate::decimal::decimal;
 use crate::light_entry::LightEntry;
 use crate::max_edge::MaxEdge;
 use crate::settings::SettingsPatch;
 use crate::sky_entry::SkyEntry;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_export::{ExportError, write_atomically};
 use lumel_scene::Camera;
 use serde::{Deserialize, Serialize};
@@ -112,9 +113,9 @@ pub struct CameraEntry {
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Position, metres.
-    pub position: Vec3,
+    pub position: DVec3,
     /// A point it looks at.
-    pub target: Vec3,
+    pub target: DVec3,
     /// The direction that is up in the picture.
     #[serde(default = "up")]
     pub up: Vec3,
@@ -196,6 +197,24 @@ impl Project {
         Ok(write_atomically(path, |out| out.write_all(text.as_bytes()))?)
     }
 
+    /// The project with its lights and views elsewhere: in the coordinates of a scene, whose
+    /// [origin](lumel_scene::SceneBuilder::origin) files do not know, or back in world space.
+    #[must_use]
+    pub fn moved(&self, by: DVec3) -> Self {
+        let lights = |lights: &[LightEntry]| lights.iter().map(|light| light.moved(by)).collect();
+        let slot = |slot: &SlotEntry| SlotEntry {
+            camera: slot.camera.moved(by),
+            lights: lights(&slot.lights),
+            ..slot.clone()
+        };
+        Self {
+            lights: lights(&self.lights),
+            cameras: self.cameras.iter().map(|camera| camera.moved(by)).collect(),
+            slots: self.slots.iter().map(slot).collect(),
+            ..self.clone()
+        }
+    }
+
     /// What is wrong although the types allow it.
     fn problem(&self) -> Option<String> {
         let patches = self.slots.iter().map(|slot| &slot.bake).chain([&self.bake]);
@@ -234,21 +253,33 @@ impl Project {
 impl CameraEntry {
     /// The camera.
     pub fn camera(&self) -> Camera {
-        let view = Camera::looking_at(&self.name, self.position, self.target, self.fov_deg.to_radians());
-        Camera { up: self.up, ..view }
+        Camera {
+            name: self.name.clone(),
+            position: self.position.as_vec3(),
+            forward: (self.target - self.position).as_vec3(),
+            up: self.up,
+            fov_y: self.fov_deg.to_radians(),
+        }
+    }
+
+    /// The viewpoint elsewhere.
+    #[must_use]
+    pub fn moved(&self, by: DVec3) -> Self {
+        Self { position: self.position + by, target: self.target + by, ..self.clone() }
     }
 }
 
 impl From<&Camera> for CameraEntry {
     /// The entry whose [`camera`](CameraEntry::camera) is this one, up to rounding and the length of `forward`.
     fn from(camera: &Camera) -> Self {
-        let Camera { position, forward, .. } = *camera;
+        let forward = camera.forward.as_dvec3();
+        let position = decimal(camera.position);
         // Far from the origin, a target close by would round to the position itself.
         let distance = forward.length().max(1e-3 * position.length());
         Self {
             name: camera.name.clone(),
             position,
-            target: position + distance * forward.try_normalize().unwrap_or(-Vec3::Z),
+            target: position + distance * forward.try_normalize().unwrap_or(DVec3::NEG_Z),
             up: camera.up,
             fov_deg: camera.fov_y.to_degrees(),
         }
@@ -278,7 +309,7 @@ mod tests {
     fn full() -> Project {
         let light = LightEntry {
             name: Some("window \"left\"".into()),
-            center: Some(Vec3::new(0.1, 2.4, -1e-7)),
+            center: Some(DVec3::new(0.1, 2.4, -1e-7)),
             u: Some(Vec3::X / 3.0),
             v: Some(Vec3::Z),
             radiance: Some(Vec3::new(10.0, 0.7, 1e6)),
@@ -289,8 +320,8 @@ mod tests {
         };
         let camera = CameraEntry {
             name: "door".into(),
-            position: Vec3::ONE,
-            target: Vec3::ZERO,
+            position: DVec3::ONE,
+            target: DVec3::ZERO,
             up: Vec3::Z,
             fov_deg: 35.5,
         };
@@ -342,11 +373,12 @@ mod tests {
             .filter(|f| f.is_finite())
             .chain([f32::MIN_POSITIVE, f32::MAX, 1e-45, -0.0])
             .collect();
-        let entry = |c: &[f32]| LightEntry { center: Some(Vec3::from_slice(c)), ..LightEntry::default() };
+        let entry =
+            |c: &[f32]| LightEntry { center: Some(Vec3::from_slice(c).as_dvec3()), ..LightEntry::default() };
         project.lights = floats.chunks_exact(3).map(entry).collect();
         let back: Project = toml::to_string(&project).unwrap().parse().unwrap();
         for (a, b) in project.lights.iter().zip(&back.lights) {
-            let bits = |entry: &LightEntry| entry.center.unwrap().to_array().map(f32::to_bits);
+            let bits = |entry: &LightEntry| entry.center.unwrap().to_array().map(f64::to_bits);
             assert_eq!(bits(a), bits(b));
         }
         assert_eq!(project.lights.len(), back.lights.len());

@@ -1,9 +1,10 @@
 //! Lights, skies and cameras written as text: `key=value` words, as on the command line. Every number is finite.
 
+use crate::CameraEntry;
 use crate::light_entry::{LightEntry, LightKind};
 use crate::sky_entry::{self, SkyEntry};
-use glam::{Vec2, Vec3};
-use lumel_scene::{Camera, Light};
+use glam::{DVec3, Vec2, Vec3};
+use std::str::FromStr;
 
 /// Vertical field of view of a camera without one, degrees.
 const FOV_DEG: f32 = 60.0;
@@ -18,29 +19,20 @@ impl SpecError {
     }
 }
 
-/// A light as a text describes it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightSpec {
-    /// What it is called, if the text says that.
-    pub name: Option<String>,
-    /// The light.
-    pub light: Light,
-}
-
 /// A light: its [kind](LightKind), then words `key=value` in any order, with the keys of [`LightEntry`] that the kind has,
 /// and `name=text` if needed.
 ///
 /// ```
 /// let spec = lumel::spec::light("rect center=0,2,0 direction=0,-1,0 size=1,1 radiance=10,10,10 name=ceiling")?;
 /// assert_eq!(spec.name.as_deref(), Some("ceiling"));
-/// let lumel::Light::Rect(rect) = spec.light else { panic!("it is a rectangle") };
+/// let lumel::Light::Rect(rect) = spec.light()? else { panic!("it is a rectangle") };
 /// assert_eq!((rect.area(), rect.normal()), (1.0, Some(-lumel::Vec3::Y)));
 /// # Ok::<(), lumel::spec::SpecError>(())
 /// ```
 ///
 /// # Errors
 /// Another kind, an unknown, missing or repeated key, and a value of the wrong kind.
-pub fn light(text: &str) -> Result<LightSpec, SpecError> {
+pub fn light(text: &str) -> Result<LightEntry, SpecError> {
     let text = text.trim();
     let (kind, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     let Some(kind) = LightKind::ALL.into_iter().find(|known| known.name() == kind) else {
@@ -53,13 +45,13 @@ pub fn light(text: &str) -> Result<LightSpec, SpecError> {
     let entry = LightEntry {
         kind,
         name: words.optional("name", word)?,
-        center: words.optional("center", vector)?,
-        position: words.optional("position", vector)?,
+        center: words.optional("center", place)?,
+        position: words.optional("position", place)?,
         u: words.optional("u", direction)?,
         v: words.optional("v", direction)?,
         size: words.optional("size", size)?,
         direction: words.optional("direction", direction)?,
-        toward: words.optional("toward", vector)?,
+        toward: words.optional("toward", place)?,
         radius: words.optional("radius", number)?,
         inner: words.optional("inner", number)?,
         outer: words.optional("outer", number)?,
@@ -70,7 +62,7 @@ pub fn light(text: &str) -> Result<LightSpec, SpecError> {
         range: words.optional("range", number)?,
         ..LightEntry::default()
     };
-    Ok(LightSpec { light: entry.light()?, name: entry.name })
+    entry.light().map(|_| entry)
 }
 
 /// A sky: `r,g,b`, `gradient zenith=r,g,b horizon=r,g,b ground=r,g,b` with the last optional, or the path of an
@@ -87,10 +79,10 @@ pub fn sky(text: &str) -> Result<SkyEntry, SpecError> {
 /// # Errors
 /// An unknown, missing or repeated key, a value of the wrong kind, a target that is the position, and a field of view
 /// outside 0 to 179 degrees.
-pub fn camera(text: &str) -> Result<Camera, SpecError> {
+pub fn camera(text: &str) -> Result<CameraEntry, SpecError> {
     let words = Words::parse(text, &["position", "target", "fov", "up"])?;
-    let position = words.require("position", vector)?;
-    let target = words.require("target", vector)?;
+    let position = words.require("position", place)?;
+    let target = words.require("target", place)?;
     let fov_deg = words.optional("fov", number)?.unwrap_or(FOV_DEG);
     let up = words.optional("up", direction)?.unwrap_or(Vec3::Y);
     if position == target {
@@ -99,7 +91,7 @@ pub fn camera(text: &str) -> Result<Camera, SpecError> {
     if !(fov_deg > 0.0 && fov_deg < 179.0) {
         return problem(format!("fov is {fov_deg} degrees; it must be between 0 and 179"));
     }
-    Ok(Camera { up, ..Camera::looking_at("command line", position, target, fov_deg.to_radians()) })
+    Ok(CameraEntry { name: "command line".to_owned(), position, target, up, fov_deg })
 }
 
 /// A finite number.
@@ -107,9 +99,13 @@ pub fn camera(text: &str) -> Result<Camera, SpecError> {
 /// # Errors
 /// Any other text.
 pub fn number(text: &str) -> Result<f32, SpecError> {
+    finite(text, |number: &f32| number.is_finite())
+}
+
+fn finite<F: FromStr>(text: &str, is_finite: impl Fn(&F) -> bool) -> Result<F, SpecError> {
     let text = text.trim();
-    match text.parse::<f32>() {
-        Ok(number) if number.is_finite() => Ok(number),
+    match text.parse() {
+        Ok(number) if is_finite(&number) => Ok(number),
         Ok(_) => problem(format!("{text} is not a finite number")),
         Err(_) => problem(format!("\"{text}\" is not a number")),
     }
@@ -120,9 +116,21 @@ pub fn number(text: &str) -> Result<f32, SpecError> {
 /// # Errors
 /// Any other text.
 pub fn vector(text: &str) -> Result<Vec3, SpecError> {
-    let numbers = text.split(',').map(number).collect::<Result<Vec<f32>, SpecError>>()?;
+    three(text, number).map(Vec3::from)
+}
+
+/// Three finite numbers that name a place in world space: `x,y,z`.
+///
+/// # Errors
+/// Any other text; numbers beyond single precision are not finite.
+pub fn place(text: &str) -> Result<DVec3, SpecError> {
+    three(text, |text| finite(text, |number: &f64| (*number as f32).is_finite())).map(DVec3::from)
+}
+
+fn three<T: Copy>(text: &str, number: impl Fn(&str) -> Result<T, SpecError>) -> Result<[T; 3], SpecError> {
+    let numbers = text.split(',').map(number).collect::<Result<Vec<T>, SpecError>>()?;
     match numbers[..] {
-        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        [x, y, z] => Ok([x, y, z]),
         _ => problem(format!("three numbers x,y,z are needed, not {}", numbers.len())),
     }
 }
@@ -213,6 +221,7 @@ impl<'a> Words<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lumel_scene::Light;
 
     const LIGHT: &str = "rect center=0,2,0 u=0.5,0,0 v=0,0,0.5 radiance=10,10,10";
 
@@ -228,8 +237,9 @@ mod tests {
     #[test]
     fn lights_say_which_key_is_wrong() {
         let good = light(LIGHT).unwrap();
-        let Light::Rect(rect) = good.light else { panic!("it is a rectangle") };
-        assert_eq!((rect.center, rect.area()), (Vec3::new(0.0, 2.0, 0.0), 1.0));
+        assert_eq!(good.center, Some(DVec3::new(0.0, 2.0, 0.0)));
+        let Light::Rect(rect) = good.light().unwrap() else { panic!("it is a rectangle") };
+        assert_eq!(rect.area(), 1.0);
         let named = light(&format!("{LIGHT} name=left")).unwrap();
         assert_eq!((good.name, named.name.as_deref()), (None, Some("left")));
         let problem = |text: &str| light(text).unwrap_err().to_string();
@@ -248,7 +258,7 @@ mod tests {
 
     #[test]
     fn cameras_need_a_position_and_a_target_apart_from_it() {
-        let view = camera("position=0,1,3 target=0,1,0 fov=50").unwrap();
+        let view = camera("position=0,1,3 target=0,1,0 fov=50").unwrap().camera();
         assert_eq!((view.forward, view.up), (Vec3::new(0.0, 0.0, -3.0), Vec3::Y));
         for bad in ["position=0,0,0", "position=0,0,0 target=0,0,0", "position=0,0,0 target=1,0,0 fov=180"] {
             assert!(camera(bad).is_err(), "{bad}");

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lumel_accel::{Ray, RayTracer};
 use lumel_sample::Frame;
 use lumel_sample::{Dim, PiecewiseConstant1D, Sampler, StreamKey, cosine_hemisphere, uniform_triangle};
-use lumel_scene::{Scene, SurfacePoint, TriId, offset_along};
+use lumel_scene::{Scene, SurfacePoint, TriId};
 
 /// Rays from surfaces that decide whether a scene is open.
 const RAYS: u32 = 1024;
@@ -22,7 +22,7 @@ pub fn suggested_light(scene: &Scene, tracer: &dyn RayTracer) -> String {
     let bounds = scene.bounds();
     let (middle, size) = (bounds.center(), bounds.max - bounds.min);
     let up = tracer.closest_hit(&Ray::new(middle, Vec3::Y)).map_or(0.5 * size.y, |hit| hit.t);
-    let [x, y, z] = middle.with_y(middle.y + 0.95 * up).to_array();
+    let [x, y, z] = scene.to_world(middle.with_y(middle.y + 0.95 * up)).to_array();
     let [width, depth] = [size.x, size.z].map(|side| (0.2 * side).max(0.001));
     format!(
         "--light 'rect center={x:.3},{y:.3},{z:.3} direction=0,-1,0 size={width:.3},{depth:.3} radiance=10,10,10'"
@@ -42,8 +42,8 @@ fn is_open(scene: &Scene, tracer: &dyn RayTracer) -> bool {
         let normal = scene.geometric_normal(tri);
         let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(directions.sample_2d(i)));
         if direction.y > 0.0 {
-            let at = scene.position(SurfacePoint { tri, bary: uniform_triangle([x, y]).into() });
-            let ray = Ray::new(offset_along(at, normal), direction).skipping(tri);
+            let at = SurfacePoint { tri, bary: uniform_triangle([x, y]).into() };
+            let ray = Ray::new(scene.ray_origin(at), direction).skipping(tri);
             upwards += 1.0;
             escaped += f32::from(u8::from(tracer.closest_hit(&ray).is_none()));
         }
@@ -70,7 +70,7 @@ mod tests {
             let (kind, value) = option.trim().split_once(' ').unwrap();
             let value = value.trim_matches('\'');
             match kind {
-                "light" => _ = builder.add_light(crate::spec::light(value).unwrap().light),
+                "light" => _ = builder.add_light(crate::spec::light(value).unwrap().light().unwrap()),
                 _ => {
                     let sky = crate::spec::sky(value).unwrap();
                     builder.sky = sky.load(None, &mut lumel_scene::Warnings::default()).unwrap();

@@ -91,7 +91,7 @@ fn light_of_a_lamp_over_a_floor_is_its_closed_form_everywhere() {
     let builder = scene(vec![floor(12)], vec![grey(0.0, 0.0)], vec![LAMP.light()]);
     for (place, builder, turn, shift) in placements(&builder) {
         let scene = built(builder);
-        let (back, shift) = (turn.as_dquat().inverse(), shift.as_dvec3());
+        let (back, shift) = (turn.as_dquat().inverse(), shift.as_dvec3() - scene.origin());
         let truth = |point: DVec3, normal: DVec3| LAMP.irradiance(back * (point - shift), back * normal);
         let reference = Reference::known(&scene, 4000, 1, truth);
         for (projection, solver) in ways() {
@@ -156,7 +156,7 @@ fn a_face_whose_corners_are_all_hidden_is_lit() {
     let builder = SceneBuilder { sky, ..scene(objects, vec![grey(0.0, 0.0)], vec![]) };
     for (place, builder, turn, shift) in placements(&builder) {
         let scene = built(builder);
-        let (middle, up) = (shift, turn * Vec3::Z);
+        let (middle, up) = (scene.to_local(shift.as_dvec3()), turn * Vec3::Z);
         for (projection, solver) in ways().filter(|(projection, _)| *projection != Projection::Point) {
             let values = solved(&scene, settings(projection, solver));
             let lighting = VertexLighting::new(&scene, &values).unwrap();
@@ -217,8 +217,8 @@ fn corners_of_the_cornell_box_are_not_darker_than_a_converged_solve_says() {
             tris.iter().flat_map(|&tri| thirds.iter().map(move |&bary| SurfacePoint { tri, bary })).collect()
         })
         .collect();
-    let sites = places.iter().flatten().map(|at| (scene.position(*at), scene.geometric_normal(at.tri)));
-    let points = PointReceivers::new(sites).unwrap();
+    let sites = places.iter().flatten().map(|at| (*at, scene.geometric_normal(at.tri)));
+    let points = PointReceivers::on_surfaces(&scene, sites).unwrap();
     let settings = |projection, seed| Settings {
         bounces: BounceLimit::Count(3),
         indirect_samples: 1024,

@@ -12,7 +12,7 @@ pub const SHADOW_END: f32 = 1.0 - 1e-4;
 /// A ray from `origin` along `direction`, up to and without `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts, in world space; push it off its surface with [`offset_along`](lumel_scene::offset_along).
+    /// Where it starts, in world space; pushed off its surface as [`RayOrigins`](lumel_scene::RayOrigins) are.
     pub origin: Vec3,
     /// Where it goes; of any length, in whose units `t` is measured.
     pub direction: Vec3,

@@ -2,7 +2,7 @@
 
 use crate::{Basis, ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site, VertexBasis};
 use lumel_sample::{Frame, uniform_triangle};
-use lumel_scene::{SurfacePoint, TriId, offset_along};
+use lumel_scene::{Barycentrics, TriId};
 use std::sync::Arc;
 
 /// Measures the nodes of a [`VertexBasis`] over the support of each hat function B: `∫BE dA / ∫B dA`.
@@ -40,9 +40,10 @@ impl AreaReceivers {
         let (scene, tri) = (self.basis.scene(), TriId(element.0));
         let normal = scene.geometric_normal(tri);
         let (frame, skip) = (Frame::from_normal(normal), Some(scene.traced(tri)));
+        let origins = scene.ray_origins(tri);
         move |u| {
-            let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
-            Site { origin: offset_along(scene.position(at), normal), frame, skip }
+            let bary = Barycentrics::from(uniform_triangle(u));
+            Site { origin: origins.at(bary.weights()), frame, skip }
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Light measured at points.
 
 use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_sample::Frame;
+use lumel_scene::{Scene, SurfacePoint};
 
 /// Points at which light is measured; each is a node of its own.
 ///
@@ -15,16 +16,38 @@ pub struct PointReceivers {
 }
 
 impl PointReceivers {
-    /// Receivers at points with normals of any length but zero.
+    /// Receivers at points in world space with normals of any length but zero.
     ///
-    /// The points are used as they are given. Put them on a surface or above it, not below.
+    /// Put the points on a surface or above it, not below: all that is allowed for is the
+    /// [rounding](Scene::ray_origin_at) of their coordinates.
     ///
     /// # Errors
     /// The index of the first point that is not finite or whose normal has no direction.
-    pub fn new(points: impl IntoIterator<Item = (Vec3, Vec3)>) -> Result<Self, usize> {
-        let site = |(i, (position, normal)): (usize, (Vec3, Vec3))| {
-            let normal = normal.try_normalize().filter(|_| position.is_finite()).ok_or(i)?;
-            let origin = lumel_scene::offset_along(position, normal);
+    pub fn new<P: Into<DVec3>>(
+        scene: &Scene,
+        points: impl IntoIterator<Item = (P, Vec3)>,
+    ) -> Result<Self, usize> {
+        Self::with_origins(points, |position, normal| scene.ray_origin_at(position.into(), normal))
+    }
+
+    /// Receivers at points of a scene's surfaces with normals of any length but zero.
+    ///
+    /// # Errors
+    /// The index of the first point whose normal has no direction.
+    pub fn on_surfaces(
+        scene: &Scene,
+        points: impl IntoIterator<Item = (SurfacePoint, Vec3)>,
+    ) -> Result<Self, usize> {
+        Self::with_origins(points, |at, _| scene.ray_origin(at))
+    }
+
+    fn with_origins<P>(
+        points: impl IntoIterator<Item = (P, Vec3)>,
+        origin: impl Fn(P, Vec3) -> Vec3,
+    ) -> Result<Self, usize> {
+        let site = |(i, (point, normal)): (usize, (P, Vec3))| {
+            let normal = normal.try_normalize().ok_or(i)?;
+            let origin = Some(origin(point, normal)).filter(|origin| origin.is_finite()).ok_or(i)?;
             Ok(Site { origin, frame: Frame::from_normal(normal), skip: None })
         };
         let sites: Vec<Site> = points.into_iter().enumerate().map(site).collect::<Result<_, usize>>()?;

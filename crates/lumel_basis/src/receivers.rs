@@ -20,7 +20,7 @@ impl ElementId {
 /// A place where light is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Site {
-    /// Where rays start: on the surface, pushed off it along its geometric normal.
+    /// Where rays start: on the surface, pushed off it as [`lumel_scene::RayOrigins`] are.
     pub origin: Vec3,
     /// The hemisphere that is measured, in world space.
     pub frame: Frame,

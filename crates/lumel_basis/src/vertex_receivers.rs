@@ -3,13 +3,20 @@
 use crate::{Basis, PointReceivers, Site, VertexBasis};
 use glam::DVec3;
 use lumel_sample::Frame;
-use lumel_scene::{Scene, TriId, offset_along};
+use lumel_scene::{Scene, TriId};
 
 /// How far a vertex's rays start inside its ring of triangles, as a share of the way to the ring's centre.
 ///
 /// It puts the corners of a room inside the room: without it a corner vertex loses or leaks whole octants of its
 /// hemisphere. A thousandth of a triangle is too little to shift the light.
 const INSET: f64 = 1e-3;
+
+/// They start at least this many [clearances](Scene::clearance) from the edges of the ring: beyond the rounding of the walls
+/// that rise there.
+const LEAST_INSET: f64 = 4.0;
+
+/// But at most this share of the way: of triangles that are hardly wider than rounding, more would leave the ring.
+const MOST_INSET: f64 = 0.25;
 
 impl PointReceivers {
     /// Measures the nodes of a [`VertexBasis`] at their vertices.
@@ -27,6 +34,11 @@ impl PointReceivers {
 struct Ring {
     vertex: u32,
     area: f64,
+    /// The largest offset and clearance of its triangles, metres.
+    offset: f64,
+    clearance: f64,
+    /// The least height of its triangles, metres.
+    height: f64,
     weighted_centroid: DVec3,
     weighted_normal: DVec3,
 }
@@ -35,6 +47,9 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
     let zero = |&vertex: &u32| Ring {
         vertex,
         area: 0.0,
+        offset: 0.0,
+        clearance: 0.0,
+        height: f64::INFINITY,
         weighted_centroid: DVec3::ZERO,
         weighted_normal: DVec3::ZERO,
     };
@@ -44,9 +59,14 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
         let [a, b, c] = scene.triangle_positions(tri).map(|p| p.as_dvec3());
         let normal = 0.5 * (b - a).cross(c - a);
         let area = normal.length();
+        let [offset, clearance] = [scene.offset(tri), scene.clearance(tri)].map(f64::from);
+        let height = scene.least_height(tri);
         for node in basis.nodes_of(tri) {
             let ring = &mut rings[node.index()];
             ring.area += area;
+            ring.offset = ring.offset.max(offset);
+            ring.clearance = ring.clearance.max(clearance);
+            ring.height = ring.height.min(height);
             ring.weighted_centroid += (a + b + c) * (area / 3.0);
             ring.weighted_normal += normal;
         }
@@ -59,14 +79,15 @@ impl Ring {
         let vertex = scene.positions()[self.vertex as usize].as_dvec3();
         let shading = scene.normals()[self.vertex as usize];
         let normal = self.weighted_normal.try_normalize().unwrap_or_else(|| shading.as_dvec3());
-        let inward = INSET * (self.weighted_centroid / self.area.max(f64::MIN_POSITIVE) - vertex);
+        // The centre of a triangle is a third of a height away from an edge.
+        let inset = INSET.max(LEAST_INSET * 3.0 * self.clearance / self.height).min(MOST_INSET);
+        let inward = inset * (self.weighted_centroid / self.area.max(f64::MIN_POSITIVE) - vertex);
         // Around a convex vertex the ring's centre lies below the tangent plane, inside the solid: start on the
         // plane instead, from which no ray of the hemisphere can enter it.
         let lifted = vertex + inward + normal * (-inward.dot(normal)).max(0.0);
-        let normal = normal.as_vec3();
         Site {
-            origin: offset_along(lifted.as_vec3(), normal),
-            frame: Frame::from_normal(normal),
+            origin: (lifted + normal * self.offset).as_vec3(),
+            frame: Frame::from_normal(normal.as_vec3()),
             // Around a concave vertex the ring's triangles rise above the origin and are seen from it.
             skip: None,
         }

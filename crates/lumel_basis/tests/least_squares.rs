@@ -188,7 +188,8 @@ fn errors_are_the_same_on_meshes_that_are_moved_turned_and_reordered() {
         faces.sort_by(|a, b| a.0.total_cmp(&b.0));
         mesh.faces = faces.into_iter().map(|(_, face)| face).collect();
         let moved = basis(vec![mesh]);
-        let f = |p: DVec3| smooth(back(p));
+        let origin = moved.scene().origin();
+        let f = |p: DVec3| smooth(back(p + origin));
         let error = error(&moved, &way.field(&moved, &f), &f);
         assert!((error / known[1] - 1.0).abs() < 0.15, "{way:?}: {error}");
     }

@@ -5,7 +5,6 @@ use crate::console::Console;
 use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
 use glam::Vec3;
-use lumel::spec::LightSpec;
 use lumel::{
     Baker, Bvh, Control, EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings,
     SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
@@ -36,8 +35,9 @@ pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
     if new_lights().next().is_some() {
         builder.clear_lights();
     }
-    for LightSpec { name, light } in new_lights() {
-        builder.add_named_light(name.clone().unwrap_or_default(), *light);
+    for entry in new_lights() {
+        let light = entry.moved(-builder.origin).light()?;
+        builder.add_named_light(entry.name.clone().unwrap_or_default(), light);
     }
     if let Some(sky) = &args.sky {
         builder.sky = sky.load(sky.file(), &mut warnings)?;

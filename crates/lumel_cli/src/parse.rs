@@ -1,7 +1,7 @@
 //! Values on the command line. Every number is finite.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumel::{Camera, LightKind, spec};
+use lumel::{CameraEntry, LightEntry, LightKind, spec};
 use lumel_render_cpu::{MAX_PIXELS, Show, ToneMapper};
 use std::ops::RangeInclusive;
 
@@ -55,14 +55,14 @@ pub(crate) fn count(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum LightChoice {
     /// A new light.
-    New(spec::LightSpec),
+    New(LightEntry),
     /// The light of a layer, by its name.
     Layer(String),
 }
 
 impl LightChoice {
     /// The new light.
-    pub(crate) fn as_new(&self) -> Option<&spec::LightSpec> {
+    pub(crate) fn as_new(&self) -> Option<&LightEntry> {
         match self {
             Self::New(spec) => Some(spec),
             Self::Layer(_) => None,
@@ -98,7 +98,7 @@ pub(crate) enum CameraChoice {
     /// By name.
     Named(String),
     /// `position=x,y,z target=x,y,z fov=deg`.
-    Free(Camera),
+    Free(CameraEntry),
 }
 
 /// The name of a camera, or `position=x,y,z target=x,y,z fov=deg up=x,y,z` with the last two optional.
@@ -156,7 +156,7 @@ mod tests {
     fn cameras_are_names_or_places() {
         assert_eq!(camera("front door"), Ok(CameraChoice::Named("front door".into())));
         let CameraChoice::Free(free) = camera(CAMERA_EXAMPLE).unwrap() else { panic!("not a name") };
-        assert_eq!(free.forward, Vec3::new(0.0, 0.0, -3.0));
+        assert_eq!(free.camera().forward, Vec3::new(0.0, 0.0, -3.0));
         assert!(camera("position=0,0,0").unwrap_err().contains("hint:"));
     }
 

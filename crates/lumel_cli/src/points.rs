@@ -3,7 +3,8 @@
 use crate::args::MeasureArgs;
 use crate::failure::hinted;
 use anyhow::bail;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use lumel::Scene;
 use lumel_basis::PointReceivers;
 use lumel_export::{ArrayData, NpzReader};
 use std::path::Path;
@@ -11,8 +12,8 @@ use std::path::Path;
 /// Points and their normals.
 #[derive(Debug)]
 pub(crate) struct Points {
-    /// Metres.
-    pub(crate) positions: Vec<Vec3>,
+    /// In world space, metres.
+    pub(crate) positions: Vec<DVec3>,
     /// Of any non-zero length.
     pub(crate) normals: Vec<Vec3>,
 }
@@ -34,7 +35,8 @@ impl Points {
 
     fn read(path: &Path) -> anyhow::Result<Self> {
         let mut npz = NpzReader::open(path)?;
-        let (positions, normals) = (vectors(&mut npz, "points")?, vectors(&mut npz, "normals")?);
+        let positions = vectors(&mut npz, "points")?;
+        let normals: Vec<Vec3> = vectors(&mut npz, "normals")?.iter().map(|v| v.as_vec3()).collect();
         let (n, m) = (positions.len(), normals.len());
         if n != m {
             bail!("there are {n} points and {m} normals: {}", path.display());
@@ -46,23 +48,23 @@ impl Points {
     }
 
     /// The receivers at the points.
-    pub(crate) fn receivers(&self) -> anyhow::Result<PointReceivers> {
+    pub(crate) fn receivers(&self, scene: &Scene) -> anyhow::Result<PointReceivers> {
         let pairs = self.positions.iter().copied().zip(self.normals.iter().copied());
-        PointReceivers::new(pairs)
+        PointReceivers::new(scene, pairs)
             .map_err(|i| anyhow::anyhow!("point {i} is not finite, or its normal has no direction"))
     }
 }
 
-fn vectors(npz: &mut NpzReader, name: &str) -> anyhow::Result<Vec<Vec3>> {
+fn vectors(npz: &mut NpzReader, name: &str) -> anyhow::Result<Vec<DVec3>> {
     let array = npz.array(name)?;
-    let numbers: Vec<f32> = match (&array.shape[..], array.data) {
-        ([_, 3], ArrayData::F32(values)) => values,
-        ([_, 3], ArrayData::F64(values)) => values.into_iter().map(|value| value as f32).collect(),
+    let numbers: Vec<f64> = match (&array.shape[..], array.data) {
+        ([_, 3], ArrayData::F32(values)) => values.into_iter().map(f64::from).collect(),
+        ([_, 3], ArrayData::F64(values)) => values,
         (shape, data) => bail!(
             "\"{name}\" has the shape {shape:?} of {}, not (n, 3) of <f4 or <f8: {}",
             data.descr(),
             npz.path().display()
         ),
     };
-    Ok(numbers.chunks_exact(3).map(Vec3::from_slice).collect())
+    Ok(numbers.chunks_exact(3).map(DVec3::from_slice).collect())
 }

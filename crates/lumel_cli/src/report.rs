@@ -60,6 +60,15 @@ pub(crate) fn triple(values: [f32; 3]) -> String {
     values.map(|value| significant(f64::from(value))).join(" ")
 }
 
+/// A place in world space: five significant digits, or millimetres where those are less.
+pub(crate) fn place(position: [f64; 3]) -> String {
+    let coordinate = |value: f64| match value.abs() {
+        10_000.0.. => format!("{value:.3}").trim_end_matches('0').trim_end_matches('.').to_owned(),
+        _ => significant(value),
+    };
+    position.map(coordinate).join(" ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,7 @@
 
 mod text;
 
+use glam::Vec3;
 use lumel::{Emitter, Light, LightLayer, Scene, Settings, Sky, light_layers};
 use lumel_scene::{Barycentrics, MaterialId, Sides, SurfacePoint, TextureRef, TriId};
 use serde::Serialize;
@@ -14,7 +15,8 @@ pub(crate) struct SceneReport {
     vertices: usize,
     objects: Vec<String>,
     materials: Vec<MaterialReport>,
-    bounds: [[f32; 3]; 2],
+    /// In world space.
+    bounds: [[f64; 3]; 2],
     size: [f32; 3],
     /// Area of all lit sides, m².
     area: f64,
@@ -69,13 +71,13 @@ struct LightReport {
 #[derive(Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum LightKind {
-    Rect { center: [f32; 3], size: [f32; 2], normal: [f32; 3], radiance: [f32; 3], power: [f32; 3] },
-    Point { position: [f32; 3], intensity: [f32; 3], power: [f32; 3] },
-    Spot { position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], outer_angle_deg: f32 },
+    Rect { center: [f64; 3], size: [f32; 2], normal: [f32; 3], radiance: [f32; 3], power: [f32; 3] },
+    Point { position: [f64; 3], intensity: [f32; 3], power: [f32; 3] },
+    Spot { position: [f64; 3], direction: [f32; 3], intensity: [f32; 3], outer_angle_deg: f32 },
     Directional { direction: [f32; 3], irradiance: [f32; 3] },
     Sun { direction: [f32; 3], irradiance: [f32; 3], angle_deg: f32 },
-    Disk { center: [f32; 3], radius: f32, normal: [f32; 3], radiance: [f32; 3], power: [f32; 3] },
-    Sphere { center: [f32; 3], radius: f32, radiance: [f32; 3], power: [f32; 3] },
+    Disk { center: [f64; 3], radius: f32, normal: [f32; 3], radiance: [f32; 3], power: [f32; 3] },
+    Sphere { center: [f64; 3], radius: f32, radiance: [f32; 3], power: [f32; 3] },
 }
 
 /// Emitters that share a name.
@@ -98,7 +100,7 @@ struct Emissive {
 #[derive(Debug, Serialize)]
 struct CameraReport {
     name: String,
-    position: [f32; 3],
+    position: [f64; 3],
     forward: [f32; 3],
     fov_deg: f32,
 }
@@ -119,10 +121,15 @@ impl SceneReport {
             vertices: scene.vertex_count(),
             objects: scene.object_names().to_vec(),
             materials: materials(scene),
-            bounds: [bounds.min.to_array(), bounds.max.to_array()],
+            bounds: [bounds.min, bounds.max].map(|corner| world(scene, corner)),
             size: (bounds.max - bounds.min).to_array(),
             area: tris().map(|tri| f64::from(scene.area(tri))).sum(),
-            lights: scene.lights().iter().zip(scene.light_names()).map(light).collect(),
+            lights: scene
+                .lights()
+                .iter()
+                .zip(scene.light_names())
+                .map(|light| light_report(scene, light))
+                .collect(),
             layers: light_layers(scene, &Settings::default()).iter().map(layer).collect(),
             emissive: Emissive::of(scene),
             sky: scene.sky().mean().0.to_array(),
@@ -131,7 +138,7 @@ impl SceneReport {
                 Sky::Gradient(_) => "gradient",
                 Sky::Image(_) => "image",
             },
-            cameras: scene.cameras().iter().map(camera).collect(),
+            cameras: scene.cameras().iter().map(|camera| camera_report(scene, camera)).collect(),
             warnings,
         }
     }
@@ -198,26 +205,31 @@ fn layer(layer: &LightLayer) -> LayerReport {
     LayerReport { name: layer.name.clone(), lights: layer.emitters.len() - materials, materials }
 }
 
-fn light((light, name): (&Light, &String)) -> LightReport {
-    LightReport { name: name.clone(), kind: kind(light) }
+/// A point of the scene in world space; as it is written where it is the same.
+fn world(scene: &Scene, local: Vec3) -> [f64; 3] {
+    (scene.origin() + lumel::decimal(local)).to_array()
 }
 
-fn kind(light: &Light) -> LightKind {
+fn light_report(scene: &Scene, (light, name): (&Light, &String)) -> LightReport {
+    LightReport { name: name.clone(), kind: kind(scene, light) }
+}
+
+fn kind(scene: &Scene, light: &Light) -> LightKind {
     match light {
         Light::Rect(rect) => LightKind::Rect {
-            center: rect.center.to_array(),
+            center: world(scene, rect.center),
             size: [2.0 * rect.u.length(), 2.0 * rect.v.length()],
             normal: rect.normal().unwrap_or_default().to_array(),
             radiance: rect.radiance.0.to_array(),
             power: rect.radiance.power(rect.area()).to_array(),
         },
         Light::Point(point) => LightKind::Point {
-            position: point.position.to_array(),
+            position: world(scene, point.position),
             intensity: point.intensity.to_array(),
             power: lumel_scene::Radiance(4.0 * point.intensity).radiosity().0.to_array(),
         },
         Light::Spot(spot) => LightKind::Spot {
-            position: spot.point.position.to_array(),
+            position: world(scene, spot.point.position),
             direction: spot.direction.to_array(),
             intensity: spot.point.intensity.to_array(),
             outer_angle_deg: spot.cos_outer.acos().to_degrees(),
@@ -232,14 +244,14 @@ fn kind(light: &Light) -> LightKind {
             angle_deg: 2.0 * sun.sin_half_angle.asin().to_degrees(),
         },
         Light::Disk(disk) => LightKind::Disk {
-            center: disk.center.to_array(),
+            center: world(scene, disk.center),
             radius: disk.radius,
             normal: disk.direction.to_array(),
             radiance: disk.radiance.0.to_array(),
             power: disk.radiance.power(disk.area()).to_array(),
         },
         Light::Sphere(sphere) => LightKind::Sphere {
-            center: sphere.center.to_array(),
+            center: world(scene, sphere.center),
             radius: sphere.radius,
             radiance: sphere.radiance.0.to_array(),
             power: sphere.radiance.power(sphere.area()).to_array(),
@@ -247,10 +259,10 @@ fn kind(light: &Light) -> LightKind {
     }
 }
 
-fn camera(camera: &lumel::Camera) -> CameraReport {
+fn camera_report(scene: &Scene, camera: &lumel::Camera) -> CameraReport {
     CameraReport {
         name: camera.name.clone(),
-        position: camera.position.to_array(),
+        position: world(scene, camera.position),
         forward: camera.forward.normalize_or_zero().to_array(),
         fov_deg: camera.fov_y.to_degrees(),
     }

@@ -7,6 +7,7 @@ mod primitive;
 use crate::display::finite_irradiance;
 use crate::{ColorScale, ExportError, write_atomically};
 use binary::Binary;
+use glam::DVec3;
 use lumel_basis::Lighting;
 use lumel_scene::Scene;
 use material::Materials;
@@ -21,7 +22,7 @@ const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 
 /// Writes the lit scene as a GLB file, atomically. Returns the exposure used.
 ///
-/// Every object is a mesh with one primitive per material. Its vertices carry
+/// Every object is a mesh with one primitive per material, at a node that moves it where a scene is far from the origin. Its vertices carry
 /// - `_IRRADIANCE`: irradiance, W·m⁻² (lux if the lights are photometric), linear Rec. 709, exact;
 /// - `COLOR_0`: radiance of a white surface under that irradiance, times the exposure, clamped to 0..=1.
 ///
@@ -106,11 +107,15 @@ fn add_meshes(document: &mut Value, binary: &mut Binary, streams: &Streams<'_>) 
     for (primitive, json) in streams.primitives.iter().zip(described) {
         by_object.entry(primitive.object.0).or_default().push(json);
     }
-    let names = streams.scene.object_names();
+    let (names, origin) = (streams.scene.object_names(), streams.scene.origin());
     let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
     for (object, primitives) in by_object {
         let name = &names[object as usize];
-        nodes.push(json!({ "name": name, "mesh": meshes.len() }));
+        let mut node = json!({ "name": name, "mesh": meshes.len() });
+        if origin != DVec3::ZERO {
+            node["translation"] = json!(origin.to_array());
+        }
+        nodes.push(node);
         meshes.push(json!({ "name": name, "primitives": primitives }));
     }
     let all: Vec<usize> = (0..nodes.len()).collect();

@@ -1,7 +1,7 @@
 //! What saved light is made of: members of archives that must be well formed.
 
 use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
@@ -77,6 +77,16 @@ pub(crate) fn read_vectors(npz: &mut NpzReader, name: &str) -> Result<Vec<Vec3>,
     match (array.shape.as_slice(), &array.data) {
         ([_, 3], ArrayData::F32(values)) => Ok(vectors(values)),
         _ => Err(wrong_shape(npz, name, "(n, 3) of <f4", &array)),
+    }
+}
+
+/// Positions, which have double precision where single does not hold them.
+pub(crate) fn read_positions(npz: &mut NpzReader, name: &str) -> Result<Vec<DVec3>, SolutionError> {
+    let array = npz.array(name)?;
+    match (array.shape.as_slice(), &array.data) {
+        ([_, 3], ArrayData::F32(values)) => Ok(vectors(values).iter().map(|v| v.as_dvec3()).collect()),
+        ([_, 3], ArrayData::F64(values)) => Ok(values.chunks_exact(3).map(DVec3::from_slice).collect()),
+        _ => Err(wrong_shape(npz, name, "(n, 3) of <f4 or <f8", &array)),
     }
 }
 

@@ -41,6 +41,16 @@ impl Array {
         Self { shape: vec![vectors.len(), 3], data: ArrayData::F32(values) }
     }
 
+    /// A list of positions: shape `(n, 3)`; of `<f4` if that holds them exactly, else of `<f8`.
+    pub fn from_positions(positions: &[glam::DVec3]) -> Self {
+        let rounded: Vec<glam::Vec3> = positions.iter().map(|v| v.as_vec3()).collect();
+        if rounded.iter().zip(positions).all(|(rounded, exact)| rounded.as_dvec3() == *exact) {
+            return Self::from_vectors(&rounded);
+        }
+        let values = positions.iter().flat_map(|v| v.to_array()).collect();
+        Self { shape: vec![positions.len(), 3], data: ArrayData::F64(values) }
+    }
+
     /// A list: shape `(n)`.
     pub fn list(data: ArrayData) -> Self {
         Self { shape: vec![data.len()], data }

@@ -5,7 +5,7 @@ mod name;
 
 use crate::display::{finite_irradiance, seen_radiance, srgb};
 use crate::{ColorScale, ExportError, write_atomically};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_basis::{Lighting, VertexPoints};
 use lumel_scene::{MaterialId, ObjectId, Scene, TriId};
 use material::Materials;
@@ -144,10 +144,16 @@ fn write_vertices(
 ) -> io::Result<()> {
     let points = VertexPoints::new(scene);
     let lit_points = points.points().iter().zip(irradiance);
-    for (p, (&at, &e)) in scene.positions().iter().zip(lit_points) {
+    for (&local, (&at, &e)) in scene.positions().iter().zip(lit_points) {
         let shown = seen_radiance(scene, at, e).0 * exposure;
         let [r, g, b] = shown.to_array().map(srgb);
-        writeln!(out, "v {} {} {} {r:.4} {g:.4} {b:.4}", p.x, p.y, p.z)?;
+        if scene.origin() == DVec3::ZERO {
+            write!(out, "v {} {} {}", local.x, local.y, local.z)?;
+        } else {
+            let world = scene.to_world(local);
+            write!(out, "v {} {} {}", world.x, world.y, world.z)?;
+        }
+        writeln!(out, " {r:.4} {g:.4} {b:.4}")?;
     }
     for n in scene.normals() {
         writeln!(out, "vn {} {} {}", n.x, n.y, n.z)?;

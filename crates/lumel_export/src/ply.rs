@@ -2,7 +2,7 @@
 
 use crate::display::{finite_irradiance, seen_radiance, srgb_byte};
 use crate::{ColorScale, ExportError, write_atomically};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_basis::{Lighting, VertexPoints};
 use lumel_scene::Scene;
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Writes the lit scene as binary little-endian PLY, atomically. Returns the exposure used.
 ///
-/// A vertex has `x y z`, `nx ny nz`, `irradiance_r irradiance_g irradiance_b` in W·m⁻² and `red green blue`: radiance
+/// A vertex has `x y z`, in double precision where a scene is far from its world's origin, `nx ny nz`, `irradiance_r irradiance_g irradiance_b` in W·m⁻² and `red green blue`: radiance
 /// times exposure on the sRGB curve. Its albedo and emission are those of the first triangle it belongs to.
 ///
 /// # Errors
@@ -43,7 +43,11 @@ fn header(scene: &Scene, exposure: f32) -> String {
         version = env!("CARGO_PKG_VERSION"),
         n_vertices = scene.vertex_count(),
     );
-    let floats = ["x", "y", "z", "nx", "ny", "nz", "irradiance_r", "irradiance_g", "irradiance_b"];
+    let coordinate = if has_own_origin(scene) { "double" } else { "float" };
+    for name in ["x", "y", "z"] {
+        text.push_str(&format!("property {coordinate} {name}\n"));
+    }
+    let floats = ["nx", "ny", "nz", "irradiance_r", "irradiance_g", "irradiance_b"];
     for name in floats {
         text.push_str(&format!("property float {name}\n"));
     }
@@ -58,15 +62,29 @@ fn header(scene: &Scene, exposure: f32) -> String {
 fn write_vertices(out: &mut impl Write, scene: &Scene, irradiance: &[Vec3], exposure: f32) -> io::Result<()> {
     let points = VertexPoints::new(scene);
     for (vertex, (&e, &at)) in irradiance.iter().zip(points.points()).enumerate() {
-        for value in [scene.positions()[vertex], scene.normals()[vertex], e] {
-            for number in value.to_array() {
+        let position = scene.positions()[vertex];
+        if has_own_origin(scene) {
+            for number in scene.to_world(position).to_array() {
                 out.write_all(&number.to_le_bytes())?;
             }
+        } else {
+            write_floats(out, position)?;
         }
+        write_floats(out, scene.normals()[vertex])?;
+        write_floats(out, e)?;
         let shown = seen_radiance(scene, at, e).0 * exposure;
         out.write_all(&shown.to_array().map(srgb_byte))?;
     }
     Ok(())
+}
+
+/// Whether single precision would not hold positions in world space.
+fn has_own_origin(scene: &Scene) -> bool {
+    scene.origin() != DVec3::ZERO
+}
+
+fn write_floats(out: &mut impl Write, vector: Vec3) -> io::Result<()> {
+    vector.to_array().iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))
 }
 
 fn write_faces(out: &mut impl Write, scene: &Scene) -> io::Result<()> {

@@ -1,7 +1,7 @@
 //! The course's solution files, `*.rad`.
 
 use crate::{ExportError, ReadError, write_atomically};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_basis::{Lighting, VertexCountError, irradiance_at_vertices};
 use lumel_scene::{Irradiance, Radiance, Scene};
 use md5::{Digest, Md5};
@@ -26,10 +26,10 @@ pub struct RadFile {
     pub values: Vec<Vec3>,
 }
 
-/// MD5 of positions as defined by the course: over their packed little-endian `f32` coordinates.
-pub fn position_md5(positions: &[Vec3]) -> String {
+/// MD5 of positions in world space as defined by the course: over their packed little-endian `f32` coordinates.
+pub fn position_md5(positions: impl IntoIterator<Item = DVec3>) -> String {
     let mut hasher = Md5::new();
-    for number in positions.iter().flat_map(|p| p.to_array()) {
+    for number in positions.into_iter().flat_map(|p| p.as_vec3().to_array()) {
         hasher.update(number.to_le_bytes());
     }
     hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
@@ -43,7 +43,7 @@ impl RadFile {
     pub fn from_lighting(scene: &Scene, lighting: &dyn Lighting) -> Result<Self, VertexCountError> {
         let irradiance = irradiance_at_vertices(scene, lighting)?;
         let values = irradiance.iter().map(|&e| crate::display::white_radiance(e)).collect();
-        Ok(Self { position_md5: position_md5(scene.positions()), values })
+        Ok(Self { position_md5: position_md5(scene.world_positions()), values })
     }
 
     /// Irradiance per vertex, W·m⁻².
@@ -57,7 +57,8 @@ impl RadFile {
 
     /// Whether this is light for the scene's vertices, in the same order.
     pub fn matches(&self, scene: &Scene) -> bool {
-        self.values.len() == scene.vertex_count() && self.position_md5 == position_md5(scene.positions())
+        self.values.len() == scene.vertex_count()
+            && self.position_md5 == position_md5(scene.world_positions())
     }
 
     /// Reads a file.
@@ -148,8 +149,8 @@ mod tests {
     #[test]
     fn the_md5_is_that_of_the_packed_bytes() {
         // md5sum of 12 zero bytes.
-        assert_eq!(position_md5(&[Vec3::ZERO]), "8dd6bb7329a71449b0a1b292b5999164");
-        assert_eq!(position_md5(&[]), "d41d8cd98f00b204e9800998ecf8427e");
+        assert_eq!(position_md5([DVec3::ZERO]), "8dd6bb7329a71449b0a1b292b5999164");
+        assert_eq!(position_md5([]), "d41d8cd98f00b204e9800998ecf8427e");
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use crate::error::SceneLabel;
 use crate::members::{
-    Kind, check_members, read_flags, read_meta, read_optional, read_stacked, read_vectors, stacked,
+    Kind, check_members, read_flags, read_meta, read_optional, read_positions, read_stacked, read_vectors,
+    stacked,
 };
 use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_basis::VertexLighting;
 use lumel_scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -26,8 +27,8 @@ pub(crate) const KIND: Kind =
 pub struct Solution {
     /// Where it comes from.
     pub meta: SolutionMeta,
-    /// Positions of the vertices, metres.
-    pub positions: Vec<Vec3>,
+    /// Positions of the vertices in world space, metres.
+    pub positions: Vec<DVec3>,
     /// Unit normals of the vertices, on the lit side.
     pub normals: Vec<Vec3>,
     /// All light that arrives: the sum of the bounces and the tail.
@@ -171,7 +172,9 @@ impl Solution {
     /// # Errors
     /// The first array that does not.
     pub fn validate(&self) -> Result<(), SolutionError> {
-        self.check_vectors("positions", &self.positions)?;
+        if let Some(vertex) = self.positions.iter().position(|position| !position.is_finite()) {
+            return Err(SolutionError::NotFinite { array: "positions".to_owned(), vertex });
+        }
         self.check_vectors("normals", &self.normals)?;
         self.check_vectors("irradiance", &self.irradiance)?;
         for (k, bounce) in self.bounces.iter().enumerate() {
@@ -240,7 +243,7 @@ impl Solution {
         let meta = SolutionMeta { arrays: self.descriptions(), layers, ..self.meta.clone() };
         write_npz(path, |npz| {
             npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
-            npz.array("positions", &Array::from_vectors(&self.positions))?;
+            npz.array("positions", &Array::from_positions(&self.positions))?;
             npz.array("normals", &Array::from_vectors(&self.normals))?;
             npz.array("irradiance", &Array::from_vectors(&self.irradiance))?;
             npz.array("bounces", &stacked(&self.bounces, self.vertex_count()))?;
@@ -258,7 +261,7 @@ impl Solution {
 
     fn descriptions(&self) -> BTreeMap<String, String> {
         let mut all = vec![
-            ("positions", "(vertex, xyz) position, metres, +Y up"),
+            ("positions", "(vertex, xyz) position in world space, metres, +Y up"),
             ("normals", "(vertex, xyz) unit normal on the lit side"),
             (
                 "irradiance",
@@ -293,7 +296,7 @@ impl Solution {
         let mut npz = NpzReader::open(path)?;
         let meta: SolutionMeta = read_meta(&mut npz, &KIND)?;
         check_members(&npz, meta.arrays.keys())?;
-        let positions = read_vectors(&mut npz, "positions")?;
+        let positions = read_positions(&mut npz, "positions")?;
         let tail = read_optional(&mut npz, "tail")?;
         let standard_error = read_optional(&mut npz, "standard_error")?;
         let layers = read_layers(&mut npz, &meta.layers, positions.len())?;

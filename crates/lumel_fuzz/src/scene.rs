@@ -2,7 +2,7 @@
 
 use crate::folder::with_files;
 use lumel_import::{ImportOptions, load};
-use lumel_scene::{FaceSide, ObjectId, SceneBuilder, TriId, Warnings};
+use lumel_scene::{FaceSide, ObjectId, SceneBuilder, TriId, Warnings, rounding_of};
 use std::path::Path;
 
 /// Larger scenes are read but not built, so that thousands of inputs are tried per second.
@@ -54,7 +54,7 @@ pub(crate) fn build(builder: SceneBuilder) {
     if sizes.sum::<usize>() > MAX_BUILT {
         return;
     }
-    let given = builder.objects.clone();
+    let (given, origin) = (builder.objects.clone(), builder.origin);
     let (scene, warnings) = match builder.build() {
         Ok(built) => built,
         Err(error) => return assert!(!error.to_string().is_empty()),
@@ -81,7 +81,13 @@ pub(crate) fn build(builder: SceneBuilder) {
         assert_eq!((input.vertex_count(), input.face_count()), (mesh.positions.len(), mesh.faces.len()));
         for (number, face) in mesh.faces.iter().enumerate() {
             if let Some(corners) = input.corners(number, FaceSide::Front) {
-                assert_eq!(corners.map(|corner| scene.positions()[corner as usize]), mesh.corners(face));
+                for (corner, given) in corners.into_iter().zip(mesh.corners(face)) {
+                    let local = scene.positions()[corner as usize];
+                    let exact = given.as_dvec3() + origin - scene.origin();
+                    let noise = f64::EPSILON * scene.origin().length();
+                    let allowed = rounding_of(local.abs().max_element()) + noise;
+                    assert!((local.as_dvec3() - exact).abs().max_element() <= allowed, "{local} for {exact}");
+                }
             }
         }
     }

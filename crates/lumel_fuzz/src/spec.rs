@@ -9,7 +9,8 @@ pub(crate) fn light(input: &[u8]) {
     match spec::light(text) {
         Ok(spec) => {
             // All that is accepted suits a scene.
-            let builder = SceneBuilder { lights: vec![spec.light], ..room() };
+            let light = spec.light().expect("a light that was accepted");
+            let builder = SceneBuilder { lights: vec![light], ..room() };
             builder.clone().build().expect("a light that was accepted");
             build(builder);
         }
@@ -19,7 +20,7 @@ pub(crate) fn light(input: &[u8]) {
         assert!(!error.to_string().is_empty());
     }
     match spec::camera(text) {
-        Ok(camera) => assert!(camera.fov_y > 0.0 && camera.position.is_finite()),
+        Ok(camera) => assert!(camera.fov_deg > 0.0 && camera.camera().position.is_finite()),
         Err(error) => assert!(!error.to_string().is_empty()),
     }
 }

@@ -1,5 +1,7 @@
 //! Words and numbers in the line-based formats.
 
+use std::str::FromStr;
+
 /// The longest piece of a file that a message quotes, characters.
 const QUOTE_LENGTH: usize = 60;
 
@@ -61,16 +63,16 @@ pub(crate) fn split_keyword(text: &[u8]) -> (&[u8], &[u8]) {
     (&text[..end], text[end..].trim_ascii())
 }
 
-/// A number as C and Rust write it, rounded once to the nearest `f32`.
+/// A number as C and Rust write it, rounded once to the nearest of its type.
 ///
 /// What C runtimes print for values that are no numbers is understood too (`-nan(ind)`, `1.#QNAN`).
-pub(crate) fn float(word: &[u8]) -> Option<f32> {
+pub(crate) fn float<F: FromStr + From<f32>>(word: &[u8]) -> Option<F> {
     let text = std::str::from_utf8(word).ok()?;
     text.parse().ok().or_else(|| {
         let lower = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
         let not_a_number = ["nan(", "1.#qnan", "1.#snan", "1.#ind"].iter().any(|n| lower.starts_with(n));
         let infinite = lower.starts_with("1.#inf");
-        (not_a_number || infinite).then_some(if infinite { f32::INFINITY } else { f32::NAN })
+        (not_a_number || infinite).then_some(if infinite { f32::INFINITY } else { f32::NAN }.into())
     })
 }
 
@@ -79,7 +81,21 @@ pub(crate) fn float(word: &[u8]) -> Option<f32> {
 /// # Errors
 /// The first word among them that is not a number.
 pub(crate) fn floats<const N: usize>(arguments: &[u8]) -> Result<([f32; N], usize), String> {
-    let (mut values, mut count) = ([0.0; N], 0);
+    numbers(arguments)
+}
+
+/// The same in double precision.
+///
+/// # Errors
+/// As [`floats`].
+pub(crate) fn doubles<const N: usize>(arguments: &[u8]) -> Result<([f64; N], usize), String> {
+    numbers(arguments)
+}
+
+fn numbers<F: FromStr + From<f32> + Copy, const N: usize>(
+    arguments: &[u8],
+) -> Result<([F; N], usize), String> {
+    let (mut values, mut count) = ([F::from(0.0); N], 0);
     for (slot, word) in values.iter_mut().zip(words(arguments)) {
         *slot = float(word).ok_or_else(|| format!("{} is not a number", quoted(word)))?;
         count += 1;
@@ -111,9 +127,9 @@ mod tests {
             assert!(float(text.as_bytes()).is_some_and(f32::is_nan), "{text}");
         }
         for text in ["", "3.1+e2", "1,5", "x", "0x10", "1.0f", "--1", "\u{ff11}"] {
-            assert_eq!(float(text.as_bytes()), None, "{text}");
+            assert_eq!(float::<f32>(text.as_bytes()), None, "{text}");
         }
-        assert_eq!(float(b"\xff"), None);
+        assert_eq!(float::<f32>(b"\xff"), None);
     }
 
     #[test]

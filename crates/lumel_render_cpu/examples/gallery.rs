@@ -8,7 +8,7 @@ use lumel_basis::VertexLighting;
 use lumel_render_cpu::{
     Display, FalseColor, Legend, Picture, Resolution, Scale, Show, ToneMapper, View, camera_for, draw,
 };
-use lumel_scene::{Camera, Light, Scene, SunLight, offset_along};
+use lumel_scene::{Camera, Light, Scene, SunLight};
 use std::error::Error;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn rough_light(scene: &Scene, tracer: &dyn RayTracer) -> Vec<Vec3> {
     const SIDE: u32 = 6;
     let at_vertex = |(position, normal): (&Vec3, &Vec3)| {
-        let origin = offset_along(*position, *normal);
+        let origin = scene.ray_origin_at(position.as_dvec3(), *normal);
         let mut irradiance = Vec3::splat(0.25) * (1.2 + 0.8 * normal.y);
         let mut add = |from: Vec3, strength: &dyn Fn(Vec3) -> Vec3| {
             if !tracer.occluded(&Ray::between(origin, from)) {

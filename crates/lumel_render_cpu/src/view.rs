@@ -5,7 +5,7 @@ use crate::normal_map::seen_normal;
 use crate::rect_light::VisibleLight;
 use lumel_accel::{Hit, Ray, RayTracer};
 use lumel_basis::Lighting;
-use lumel_scene::{FaceSide, Irradiance, Radiance, Scene, SurfacePoint, offset_along};
+use lumel_scene::{FaceSide, Irradiance, Radiance, Scene, SurfacePoint};
 
 /// How many back faces a ray passes through before it is considered to see nothing.
 const MAX_BACKS: u32 = 256;
@@ -76,7 +76,7 @@ impl<'a> View<'a> {
                 return (Sight::Back, t);
             }
             passed = t;
-            let beyond = offset_along(self.scene.position(hit.at), self.scene.geometric_normal(hit.at.tri));
+            let beyond = self.scene.ray_origin(hit.at);
             ray = Ray { origin: beyond, ..ray }.skipping(hit.at.tri);
         }
         (Sight::Nothing, f32::INFINITY)
@@ -86,8 +86,8 @@ impl<'a> View<'a> {
     /// coincident faces that face away from each other, and a ray may hit either first.
     fn front_beside(&self, back: &Hit) -> Option<SurfacePoint> {
         let (point, normal) = (self.scene.position(back.at), self.scene.geometric_normal(back.at.tri));
-        let before = offset_along(point, -normal);
-        let across = offset_along(point, normal) - before;
+        let step = normal * self.scene.offset(back.at.tri);
+        let (before, across) = (point - step, 2.0 * step);
         let segment = Ray { t_max: 1.0, ..Ray::new(before, across) }.skipping(back.at.tri);
         let hit = self.tracer.closest_hit(&segment)?;
         // Only faces that face the other way: neighbours across an edge do not hide it.

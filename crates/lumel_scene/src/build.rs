@@ -4,12 +4,12 @@ use crate::creases::split_at_creases;
 use crate::error::{MAX_TRIANGLES, SceneError};
 use crate::face_list::{FaceList, Given};
 use crate::scene::Scene;
-use crate::{SceneBuilder, Sides, Warnings, check, normals, sanitize};
+use crate::{SceneBuilder, Sides, Warnings, check, normals, resolution, sanitize};
 
 impl SceneBuilder {
     /// Checks, cleans and freezes the scene. What had to be left out is in the warnings.
     ///
-    /// Triangles with positions that are not finite or with an area below 1e-12 of the squared diagonal are
+    /// A scene far from its origin is [recentred](Self::recenter). Triangles with positions that are not finite or with an area below 1e-12 of the squared diagonal are
     /// dropped. Missing normals are made; vertices are split where neighbouring faces turn sharply. Faces of
     /// two-sided materials get a second face for the back, with vertices of its own. The order of vertices is kept,
     /// split-off ones follow those of their object, and those of back sides come last. [`Scene::input_mesh`] leads
@@ -20,11 +20,13 @@ impl SceneBuilder {
     pub fn build(mut self) -> Result<(Scene, Warnings), SceneError> {
         let mut warnings = Warnings::default();
         check::builder(&self)?;
+        self.recenter();
         sanitize::materials(&mut self.materials, &self.textures, &self.objects, &mut warnings);
         let smallest = 1e-12 * self.diagonal_squared();
         let mut faces = FaceList::default();
         for mut object in std::mem::take(&mut self.objects) {
             let (vertex_count, face_count) = (object.positions.len() as u32, object.faces.len() as u32);
+            resolution::check(&object, &mut warnings)?;
             let kept = sanitize::object(&mut object, smallest, &mut warnings);
             let mut vertices: Vec<u32> = (0..vertex_count).collect();
             let mut note_copies = |copies: Vec<u32>| {

@@ -1,14 +1,19 @@
 //! A scene in the making.
 
 use crate::{Camera, Light, Material, ObjectMesh, Sky, Texture};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// A scene in the making: plain data that importers and generators fill in.
 #[derive(Clone, Debug, Default)]
 pub struct SceneBuilder {
     /// The name messages and output files use.
     pub name: String,
-    /// Meshes in world space.
+    /// Where the coordinates of meshes, lights and cameras have their zero in world space, metres.
+    ///
+    /// It is zero but for scenes far from there, whose coordinates would not leave enough digits to the surfaces.
+    /// Importers set it, and [`recenter`](Self::recenter) does.
+    pub origin: DVec3,
+    /// Meshes, relative to the origin.
     pub objects: Vec<ObjectMesh>,
     /// Materials that faces refer to.
     pub materials: Vec<Material>,

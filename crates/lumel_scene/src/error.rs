@@ -46,6 +46,17 @@ pub enum SceneError {
         /// How many there should be.
         vertices: usize,
     },
+    /// Coordinates that are rounded too coarsely for the triangles.
+    #[error(
+        "object \"{object}\": its coordinates are rounded to {rounding:.1e} m, as coarsely as most of its triangles are \
+         wide: move it near the origin in the modelling program, or make it a scene of its own"
+    )]
+    Unresolved {
+        /// The object's name.
+        object: String,
+        /// By how much, metres.
+        rounding: f64,
+    },
     /// A material or light names a texture that does not exist.
     #[error("{user} refers to texture {index} of {count}")]
     BadTexture {

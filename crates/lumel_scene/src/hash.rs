@@ -2,6 +2,7 @@
 
 use crate::face_list::FaceList;
 use crate::{Filter, Light, Material, Sky, Texture};
+use glam::DVec3;
 use std::fmt;
 
 /// What a solution must agree with to belong to a scene.
@@ -46,8 +47,11 @@ impl fmt::Display for SceneHash {
     }
 }
 
-pub(crate) fn geometry(faces: &FaceList) -> blake3::Hash {
+pub(crate) fn geometry(faces: &FaceList, origin: DVec3) -> blake3::Hash {
     let mut bytes = Bytes::default();
+    if origin != DVec3::ZERO {
+        origin.to_array().iter().for_each(|coordinate| bytes.push(&coordinate.to_le_bytes()));
+    }
     for v in faces.positions.iter().chain(&faces.normals) {
         bytes.floats(v.to_array());
     }

@@ -24,6 +24,8 @@ mod material;
 mod mesh;
 mod normals;
 mod offset;
+mod origin;
+mod resolution;
 mod runs;
 mod sanitize;
 mod scene;
@@ -49,7 +51,8 @@ pub use light::{
 };
 pub use material::{MAX_ALBEDO, Material, Sides, TextureRef, UvTransform};
 pub use mesh::{Face, ObjectMesh, Smoothing};
-pub use offset::offset_along;
+pub use offset::{RayOrigins, clearance_from, lift_from, offset_from};
+pub use origin::{origin_for, rounding_of};
 pub use scene::Scene;
 pub use sky::{Sky, SkyGradient, SkyImage};
 pub use texture::{Encoding, Filter, Texture, Wrap};

@@ -41,6 +41,9 @@ pub struct ObjectMesh {
     pub tints: Vec<Vec3>,
     /// The triangles.
     pub faces: Vec<Face>,
+    /// By how much a file or program may have rounded the coordinates before they came here, metres; zero if by no more
+    /// than `positions` are.
+    pub rounding: f64,
 }
 
 impl ObjectMesh {

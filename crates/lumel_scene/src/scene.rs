@@ -10,10 +10,10 @@ use crate::{
     Albedo, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance,
     SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
 };
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
 
-/// Surfaces and lights in world space; never changes after it is built.
+/// Surfaces and lights; never changes after it is built. Coordinates are relative to an [origin](Self::origin).
 ///
 /// The first [`Scene::traced_count`] triangles are what rays meet. Two-sided ones among them have a second triangle
 /// for their back, after those, with reversed corners and vertices of its own: light on the two sides of a thin wall
@@ -33,6 +33,7 @@ pub struct Scene {
 #[derive(Clone, Debug)]
 struct Unlit {
     name: String,
+    origin: DVec3,
     /// Shared, as are the textures, by scenes that differ in the albedos of their materials.
     faces: Arc<FaceList>,
     object_names: Vec<String>,
@@ -49,6 +50,7 @@ impl Scene {
     pub(crate) fn new(builder: SceneBuilder, mut faces: FaceList) -> Self {
         let unlit = Unlit {
             name: builder.name,
+            origin: builder.origin,
             bounds: Bounds::around(faces.positions.iter().copied()),
             object_names: std::mem::take(&mut faces.object_names),
             faces: Arc::new(faces),
@@ -118,6 +120,15 @@ impl Scene {
         &self.unlit.name
     }
 
+    /// Where the coordinates of the scene have their zero in world space, metres.
+    ///
+    /// All positions in the scene, of vertices, lights and cameras, are relative to it, and so are those that are asked of
+    /// it. It is zero unless the scene is [far](crate::origin_for) from there: the numbers then are those that the meshes
+    /// were given with. [`to_world`](Self::to_world) and [`to_local`](Self::to_local) convert.
+    pub fn origin(&self) -> DVec3 {
+        self.unlit.origin
+    }
+
     /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
         self.unlit.faces.positions.len()
@@ -133,9 +144,14 @@ impl Scene {
         self.unlit.faces.traced
     }
 
-    /// Vertex positions, metres.
+    /// Vertex positions relative to the [origin](Self::origin), metres.
     pub fn positions(&self) -> &[Vec3] {
         &self.unlit.faces.positions
+    }
+
+    /// Vertex positions in world space, metres: for files.
+    pub fn world_positions(&self) -> impl ExactSizeIterator<Item = DVec3> {
+        self.positions().iter().map(|&local| self.to_world(local))
     }
 
     /// Vertex normals, unit length, on the lit side.
@@ -211,7 +227,7 @@ impl Scene {
 
     /// [`SceneHash::geometry`] alone: textures are not looked at.
     pub fn geometry_hash(&self) -> blake3::Hash {
-        *self.unlit.geometry_hash.get_or_init(|| hash::geometry(&self.unlit.faces))
+        *self.unlit.geometry_hash.get_or_init(|| hash::geometry(&self.unlit.faces, self.origin()))
     }
 
     /// Vertex indices of a triangle.
@@ -252,6 +268,11 @@ impl Scene {
     /// Area of a triangle, m², computed in f64.
     pub fn area(&self, tri: TriId) -> f32 {
         triangle::area(self.triangle_positions(tri)) as f32
+    }
+
+    /// The least distance of a triangle's corner from the opposite edge, metres, computed in f64.
+    pub fn least_height(&self, tri: TriId) -> f64 {
+        triangle::least_height(self.triangle_positions(tri))
     }
 
     /// Position of a surface point.

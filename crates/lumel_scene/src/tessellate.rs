@@ -2,7 +2,7 @@
 
 use crate::edge_length::EdgeLength;
 use crate::mesh::{Face, ObjectMesh};
-use crate::triangle::area;
+use crate::triangle::{area, least_height, longest_edge};
 use crate::{SceneBuilder, SceneError, Warnings, normals};
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -31,11 +31,12 @@ impl SceneBuilder {
     /// alone, dropped ones at the end of their object.
     ///
     /// # Errors
-    /// When `max_edge` is not a positive number or the result would be too large; the builder is then unchanged.
+    /// When `max_edge` is not a positive number or the result would be too large; the meshes are then unchanged.
     pub fn tessellate(&mut self, max_edge: f32) -> Result<Warnings, SceneError> {
         if !(max_edge > 0.0 && max_edge.is_finite()) {
             return Err(SceneError::BadEdgeLength(max_edge));
         }
+        self.recenter();
         let rule = self.rule(EdgeLength::Uniform(f64::from(max_edge)));
         // Nothing is made before it is known that it fits.
         let bound: f64 = self.objects.iter().map(|o| rule.fewest_triangles(o, f64::from(max_edge))).sum();
@@ -53,6 +54,7 @@ impl SceneBuilder {
     /// the scene's diagonal; longer ones where more than about 200,000 vertices would be added. Meshes that are as fine
     /// already stay as they are. Returns the length too, `None` if nothing was split.
     pub fn tessellate_to_suit(&mut self) -> (Option<f32>, Warnings) {
+        self.recenter();
         let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
         let given = self.objects.iter().map(|object| object.faces.len() as u64).sum::<u64>();
         let limit = given.saturating_add(MAX_ADDED);
@@ -150,6 +152,7 @@ impl Rule {
                     pending.push([middle, b, c]);
                     pending.push([a, middle, c]);
                 } else {
+                    let vertices = from_widest_corner(vertices, object.corners(&Face { vertices, ..face }));
                     object.faces.push(Face { vertices, ..face });
                 }
             }
@@ -204,6 +207,20 @@ fn length_squared(a: Vec3, b: Vec3) -> f64 {
 /// The midpoint; the same bits from both ends.
 fn middle(a: Vec3, b: Vec3) -> Vec3 {
     (0.5 * (a.as_dvec3() + b.as_dvec3())).as_vec3()
+}
+
+/// A needle is this many times as long as it is wide.
+const NEEDLE: f64 = 8.0;
+
+/// The vertices of a needle beginning with the corner between its shorter edges, from which its plane is known best: the
+/// cross product of two long edges that are nearly parallel is mostly rounding. Other triangles stay as they are.
+fn from_widest_corner(vertices: [u32; 3], corners: [Vec3; 3]) -> [u32; 3] {
+    if longest_edge(corners) < NEEDLE * least_height(corners) {
+        return vertices;
+    }
+    let opposite = |k: usize| length_squared(corners[(k + 1) % 3], corners[(k + 2) % 3]);
+    let widest = (1..3).fold(0, |widest, k| if opposite(k) > opposite(widest) { k } else { widest });
+    [vertices[widest], vertices[(widest + 1) % 3], vertices[(widest + 2) % 3]]
 }
 
 /// Adds the vertex in the middle of two others.

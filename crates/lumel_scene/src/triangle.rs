@@ -5,7 +5,13 @@ use glam::{DVec3, Vec3};
 /// Unit normal from the winding.
 #[inline]
 pub(crate) fn normal(corners: [Vec3; 3]) -> Vec3 {
-    cross(corners).normalize_or(DVec3::Y).as_vec3()
+    unit_normal(corners).as_vec3()
+}
+
+/// The same before it is rounded.
+#[inline]
+pub(crate) fn unit_normal(corners: [Vec3; 3]) -> DVec3 {
+    cross(corners).normalize_or(DVec3::Y)
 }
 
 /// Area, m².
@@ -19,6 +25,17 @@ pub(crate) fn area(corners: [Vec3; 3]) -> f64 {
 fn cross([a, b, c]: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
     (b - a).cross(c - a)
+}
+
+/// Length of the longest edge, metres.
+pub(crate) fn longest_edge(corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    [b - a, c - b, a - c].into_iter().map(DVec3::length_squared).fold(0.0, f64::max).sqrt()
+}
+
+/// The least distance of a corner from the opposite edge, metres.
+pub(crate) fn least_height(corners: [Vec3; 3]) -> f64 {
+    2.0 * area(corners) / longest_edge(corners).max(f64::MIN_POSITIVE)
 }
 
 /// The angle at corner `k`, radians.

@@ -89,7 +89,8 @@ impl Stage {
 
     /// The operator from the vertices to points with normals.
     pub fn points(&self, solver: Solver, points: &[(Vec3, Vec3)], plan: Plan) -> Box<dyn Transport> {
-        let receivers = PointReceivers::new(points.iter().copied()).expect("points have normals");
+        let receivers =
+            PointReceivers::new(&self.scene, points.iter().copied()).expect("points have normals");
         self.towards(solver, receivers, plan)
     }
 

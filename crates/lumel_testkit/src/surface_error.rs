@@ -75,8 +75,9 @@ impl<'a> Reference<'a> {
         passes: u32,
     ) -> Self {
         let points = random_surface_points(scene, n, seed);
-        let site = |at: &SurfacePoint| (scene.position(*at), scene.geometric_normal(at.tri));
-        let receivers = PointReceivers::new(points.iter().map(site)).expect("triangles have normals");
+        let site = |at: &SurfacePoint| (*at, scene.geometric_normal(at.tri));
+        let receivers =
+            PointReceivers::on_surfaces(scene, points.iter().map(site)).expect("triangles have normals");
         let transport = towards(receivers);
         let measure = |source, bounce, pass| {
             let job = Job { source, bounce, pass, active: None };

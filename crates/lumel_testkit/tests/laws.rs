@@ -28,7 +28,7 @@ fn centres(scene: &Scene) -> PointReceivers {
         let [a, b, c] = scene.triangle_positions(tri);
         ((a + b + c) / 3.0, scene.geometric_normal(tri))
     };
-    PointReceivers::new((0..scene.triangle_count() as u32).map(TriId).map(centre)).unwrap()
+    PointReceivers::new(scene, (0..scene.triangle_count() as u32).map(TriId).map(centre)).unwrap()
 }
 
 #[test]

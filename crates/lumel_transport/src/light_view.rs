@@ -9,7 +9,7 @@ use lumel_basis::Site;
 use lumel_sample::{SphericalCap, SphericalRectangle, SphericalTriangle, concentric_disk, uniform_triangle};
 use lumel_scene::{
     Barycentrics, DiskLight, Irradiance, Radiance, RectLight, Scene, SphereLight, SunLight, SurfacePoint,
-    TriId,
+    TriId, lift_from, offset_from,
 };
 
 /// The segment beyond which a light that is infinitely far away has no occluders, in units of the scene's diagonal.
@@ -28,6 +28,9 @@ pub(crate) struct LightView<'a> {
     light: &'a AreaLight,
     plan: &'a Plan,
     density: Density,
+    /// From a point of the light to where shadow rays end: in front of it, as it is geometry or may lie on some. Its
+    /// points are rounded more often than ray origins: twice the offset.
+    lift: Vec3,
     /// Irradiance if nothing were in the way, when there is a closed form.
     pub(crate) unblocked: Option<Irradiance>,
 }
@@ -45,7 +48,7 @@ enum Density {
 
 /// One point of a light.
 pub(crate) struct LightSample {
-    /// Where it is.
+    /// Where its shadow ray ends.
     pub(crate) target: Vec3,
     /// What it contributes to the mean if nothing is in the way.
     pub(crate) unblocked: Irradiance,
@@ -62,8 +65,13 @@ impl<'a> LightView<'a> {
         match light {
             AreaLight::Sun(sun) => return Self::of_sun(scene, (light, sun), site, plan),
             AreaLight::Sphere(sphere) => return Self::of_sphere(scene, (light, sphere), site, plan),
-            AreaLight::Disk(_) | AreaLight::Sky(_) => {
-                return Some(Self { scene, site, light, plan, density: Density::Area, unblocked: None });
+            AreaLight::Disk(disk) => {
+                let (density, lift) = (Density::Area, disk_lift(disk));
+                return Some(Self { scene, site, light, plan, density, lift, unblocked: None });
+            }
+            AreaLight::Sky(_) => {
+                let (density, lift) = (Density::Area, Vec3::ZERO);
+                return Some(Self { scene, site, light, plan, density, lift, unblocked: None });
             }
             AreaLight::Rect(_)
             | AreaLight::TexturedRect(..)
@@ -94,7 +102,8 @@ impl<'a> LightView<'a> {
             LightSampling::Area => Density::Area,
             LightSampling::Analytic => Density::by_solid_angle(light, corners, site.origin),
         };
-        Some(Self { scene, site, light, plan, density, unblocked })
+        let lift = 2.0 * lift_from([corners[0], corners[1], corners[2]]);
+        Some(Self { scene, site, light, plan, density, lift, unblocked })
     }
 
     fn of_sun(
@@ -108,7 +117,7 @@ impl<'a> LightView<'a> {
         let cos = site.frame.normal.as_dvec3().dot(axis.as_dvec3());
         let density = Density::Cap(SphericalCap::new(axis, sin_squared), None);
         let unblocked = cap_irradiance(sun.radiance(), cos, sin_squared)?;
-        Some(Self { scene, site, light, plan, density, unblocked: Some(unblocked) })
+        Some(Self { scene, site, light, plan, density, lift: Vec3::ZERO, unblocked: Some(unblocked) })
     }
 
     fn of_sphere(
@@ -127,7 +136,7 @@ impl<'a> LightView<'a> {
         let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
         let density = Density::Cap(cap, Some([squared.sqrt(), radius_squared]));
         let unblocked = cap_irradiance(sphere.radiance, cos, sin_squared)?;
-        Some(Self { scene, site, light, plan, density, unblocked: Some(unblocked) })
+        Some(Self { scene, site, light, plan, density, lift: Vec3::ZERO, unblocked: Some(unblocked) })
     }
 
     /// The point of the light for `u` in the unit square; `None` if nothing of it arrives.
@@ -211,7 +220,7 @@ impl<'a> LightView<'a> {
     fn in_solid_angle(&self, target: Vec3, radiance: Radiance, pdf_solid_angle: f64) -> Option<LightSample> {
         let cos = self.site.frame.normal.dot((target - self.site.origin).try_normalize()?);
         let unblocked = Irradiance(radiance.0 * (cos / pdf_solid_angle as f32));
-        (cos > 0.0).then_some(LightSample { target, unblocked })
+        (cos > 0.0).then_some(LightSample { target: target + self.lift, unblocked })
     }
 
     /// A point chosen with a density per area: `L cos θ cos θₗ / (r² p)`.
@@ -225,7 +234,7 @@ impl<'a> LightView<'a> {
         let direction = to_light.try_normalize()?;
         let (cos, cos_light) = (self.site.frame.normal.dot(direction), -normal.dot(direction));
         let unblocked = Irradiance(radiance.0 * (cos * cos_light / (distance_squared * pdf_area)));
-        (cos > 0.0 && cos_light > 0.0).then_some(LightSample { target, unblocked })
+        (cos > 0.0 && cos_light > 0.0).then_some(LightSample { target: target + self.lift, unblocked })
     }
 }
 
@@ -248,6 +257,13 @@ impl Density {
 fn cap_irradiance(radiance: Radiance, cos: f64, sin_squared: f64) -> Option<Irradiance> {
     let per_radiance = cap::unit_irradiance(cos, sin_squared);
     (per_radiance > 0.0).then(|| Irradiance((radiance.0.as_dvec3() * per_radiance).as_vec3()))
+}
+
+/// From a point of a disk to where shadow rays end: as for its square.
+fn disk_lift(disk: &DiskLight) -> Vec3 {
+    let (right, up) = disk.direction.any_orthonormal_pair();
+    let corner = |x: f32, y: f32| disk.center + (right * x + up * y) * disk.radius;
+    disk.direction * (2.0 * offset_from([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)]))
 }
 
 /// Where a direction meets the plane of a triangle, and its barycentrics, clamped to the triangle.

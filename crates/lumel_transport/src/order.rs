@@ -142,12 +142,17 @@ fn morton(cell: [u64; 3]) -> u64 {
 mod tests {
     use super::*;
     use lumel_basis::PointReceivers;
+    use lumel_scene::{Material, SceneBuilder};
 
     #[test]
     fn every_element_comes_once_beside_one_that_is_near_and_faces_the_same_way() {
         let at = |i: u32| Vec3::new((i * 7 % 64) as f32, (i / 64) as f32, 0.0);
         let normal = |i: u32| if i.is_multiple_of(2) { Vec3::Z } else { Vec3::NEG_Y };
-        let points = PointReceivers::new((0..4096).map(|i| (at(i), normal(i)))).unwrap();
+        let mut builder = SceneBuilder::new("test");
+        let grey = builder.add_material(Material::default());
+        builder.add_mesh("a", [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]], grey);
+        let scene = builder.build().unwrap().0;
+        let points = PointReceivers::new(&scene, (0..4096).map(|i| (at(i), normal(i)))).unwrap();
         let order = spatial(&points);
         let mut seen = order.clone();
         seen.sort_unstable();

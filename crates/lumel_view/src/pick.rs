@@ -106,7 +106,7 @@ impl Pick {
         (self.of, self.measured, self.measuring) = (solved.cloned(), None, None);
         let (Some(solved), spot) = (solved.cloned(), self.spot.clone()) else { return };
         self.measuring = Some(Background::start("measuring", Arc::clone(wake), move || {
-            let points = PointReceivers::new([(spot.position, spot.normal)])
+            let points = PointReceivers::on_surfaces(solved.baker.scene(), [(spot.at, spot.normal)])
                 .map_err(|_| "the surface has no direction here".to_owned())?;
             measure_points(&solved.baker, &solved.state, &points, &Control::default())
                 .map_err(|e| e.to_string())

@@ -9,6 +9,7 @@ use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::stage::Stage;
 use anyhow::Context;
+use glam::DVec3;
 use lumel::{LightFile, VertexLighting};
 use lumel_export::write_png;
 use lumel_render_cpu::{Picture, View, meter};
@@ -42,7 +43,8 @@ fn texts(session: &Session, view: &ViewPrefs, stops: f32) -> Vec<(&'static str, 
     let camera = session.camera;
     let settings = serde_json::to_string(&session.settings).unwrap_or_default();
     let view_text = serde_json::to_string(view).unwrap_or_default();
-    let position = camera.position;
+    let origin = session.document.as_ref().map_or(DVec3::ZERO, |document| document.scene.origin());
+    let position = origin + lumel::decimal(camera.position);
     vec![
         ("Title", session.document.as_ref().map_or_else(String::new, |d| d.scene.name().to_owned())),
         ("Software", concat!("lumel-view ", env!("CARGO_PKG_VERSION")).to_owned()),

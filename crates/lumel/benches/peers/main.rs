@@ -148,7 +148,7 @@ fn long(name: &str, places: Places, folder: &Path) {
     let all = sites(&places.receivers(&scene));
     let sample = std::fs::read(folder.join("sample.u32")).unwrap();
     let sample = sample.chunks(4).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap()));
-    let points = PointReceivers::new(sample.map(|i| all[i as usize].into())).unwrap();
+    let points = PointReceivers::new(&scene, sample.map(|i| all[i as usize].into())).unwrap();
     let fine = Arc::new(scenes::open(name, places, Detail::Fine));
     println!("long solve on {} vertices", fine.vertex_count());
     let long = Settings { direct_samples: 256, indirect_samples: 256, ..places.settings() };

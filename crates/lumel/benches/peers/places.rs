@@ -84,6 +84,6 @@ fn surface_points(scene: &Arc<Scene>) -> Vec<SurfacePoint> {
 }
 
 fn at_points(scene: &Scene, points: &[SurfacePoint]) -> PointReceivers {
-    let site = |at: &SurfacePoint| (scene.position(*at), scene.geometric_normal(at.tri));
-    PointReceivers::new(points.iter().map(site)).unwrap()
+    let site = |at: &SurfacePoint| (*at, scene.geometric_normal(at.tri));
+    PointReceivers::on_surfaces(scene, points.iter().map(site)).unwrap()
 }

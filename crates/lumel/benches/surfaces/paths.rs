@@ -6,7 +6,7 @@ use lumel::Control;
 use lumel_accel::Ray;
 use lumel_basis::{Lighting, PointReceivers};
 use lumel_sample::{Dim, Frame, Sampler, StreamKey, cosine_hemisphere};
-use lumel_scene::{SurfacePoint, offset_along};
+use lumel_scene::SurfacePoint;
 use lumel_testkit::{Ratio, random_surface_points};
 use lumel_transport::{Job, Plan, Source, accumulate};
 use rayon::prelude::*;
@@ -116,9 +116,7 @@ impl Place {
             let normal = self.scene.geometric_normal(at.tri);
             let u = Sampler::Random.sample_2d(key.element(path as u32), 0, Dim::Hemisphere);
             let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(u));
-            let hit = self
-                .tracer
-                .closest_hit(&Ray::new(offset_along(self.scene.position(at), normal), direction))?;
+            let hit = self.tracer.closest_hit(&Ray::new(self.scene.ray_origin(at), direction))?;
             let at = self.scene.seen_side(hit.at, hit.side)?;
             Some(End { at, weight: weight * self.scene.albedo(at).0 })
         };
@@ -138,8 +136,9 @@ impl Place {
 
     /// Irradiance at points, and the share of their rays that meet back faces if the source is nothing.
     fn measured(&self, points: &[SurfacePoint], source: Source<'_>, seed: u64) -> (Vec<Vec3>, Vec<f32>) {
-        let site = |at: &SurfacePoint| (self.scene.position(*at), self.scene.geometric_normal(at.tri));
-        let receivers = PointReceivers::new(points.iter().map(site)).expect("triangles have normals");
+        let site = |at: &SurfacePoint| (*at, self.scene.geometric_normal(at.tri));
+        let receivers = PointReceivers::on_surfaces(&self.scene, points.iter().map(site))
+            .expect("triangles have normals");
         let plan = Plan { direct_samples: DIRECT_SAMPLES, seed, ..Plan::default() };
         let transport = self.towards(receivers, plan);
         let job = Job { source, bounce: 0, pass: 0, active: None };

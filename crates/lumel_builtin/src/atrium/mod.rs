@@ -31,6 +31,7 @@ pub(crate) fn atrium(subdivide: u32) -> SceneBuilder {
         cameras: cameras(),
         // A clear sky: what the shade of the galleries lives on.
         sky: Radiance(Vec3::new(0.55, 0.74, 1.05)).into(),
+        ..SceneBuilder::default()
     }
 }
 

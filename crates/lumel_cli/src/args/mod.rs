@@ -6,7 +6,7 @@ mod shared;
 use crate::parse::{self, CameraChoice};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel::{SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
@@ -222,9 +222,9 @@ pub(crate) struct MeasureArgs {
     pub(crate) scene: SceneArgs,
 
     /// A point, metres, on a surface or above it. Each needs a --normal. May be repeated.
-    #[arg(long = "point", value_name = "X,Y,Z", value_parser = spec::vector, allow_hyphen_values = true)]
+    #[arg(long = "point", value_name = "X,Y,Z", value_parser = spec::place, allow_hyphen_values = true)]
     #[arg(help_heading = "Points", required_unless_present = "points_file")]
-    pub(crate) points: Vec<Vec3>,
+    pub(crate) points: Vec<DVec3>,
 
     /// The normal at a point, of any length; given in the order of the points.
     #[arg(long = "normal", value_name = "X,Y,Z", value_parser = spec::direction, allow_hyphen_values = true)]

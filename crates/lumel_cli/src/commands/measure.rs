@@ -64,7 +64,7 @@ fn measure(
 ) -> anyhow::Result<Option<PointMeasurement>> {
     let (loaded, _) = run.timed("load", || load::load_and_warn(&args.scene, &run.console));
     let Loaded { scene, patch, .. } = loaded?;
-    let receivers = points.receivers()?;
+    let receivers = points.receivers(&scene)?;
     let light = match &args.solution {
         Some(file) => reuse(args, file, &scene, run)?,
         None => solve(args, patch, scene, run)?,
@@ -139,7 +139,7 @@ fn save(path: &Path, points: &Points, measured: &PointMeasurement) -> anyhow::Re
         data: ArrayData::F32(values.iter().flatten().flat_map(|e| e.to_array()).collect()),
     };
     write_npz(path, |npz| {
-        npz.array("points", &Array::from_vectors(&points.positions))?;
+        npz.array("points", &Array::from_positions(&points.positions))?;
         npz.array("normals", &Array::from_vectors(&points.normals))?;
         npz.array("irradiance", &Array::from_vectors(&measured.irradiance))?;
         npz.array("bounces", &by_bounce(&measured.bounces))?;
@@ -160,7 +160,7 @@ fn json(points: &Points, measured: &PointMeasurement) -> String {
     let by_bounce = |values: &[Vec<Vec3>]| values.iter().map(|bounce| arrays(bounce)).collect::<Vec<_>>();
     let object = json!({
         "unit": "W/m^2",
-        "points": arrays(&points.positions),
+        "points": points.positions.iter().map(|p| json!(p.to_array())).collect::<Vec<_>>(),
         "normals": arrays(&points.normals),
         "irradiance": arrays(&measured.irradiance),
         "bounces": by_bounce(&measured.bounces),
@@ -174,8 +174,9 @@ fn table(points: &Points, measured: &PointMeasurement) -> String {
     let mut text =
         format!("{:<32} {:<32} {:<32}\n", "point (m)", "irradiance r g b (W/m²)", "standard error");
     for (i, position) in points.positions.iter().enumerate() {
-        let columns = [*position, measured.irradiance[i], measured.standard_error[i]];
-        let [at, e, error] = columns.map(|v| report::triple(v.to_array()));
+        let light = [measured.irradiance[i], measured.standard_error[i]];
+        let [e, error] = light.map(|v| report::triple(v.to_array()));
+        let at = report::place(position.to_array());
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{at:<32} {e:<32} {error}");
     }

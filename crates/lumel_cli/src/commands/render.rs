@@ -107,7 +107,7 @@ fn selection(args: &RenderArgs) -> anyhow::Result<SolutionSelection> {
 fn camera(choice: Option<&CameraChoice>, scene: &Scene, tracer: &dyn RayTracer) -> anyhow::Result<Camera> {
     match choice {
         None => Ok(camera_for(scene, tracer)),
-        Some(CameraChoice::Free(camera)) => Ok(camera.clone()),
+        Some(CameraChoice::Free(entry)) => Ok(entry.moved(-scene.origin()).camera()),
         Some(CameraChoice::Named(name)) => {
             let found = scene.cameras().iter().find(|camera| camera.name == *name).cloned();
             found.ok_or_else(|| {

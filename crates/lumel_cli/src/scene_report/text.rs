@@ -1,7 +1,7 @@
 //! A scene report as text.
 
 use super::{Emissive, LayerReport, LightKind, LightReport, MaterialReport, SceneReport, TextureReport};
-use crate::report::{counted, significant, triple};
+use crate::report::{counted, place, significant, triple};
 
 /// Further objects are only counted.
 const MAX_OBJECTS: usize = 12;
@@ -22,7 +22,7 @@ impl SceneReport {
             },
         );
         page.row("vertices", &self.vertices.to_string());
-        page.row("bounds", &format!("{} to {} m", triple(self.bounds[0]), triple(self.bounds[1])));
+        page.row("bounds", &format!("{} to {} m", place(self.bounds[0]), place(self.bounds[1])));
         page.row("size", &format!("{} m", self.size.map(|side| significant(f64::from(side))).join(" x ")));
         page.row("area", &format!("{} m²", significant(self.area)));
         page.row("objects", &self.objects_line());
@@ -39,7 +39,7 @@ impl SceneReport {
             },
         );
         let cameras = self.cameras.iter().map(|camera| {
-            let (position, forward) = (triple(camera.position), triple(camera.forward));
+            let (position, forward) = (place(camera.position), triple(camera.forward));
             let fov = significant(f64::from(camera.fov_deg));
             format!("\"{}\" at {position}, facing {forward}, {fov}° vertical field of view", camera.name)
         });
@@ -101,18 +101,18 @@ impl LightKind {
                 let [width, height] = size.map(|side| significant(f64::from(side)));
                 format!(
                     "rectangle {width} x {height} m at {}, facing {}, {} W/(m² sr), {} W",
-                    triple(*center),
+                    place(*center),
                     triple(*normal),
                     triple(*radiance),
                     triple(*power)
                 )
             }
             Self::Point { position, intensity, power } => {
-                format!("point at {}, {} W/sr, {} W", triple(*position), triple(*intensity), triple(*power))
+                format!("point at {}, {} W/sr, {} W", place(*position), triple(*intensity), triple(*power))
             }
             Self::Spot { position, direction, intensity, outer_angle_deg } => format!(
                 "spot at {}, facing {}, half-angle {}°, {} W/sr",
-                triple(*position),
+                place(*position),
                 triple(*direction),
                 significant(f64::from(*outer_angle_deg)),
                 triple(*intensity)
@@ -127,7 +127,7 @@ impl LightKind {
             Self::Disk { center, radius, normal, radiance, power } => format!(
                 "disk of radius {} m at {}, facing {}, {} W/(m² sr), {} W",
                 significant(f64::from(*radius)),
-                triple(*center),
+                place(*center),
                 triple(*normal),
                 triple(*radiance),
                 triple(*power)
@@ -135,7 +135,7 @@ impl LightKind {
             Self::Sphere { center, radius, radiance, power } => format!(
                 "sphere of radius {} m at {}, {} W/(m² sr), {} W",
                 significant(f64::from(*radius)),
-                triple(*center),
+                place(*center),
                 triple(*radiance),
                 triple(*power)
             ),

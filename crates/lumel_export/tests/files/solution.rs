@@ -22,7 +22,7 @@ fn solution(scene: &Scene) -> Solution {
     let half: Vec<Vec3> = irradiance.iter().map(|e| 0.5 * *e).collect();
     Solution {
         meta: SolutionMeta::new(scene, json!({ "rays": 64, "seed": 1 })),
-        positions: scene.positions().to_vec(),
+        positions: scene.world_positions().collect(),
         normals: scene.normals().to_vec(),
         bounces: vec![half.clone(), half.iter().map(|e| 0.5 * *e).collect()],
         tail: Some(half.iter().map(|e| 0.5 * *e).collect()),
@@ -90,7 +90,7 @@ fn a_file_with_other_names_than_layers_is_refused() {
         let meta = SolutionMeta { layers: vec!["only one".to_owned()], ..good.meta.clone() };
         npz.bytes("meta.json", &serde_json::to_vec(&meta).unwrap())?;
         for name in ["positions", "normals", "irradiance"] {
-            npz.array(name, &Array::from_vectors(&good.positions))?;
+            npz.array(name, &Array::from_positions(&good.positions))?;
         }
         npz.array("bounces", &Array { shape: vec![0, 4, 3], data: ArrayData::F32(vec![]) })?;
         npz.array("layers", &Array { shape: vec![2, 4, 3], data: ArrayData::F32(vec![0.0; 24]) })

@@ -1,8 +1,8 @@
 //! glTF 2.0 and GLB.
 //!
 //! Bytes become parts ([`container`]), a typed document ([`document`]) and checked data ([`buffers`], [`accessor`]);
-//! everything else works on nodes in world space: [`nodes`], [`mesh`] with [`morph`], [`skin`] and [`instances`],
-//! [`materials`], [`lights`]. What is animated is read as the file shows it at rest.
+//! everything else works on nodes, placed relative to the scene's origin: [`nodes`], [`mesh`] with [`morph`], [`skin`] and
+//! [`instances`], [`materials`], [`lights`]. What is animated is read as the file shows it at rest.
 //!
 //! Parts of a document are checked when they are used: a broken part that is not used does no harm. Broken geometry is
 //! an error; broken appearance is a warning.
@@ -72,9 +72,14 @@ fn read(bytes: &[u8], resolver: &Resolver) -> Result<Imported, Fault> {
     let mut meshes = MeshReader::new(&document, Accessors::new(&document, &buffers), materials);
     let mut scene = SceneBuilder::default();
     let mut nodes = nodes::place_all(&document, &mut warnings)?;
-    let shown: Vec<_> = nodes.placed.iter().filter(|placed| placed.visible).copied().collect();
-    meshes.check_size(&shown)?;
-    for placed in shown {
+    let shown = |nodes: &nodes::Nodes| {
+        nodes.placed.iter().filter(|placed| placed.visible).copied().collect::<Vec<_>>()
+    };
+    let in_world = shown(&nodes);
+    meshes.check_size(&in_world)?;
+    scene.origin = meshes.origin(&in_world)?;
+    nodes.move_to(scene.origin);
+    for placed in shown(&nodes) {
         scene.objects.extend(meshes.objects_at(placed, &mut nodes, &mut warnings)?);
         if let Some((name, light)) = lights::light_at(&document, placed, &mut warnings)? {
             scene.add_named_light(name, light);

@@ -24,9 +24,21 @@ pub(super) struct Nodes {
     parents: Vec<Option<usize>>,
     /// World from node, where it is known.
     worlds: Vec<Option<DAffine3>>,
+    /// Where the coordinates of the world have their zero.
+    origin: DVec3,
 }
 
 impl Nodes {
+    /// Takes another zero for the coordinates of the world.
+    pub(super) fn move_to(&mut self, origin: DVec3) {
+        let by = origin - self.origin;
+        let known = self.worlds.iter_mut().flatten();
+        known
+            .chain(self.placed.iter_mut().map(|placed| &mut placed.world))
+            .for_each(|world| world.translation -= by);
+        self.origin = origin;
+    }
+
     /// World from node, whether it is in the scene or not.
     pub(super) fn world(
         &mut self,
@@ -34,7 +46,7 @@ impl Nodes {
         node: usize,
         warnings: &mut Warnings,
     ) -> Result<DAffine3, Fault> {
-        let (mut world, mut chain) = (DAffine3::IDENTITY, Vec::new());
+        let (mut world, mut chain) = (DAffine3::from_translation(-self.origin), Vec::new());
         let mut next = Some(node);
         while let Some(node) = next {
             if let Some(known) = self.worlds[node] {
@@ -79,7 +91,7 @@ pub(super) fn place_all(document: &Document, warnings: &mut Warnings) -> Result<
             waiting.extend(children(&document.nodes[node]).rev().map(|child| (child, world, visible)));
         }
     }
-    Ok(Nodes { placed, parents, worlds })
+    Ok(Nodes { placed, parents, worlds, origin: DVec3::ZERO })
 }
 
 /// Whether a node hides itself and all below it.

@@ -1,6 +1,6 @@
 //! From a mesh's own space to the world.
 
-use glam::{DAffine3, DMat3, Mat3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
 
 /// Where the vertices of a primitive stand.
 pub(super) enum Pose {
@@ -24,6 +24,18 @@ impl Pose {
     /// Whether a triangle shows its other side unless its corners run the other way. Corners that disagree vote.
     pub(super) fn mirrors(&self, corners: [u32; 3]) -> bool {
         corners.iter().filter(|&&vertex| self.of(vertex as usize).mirrors).count() > 1
+    }
+
+    /// How many times as far apart points are at the most after the transforms.
+    pub(super) fn longest_column(&self) -> f64 {
+        let longest = |transform: &Transform| {
+            let m = transform.world.matrix3;
+            [m.x_axis, m.y_axis, m.z_axis].into_iter().map(DVec3::length).fold(0.0, f64::max)
+        };
+        match self {
+            Self::Rigid(transform) => longest(transform),
+            Self::Skinned(transforms) => transforms.iter().map(longest).fold(0.0, f64::max),
+        }
     }
 
     fn of(&self, vertex: usize) -> &Transform {

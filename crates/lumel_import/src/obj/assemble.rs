@@ -5,15 +5,21 @@ use crate::ImportError;
 use crate::color::linear_from_srgb;
 use crate::polygon::{CROSSES, MAX_CORNERS, Triangulator};
 use crate::tally::Tally;
-use glam::{Vec2, Vec3};
-use lumel_scene::{Face, MaterialId, ObjectMesh, Smoothing, Warnings};
+use glam::{DVec3, Vec2, Vec3};
+use lumel_scene::{Face, MaterialId, ObjectMesh, Smoothing, Warnings, origin_for};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
 const ABSENT_NORMALS: &str = "faces refer to normals that the file lacks; they are made instead";
 
-/// The objects of a file, in the order of their first faces. `default_name` is for faces outside any object.
+/// Where the coordinates of a file's objects have their zero, metres: vertices that no face uses do not count.
+pub(super) fn origin(file: &ObjFile) -> DVec3 {
+    origin_for(file.corners.iter().filter_map(|corner| file.positions.get(corner.position as usize)).copied())
+}
+
+/// The objects of a file, in the order of their first faces, relative to its origin. `default_name` is for faces outside
+/// any object.
 ///
 /// Material ids are those of the file's names; faces without `usemtl` get the id after the last.
 ///
@@ -25,8 +31,13 @@ pub(super) fn objects(
     default_name: &str,
     warnings: &mut Warnings,
 ) -> Result<Vec<ObjectMesh>, ImportError> {
-    let mut assembler =
-        Assembler { file, path, triangulator: Triangulator::new(), oddities: Tally::default() };
+    let mut assembler = Assembler {
+        file,
+        origin: origin(file),
+        path,
+        triangulator: Triangulator::new(),
+        oddities: Tally::default(),
+    };
     let objects: Result<Vec<_>, _> =
         parts(file, default_name).into_iter().map(|part| assembler.object(&part)).collect();
     if let Ok(objects) = &objects
@@ -68,6 +79,7 @@ fn parts<'a>(file: &'a ObjFile, default_name: &'a str) -> Vec<Part<'a>> {
 
 struct Assembler<'a> {
     file: &'a ObjFile,
+    origin: DVec3,
     path: &'a Path,
     triangulator: Triangulator,
     oddities: Tally,
@@ -87,7 +99,7 @@ impl<'a> Assembler<'a> {
                 let line = file.faces[index].line;
                 let corners = self.corners(index, part.name)?;
                 outline.clear();
-                outline.extend(corners.iter().map(|corner| file.positions[corner.position as usize]));
+                outline.extend(corners.iter().map(|corner| self.position(corner)));
                 if corners.iter().any(|c| c.normal != Corner::NONE && c.normal as usize >= file.normals.len())
                 {
                     // Files stripped of their normals but not of the references to them are common.
@@ -107,6 +119,10 @@ impl<'a> Assembler<'a> {
             }
         }
         Ok(self.mesh(part.name, vertices, faces))
+    }
+
+    fn position(&self, corner: &Corner) -> Vec3 {
+        (self.file.positions[corner.position as usize] - self.origin).as_vec3()
     }
 
     /// The corners of a face, their positions and texture coordinates checked.
@@ -154,7 +170,7 @@ impl<'a> Assembler<'a> {
         };
         let has_uvs = corners.iter().any(|corner| corner.uv != Corner::NONE);
         let has_normals = corners.iter().any(|corner| corner.normal != Corner::NONE);
-        let positions = corners.iter().map(|corner| file.positions[corner.position as usize]).collect();
+        let positions = corners.iter().map(|corner| self.position(corner)).collect();
         ObjectMesh {
             name: name.to_owned(),
             positions,
@@ -162,6 +178,7 @@ impl<'a> Assembler<'a> {
             uvs: if has_uvs { corners.iter().map(uv).collect() } else { Vec::new() },
             tints: if file.colors.is_empty() { Vec::new() } else { corners.iter().map(tint).collect() },
             faces,
+            rounding: 0.0,
         }
     }
 }

@@ -34,12 +34,13 @@ pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     if file.has_baked_colors {
         warnings.push(path.display().to_string(), BAKED_COLORS);
     }
+    let origin = assemble::origin(&file);
     let Palette { mut materials, textures } =
         mtl::palette(path, &resolver, &file.libraries, file.materials.into_names(), &mut warnings);
     if file.sections.iter().any(|section| section.material.is_none()) {
         materials.push(Material::default());
     }
-    let scene = SceneBuilder { name, objects, materials, textures, ..SceneBuilder::default() };
+    let scene = SceneBuilder { name, origin, objects, materials, textures, ..SceneBuilder::default() };
     Ok(Imported { scene, warnings })
 }
 

@@ -3,8 +3,8 @@
 use crate::ImportError;
 use crate::lines::{Line, Lines};
 use crate::tally::Tally;
-use crate::text::{decode, floats, quoted, split_keyword, words};
-use glam::{Vec2, Vec3};
+use crate::text::{decode, doubles, floats, quoted, split_keyword, words};
+use glam::{DVec3, Vec2, Vec3};
 use lumel_scene::Smoothing;
 use std::collections::HashMap;
 use std::path::Path;
@@ -18,7 +18,8 @@ const BAD_SMOOTHING: &str = "smoothing groups taken as off: neither \"off\" nor 
 /// before the vertices they use.
 #[derive(Debug, Default)]
 pub(super) struct ObjFile {
-    pub(super) positions: Vec<Vec3>,
+    /// In world space.
+    pub(super) positions: Vec<DVec3>,
     /// Colours as stored; empty if no vertex has one, else one per position, white where there is none.
     pub(super) colors: Vec<Vec3>,
     /// Texture coordinates with `v` up, as stored.
@@ -163,11 +164,11 @@ impl Reader {
 
     /// `x y z`, `x y z w`, `x y z r g b` or `x y z w r g b`; weights matter to free-form surfaces only.
     fn position(&mut self, arguments: &[u8]) -> Result<(), String> {
-        let (values, count) = floats::<7>(arguments)?;
+        let (values, count) = doubles::<7>(arguments)?;
         at_least(3, count, "vertex")?;
         let [x, y, z, rest @ ..] = values;
         let color = match (count, rest) {
-            (6, [r, g, b, _]) | (7, [_, r, g, b]) => Some(Vec3::new(r, g, b)),
+            (6, [r, g, b, _]) | (7, [_, r, g, b]) => Some(DVec3::new(r, g, b).as_vec3()),
             _ => None,
         };
         let file = &mut self.file;
@@ -177,7 +178,7 @@ impl Reader {
             file.colors.resize(file.positions.len(), Vec3::ONE);
             file.colors.push(color.unwrap_or(Vec3::ONE));
         }
-        file.positions.push(Vec3::new(x, y, z));
+        file.positions.push(DVec3::new(x, y, z));
         Ok(())
     }
 

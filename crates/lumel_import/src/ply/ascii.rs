@@ -64,7 +64,8 @@ impl<'a> Words<'a> {
                     ScalarType::Int => Property::Int(parse(word)?),
                     ScalarType::UInt => Property::UInt(parse(word)?),
                     ScalarType::Float | ScalarType::Double => {
-                        Property::Float(float(word).ok_or_else(|| not_a_number(word))?)
+                        // What is written has the digits that it has, whatever type is declared.
+                        Property::Double(float(word).ok_or_else(|| not_a_number(word))?)
                     }
                 })
             }

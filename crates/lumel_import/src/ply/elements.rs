@@ -1,7 +1,7 @@
 //! The elements of a PLY file that are used.
 
 use crate::color::linear_from_srgb;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
 /// Names of texture coordinates.
@@ -14,7 +14,8 @@ pub(super) const INDEX_NAMES: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// A vertex.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PlyVertex {
-    pub(super) position: Vec3,
+    /// In world space.
+    pub(super) position: DVec3,
     pub(super) normal: Vec3,
     pub(super) color: PlyColor,
     uv: Vec2,
@@ -41,10 +42,10 @@ impl PlyColor {
             // Bytes, also where the header calls them signed.
             Property::Char(value) => (f32::from(value.cast_unsigned()), 255.0),
             Property::UShort(value) => (f32::from(value), 65_535.0),
-            Property::Float(_) | Property::Double(_) => (scalar(property)?, 1.0),
+            Property::Float(_) | Property::Double(_) => (scalar(property)? as f32, 1.0),
             // Wider integers hold bytes too.
             _ => match scalar(property) {
-                Some(value) => (value, 255.0),
+                Some(value) => (value as f32, 255.0),
                 None => return Some(false),
             },
         };
@@ -86,10 +87,18 @@ impl PropertyAccess for PlyVertex {
         if let Some(is_number) = self.color.set(name, &property) {
             return if is_number { PropertyAccessResult::Set } else { PropertyAccessResult::UnsupportedType };
         }
+        let coordinate = match name {
+            "x" => Some(&mut self.position.x),
+            "y" => Some(&mut self.position.y),
+            "z" => Some(&mut self.position.z),
+            _ => None,
+        };
+        if let Some(coordinate) = coordinate {
+            let Some(value) = scalar(&property) else { return PropertyAccessResult::UnsupportedType };
+            *coordinate = value;
+            return PropertyAccessResult::Set;
+        }
         let slot = match name {
-            "x" => &mut self.position.x,
-            "y" => &mut self.position.y,
-            "z" => &mut self.position.z,
             "nx" => &mut self.normal.x,
             "ny" => &mut self.normal.y,
             "nz" => &mut self.normal.z,
@@ -98,21 +107,21 @@ impl PropertyAccess for PlyVertex {
             _ => return PropertyAccessResult::Ignored,
         };
         let Some(value) = scalar(&property) else { return PropertyAccessResult::UnsupportedType };
-        *slot = value;
+        *slot = value as f32;
         PropertyAccessResult::Set
     }
 }
 
-fn scalar(property: &Property) -> Option<f32> {
+fn scalar(property: &Property) -> Option<f64> {
     Some(match *property {
-        Property::Char(value) => f32::from(value),
-        Property::UChar(value) => f32::from(value),
-        Property::Short(value) => f32::from(value),
-        Property::UShort(value) => f32::from(value),
-        Property::Int(value) => value as f32,
-        Property::UInt(value) => value as f32,
-        Property::Float(value) => value,
-        Property::Double(value) => value as f32,
+        Property::Char(value) => f64::from(value),
+        Property::UChar(value) => f64::from(value),
+        Property::Short(value) => f64::from(value),
+        Property::UShort(value) => f64::from(value),
+        Property::Int(value) => f64::from(value),
+        Property::UInt(value) => f64::from(value),
+        Property::Float(value) => f64::from(value),
+        Property::Double(value) => value,
         _ => return None,
     })
 }

@@ -12,10 +12,13 @@ use crate::polygon::{CROSSES, MAX_CORNERS, Triangulator};
 use crate::tally::Tally;
 use crate::{ImportError, ImportOptions, Imported};
 use elements::{IndexList, PlyColor, PlyVertex, Skipped};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use look::Comments;
-use lumel_scene::{Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, TextureRef, Warnings};
-use ply_rs_bw::ply::{ElementDef, Header};
+use lumel_scene::{
+    Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, TextureRef, Warnings, origin_for,
+    rounding_of,
+};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use source::Source;
 use std::path::Path;
 
@@ -41,14 +44,15 @@ pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     let (albedo_texture, textures) = comments.texture(path, &resolver, file.has_uvs, &mut warnings);
     let (ids, materials) = file.materials(path, albedo_texture, &mut warnings);
     let mut dropped = Tally::default();
-    let faces = file.triangles(path, &ids, &mut dropped)?;
+    let origin = origin_for(file.vertices.iter().map(|vertex| vertex.position));
+    let faces = file.triangles(path, (origin, &ids), &mut dropped)?;
     if faces.is_empty() {
         return Err(dropped.nothing_left(path));
     }
     dropped.report(path, &mut warnings);
-    let objects = vec![file.mesh(path, scene_name(path), faces, &mut warnings)];
-    let scene =
-        SceneBuilder { name: scene_name(path), objects, materials, textures, ..SceneBuilder::default() };
+    let objects = vec![file.mesh(path, origin, faces, &mut warnings)];
+    let name = scene_name(path);
+    let scene = SceneBuilder { name, origin, objects, materials, textures, ..SceneBuilder::default() };
     Ok(Imported { scene, warnings })
 }
 
@@ -62,6 +66,8 @@ struct PlyFile {
     has_colors: bool,
     has_face_colors: bool,
     has_uvs: bool,
+    /// Whether coordinates are stored in single precision.
+    is_single: bool,
 }
 
 /// Whether an element has all channels of a colour.
@@ -77,6 +83,7 @@ impl PlyFile {
             match element.name.as_str() {
                 "vertex" => {
                     file.note_attributes(path, element)?;
+                    file.is_single &= header.encoding != Encoding::Ascii;
                     file.vertices = source.elements(element)?;
                 }
                 "face" | "tristrips" => {
@@ -98,6 +105,9 @@ impl PlyFile {
         if !has(&["x", "y", "z"]) {
             return Err(ImportError::malformed(path, "the vertices have no x, y and z"));
         }
+        let is_single =
+            |name: &str| element.properties[name].data_type == PropertyType::Scalar(ScalarType::Float);
+        self.is_single = ["x", "y", "z"].into_iter().any(is_single);
         self.has_normals = has(&["nx", "ny", "nz"]);
         self.has_colors = has_colors(element);
         self.has_uvs = elements::UV_NAMES.iter().any(|names| has(names));
@@ -135,7 +145,7 @@ impl PlyFile {
     fn triangles(
         &self,
         path: &Path,
-        ids: &[MaterialId],
+        (origin, ids): (DVec3, &[MaterialId]),
         dropped: &mut Tally,
     ) -> Result<Vec<Face>, ImportError> {
         let mut faces = Vec::with_capacity(self.faces.len());
@@ -153,7 +163,7 @@ impl PlyFile {
                 return Err(ImportError::malformed(path, message));
             }
             outline.clear();
-            outline.extend(list.indices.iter().map(|&index| self.vertices[index as usize].position));
+            outline.extend(list.indices.iter().map(|&index| self.position(origin, index as usize)));
             let material = ids.get(number).copied().unwrap_or(MaterialId(0));
             let place = || format!("face {number}");
             match triangulator.triangulate(&outline) {
@@ -201,13 +211,23 @@ impl PlyFile {
         }
     }
 
-    fn mesh(&self, path: &Path, name: String, faces: Vec<Face>, warnings: &mut Warnings) -> ObjectMesh {
+    fn position(&self, origin: DVec3, vertex: usize) -> Vec3 {
+        (self.vertices[vertex].position - origin).as_vec3()
+    }
+
+    /// By how much coordinates were rounded when the file was written, metres.
+    fn rounding(&self) -> f64 {
+        let largest = self.vertices.iter().map(|v| v.position.abs().max_element()).filter(|c| c.is_finite());
+        if self.is_single { rounding_of(largest.fold(0.0, f64::max) as f32) } else { 0.0 }
+    }
+
+    fn mesh(&self, path: &Path, origin: DVec3, faces: Vec<Face>, warnings: &mut Warnings) -> ObjectMesh {
         fn all<T>(wanted: bool, vertices: &[PlyVertex], attribute: impl Fn(&PlyVertex) -> T) -> Vec<T> {
             if wanted { vertices.iter().map(attribute).collect() } else { Vec::new() }
         }
         ObjectMesh {
-            name,
-            positions: all(true, &self.vertices, |v| v.position),
+            name: scene_name(path),
+            positions: (0..self.vertices.len()).map(|vertex| self.position(origin, vertex)).collect(),
             normals: all(self.has_normals, &self.vertices, |v| v.normal),
             uvs: all(self.has_uvs, &self.vertices, PlyVertex::uv_down),
             tints: look::linear(
@@ -217,6 +237,7 @@ impl PlyFile {
                 warnings,
             ),
             faces,
+            rounding: self.rounding(),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::input::Command;
 use crate::prefs::{Prefs, SPEED};
 use crate::session::Session;
 use crate::theme;
-use crate::widgets::{heading, hint, row, slider, vector};
+use crate::widgets::{heading, hint, place, row, slider};
 use eframe::egui::{Button, DragValue, RichText, Slider, Ui};
 
 pub(super) fn show(session: &mut Session, prefs: &mut Prefs, actions: &mut Actions, ui: &mut Ui) {
@@ -14,7 +14,7 @@ pub(super) fn show(session: &mut Session, prefs: &mut Prefs, actions: &mut Actio
         hint(ui, "Open a scene first.");
         return;
     };
-    let diagonal = document.diagonal();
+    let (diagonal, origin) = (document.diagonal(), document.scene.origin());
     let views: Vec<(String, Option<FlyCamera>)> =
         document.scene.cameras().iter().map(|c| (c.name.clone(), FlyCamera::from_camera(c))).collect();
     slots(session, ui);
@@ -27,7 +27,7 @@ pub(super) fn show(session: &mut Session, prefs: &mut Prefs, actions: &mut Actio
         }
     });
     let camera = &mut session.camera;
-    vector(ui, "Camera", "Position, metres", &mut camera.position, 0.002 * diagonal);
+    place(ui, "Camera", "Position, metres", &mut camera.position, (origin, 0.002 * diagonal));
     angle(ui, "Yaw", "Counterclockwise about +Y, from -Z", &mut camera.yaw_deg, 180.0);
     angle(ui, "Pitch", "Above the horizon", &mut camera.pitch_deg, 89.9);
     angle(ui, "Roll", "Clockwise", &mut camera.roll_deg, 180.0);

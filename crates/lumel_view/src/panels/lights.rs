@@ -7,13 +7,14 @@ use crate::lights::{EditLight, Resize, half_edge_range};
 use crate::session::Session;
 use crate::theme;
 use crate::values::significant;
-use crate::widgets::{check, choice, color_button, heading, hint, row, slider, value, vector};
+use crate::widgets::{check, choice, color_button, heading, hint, place, row, slider, value};
 use eframe::egui::{Checkbox, DragValue, RichText, Slider, TextEdit, Ui};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use lumel::{Light, LightKind, PointLight, SphereLight, SpotLight, SunLight};
 
 pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
-    let Some(diagonal) = session.document.as_ref().map(Document::diagonal) else {
+    let size = |document: &Document| (document.scene.origin(), document.diagonal());
+    let Some((origin, diagonal)) = session.document.as_ref().map(size) else {
         hint(ui, "Open a scene first.");
         return;
     };
@@ -35,7 +36,7 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
         hint(ui, "No lights. Press Space to add one at the camera.");
         return;
     };
-    properties(ui, light, diagonal);
+    properties(ui, light, (origin, diagonal));
 }
 
 fn list(session: &mut Session, ui: &mut Ui) {
@@ -86,7 +87,7 @@ fn layers(session: &mut Session, ui: &mut Ui) {
     }
 }
 
-fn properties(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
+fn properties(ui: &mut Ui, light: &mut EditLight, (origin, diagonal): (DVec3, f32)) {
     heading(ui, "Active light");
     row(ui, "Name", "", |ui| ui.add(TextEdit::singleline(&mut light.name).desired_width(150.0)));
     kind(ui, light);
@@ -110,7 +111,7 @@ fn properties(ui: &mut Ui, light: &mut EditLight, diagonal: f32) {
         power(ui, light);
     }
     if light.kind() != LightKind::Sun {
-        vector(ui, "Position", "Metres", &mut light.rect.center, 0.003 * diagonal);
+        place(ui, "Position", "Metres", &mut light.rect.center, (origin, 0.003 * diagonal));
     }
     if light.kind() != LightKind::Point {
         direction(ui, light);

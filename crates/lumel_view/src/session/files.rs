@@ -168,7 +168,7 @@ impl Session {
         let view = CameraEntry::from(&self.camera.camera());
         project.cameras.retain(|camera| camera.name != view.name);
         project.cameras.insert(0, view);
-        project.write(path).map_err(|e| error_text(&e))?;
+        project.moved(document.scene.origin()).write(path).map_err(|e| error_text(&e))?;
         self.edits_are_saved();
         self.notices.push(Level::Info, format!("Saved the project: {}", path.display()));
         if let Some(document) = &mut self.document {

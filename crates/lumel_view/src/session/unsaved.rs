@@ -167,7 +167,7 @@ impl Session {
         let valid = if light.valid.len() == n { light.valid.to_vec() } else { vec![true; n] };
         Some(Solution {
             meta,
-            positions: scene.positions().to_vec(),
+            positions: scene.world_positions().collect(),
             normals: scene.normals().to_vec(),
             irradiance: light.select(Selection::All, n),
             bounces: light.bounces.iter().map(|b| b.to_vec()).collect(),

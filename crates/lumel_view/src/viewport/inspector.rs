@@ -7,7 +7,7 @@ use crate::session::Session;
 use crate::theme;
 use crate::values::significant;
 use eframe::egui::{self, Color32, Frame, Grid, Margin, Rect, RichText, ScrollArea, Ui, vec2};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_render_cpu::srgb_byte;
 
 pub(super) fn show(session: &Session, pick: &mut Option<Pick>, ui: &mut Ui, rect: Rect) {
@@ -38,7 +38,7 @@ pub(super) fn show(session: &Session, pick: &mut Option<Pick>, ui: &mut Ui, rect
 fn content(session: &Session, pick: &Pick, ui: &mut Ui, height: f32) {
     let Some(document) = &session.document else { return };
     let spot = &pick.spot;
-    let point = |v: Vec3| format!("{:.3}  {:.3}  {:.3}", v.x, v.y, v.z);
+    let point = |v: DVec3| format!("{:.3}  {:.3}  {:.3}", v.x, v.y, v.z);
     let rgb = |v: Vec3| format!("{}  {}  {}", significant(v.x), significant(v.y), significant(v.z));
     ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
         Grid::new("spot").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
@@ -47,8 +47,8 @@ fn content(session: &Session, pick: &Pick, ui: &mut Ui, height: f32) {
                 ui.add(egui::Label::new(text).truncate());
                 ui.end_row();
             };
-            line("Position", format!("{} m", point(spot.position)));
-            line("Normal", point(spot.normal));
+            line("Position", format!("{} m", point(document.scene.to_world(spot.position))));
+            line("Normal", point(spot.normal.as_dvec3()));
             line("Triangle", format!("{} of {}", spot.triangle().0, spot.object));
             line("Material", spot.material.clone());
             line("Albedo", rgb(spot.albedo));

@@ -7,5 +7,5 @@ mod toast;
 
 pub use color::{albedo_button, color_button};
 pub use modal::modal;
-pub use rows::{check, choice, heading, hint, number, primary_button, row, slider, value, vector};
+pub use rows::{check, choice, heading, hint, number, place, primary_button, row, slider, value};
 pub use toast::Toasts;

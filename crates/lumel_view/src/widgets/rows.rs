@@ -5,7 +5,7 @@ use eframe::egui::{
     self, Align, Button, Checkbox, ComboBox, DragValue, Layout, Response, RichText, Slider, SliderClamping,
     TextStyle, Ui, Vec2,
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Room for the number right of a slider.
 const NUMBER_WIDTH: f32 = 68.0;
@@ -99,8 +99,9 @@ pub fn choice<T: Copy + PartialEq>(
     })
 }
 
-/// Three coordinates, each by a name of its own for assistive technology.
-pub fn vector(ui: &mut Ui, name: &str, hint: &str, value: &mut Vec3, speed: f32) {
+/// Three coordinates of a place, shown in world space, where `origin` is, and changed at some `speed` by dragging. Each has a
+/// name of its own for assistive technology.
+pub fn place(ui: &mut Ui, name: &str, hint: &str, value: &mut Vec3, (origin, speed): (DVec3, f32)) {
     ui.horizontal(|ui| {
         let height = ui.spacing().interact_size.y;
         ui.allocate_ui_with_layout(
@@ -115,9 +116,13 @@ pub fn vector(ui: &mut Ui, name: &str, hint: &str, value: &mut Vec3, speed: f32)
         ui.spacing_mut().item_spacing.x = gap;
         ui.spacing_mut().button_padding.x = 2.0;
         let width = ((ui.available_width() - 2.0 * gap) / 3.0).clamp(30.0, 74.0);
-        for (axis, coordinate) in ["x", "y", "z"].into_iter().zip(value.as_mut()) {
-            let drag = DragValue::new(coordinate).speed(speed).max_decimals(3);
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let mut coordinate = origin[k] + f64::from(value[k]);
+            let drag = DragValue::new(&mut coordinate).speed(speed).max_decimals(3);
             let response = ui.add_sized([width, height], drag);
+            if response.changed() {
+                value[k] = (coordinate - origin[k]) as f32;
+            }
             let text = format!("{name} {axis}");
             response
                 .widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::SpinButton, true, &text));
