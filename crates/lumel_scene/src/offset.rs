@@ -87,10 +87,10 @@ impl Scene {
     /// Where rays from a point in world space start that lies on some surface with this unit normal.
     ///
     /// As nothing is known of its triangle, the step is 16 epsilons of its largest coordinate, relative to the scene's
-    /// origin, and 8 of the scene's diagonal: what [`offset_from`] comes to for a well-shaped triangle as large as the scene.
+    /// origin, and 16 of the root of the mean area of all triangles: more than [`offset_from`] comes to for such a triangle.
     pub fn ray_origin_at(&self, world: DVec3, normal: Vec3) -> Vec3 {
-        let (point, diagonal) = (world - self.origin(), f64::from(self.bounds().diagonal()));
-        let step = EPSILON * (16.0 * point.abs().max_element() + 8.0 * diagonal);
+        let point = world - self.origin();
+        let step = 16.0 * EPSILON * (point.abs().max_element() + self.usual_size());
         (point + normal.as_dvec3() * step).as_vec3()
     }
 }
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn the_offset_is_never_zero_and_of_needles_never_wide() {
         let flat = [Vec3::ZERO, Vec3::X, Vec3::Z];
-        assert_eq!(f64::from(offset_from(flat)), 2.0 * EPSILON * 2_f64.sqrt());
+        assert_eq!(offset_from(flat), (2.0 * EPSILON * 2_f64.sqrt()) as f32);
         let needle = [Vec3::ZERO, Vec3::ONE, Vec3::ONE + Vec3::new(1e-6, 0.0, 0.0)];
         assert!(offset_from(needle) < 3e-5);
     }

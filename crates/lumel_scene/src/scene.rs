@@ -42,6 +42,7 @@ struct Unlit {
     cameras: Vec<Camera>,
     sky: Sky,
     bounds: Bounds,
+    usual_size: OnceLock<f64>,
     geometry_hash: OnceLock<blake3::Hash>,
     surfaces_hash: OnceLock<SurfacesHash>,
 }
@@ -58,6 +59,7 @@ impl Scene {
             textures: builder.textures.into(),
             cameras: builder.cameras,
             sky: builder.sky,
+            usual_size: OnceLock::new(),
             geometry_hash: OnceLock::new(),
             surfaces_hash: OnceLock::new(),
         };
@@ -212,6 +214,13 @@ impl Scene {
     /// Bounds of all vertices.
     pub fn bounds(&self) -> Bounds {
         self.unlit.bounds
+    }
+
+    /// The root of the mean area of all triangles, metres.
+    pub(crate) fn usual_size(&self) -> f64 {
+        let area = |tri: u32| triangle::area(self.triangle_positions(TriId(tri)));
+        let n = self.traced_count();
+        *self.unlit.usual_size.get_or_init(|| ((0..n as u32).map(area).sum::<f64>() / n as f64).sqrt())
     }
 
     /// Hashes that tell this scene from others.

@@ -10,8 +10,8 @@ use super::nodes::{Nodes, Placed};
 use super::part::{Part, Source};
 use super::pose::{Pose, Transform};
 use super::skin::Skin;
-use glam::{DAffine3, DVec3, Vec3};
-use lumel_scene::{ObjectMesh, Warnings, origin_for};
+use glam::DAffine3;
+use lumel_scene::{ObjectMesh, Warnings};
 use std::rc::Rc;
 
 /// The largest number of triangles of a file. Many nodes may instance one mesh, so a few kilobytes can describe any
@@ -134,26 +134,6 @@ impl<'a> MeshReader<'a> {
             }
         }
         Ok(())
-    }
-
-    /// Where the coordinates of meshes at these nodes have their zero, metres: as their nodes place them, whatever morphs,
-    /// joints and instances do.
-    pub(super) fn origin(&self, placed: &[Placed]) -> Result<DVec3, Fault> {
-        let mut extremes = Vec::new();
-        for Placed { node, world, .. } in placed {
-            let mesh = self.document.nodes[*node].mesh.map(|mesh| mesh.value());
-            let Some(mesh) = mesh.and_then(|mesh| self.document.meshes.get(mesh)) else { continue };
-            for primitive in &mesh.primitives {
-                let source = Source { primitive, accessors: &self.accessors, place: "mesh" };
-                let Some(corners) = source.corners()? else { continue };
-                let points = corners.points().map(|p| world.transform_point3(Vec3::from(p).as_dvec3()));
-                let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-                let points = points.filter(|p| p.is_finite());
-                let (min, max) = points.fold(start, |(min, max), p| (min.min(p), max.max(p)));
-                extremes.extend([min, max]);
-            }
-        }
-        Ok(origin_for(extremes))
     }
 
     fn cost(&self, mesh: usize) -> Result<u64, Fault> {

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf_json::Node;
 use lumel_scene::Warnings;
 
-/// A node of the scene in world space.
+/// A node of the scene, relative to its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     /// Index of the node.
@@ -22,23 +22,13 @@ pub(super) struct Nodes {
     /// The nodes of the scene, parents before their children, otherwise in the order of the file.
     pub(super) placed: Vec<Placed>,
     parents: Vec<Option<usize>>,
+    /// World from what stands in no node.
+    root: DAffine3,
     /// World from node, where it is known.
     worlds: Vec<Option<DAffine3>>,
-    /// Where the coordinates of the world have their zero.
-    origin: DVec3,
 }
 
 impl Nodes {
-    /// Takes another zero for the coordinates of the world.
-    pub(super) fn move_to(&mut self, origin: DVec3) {
-        let by = origin - self.origin;
-        let known = self.worlds.iter_mut().flatten();
-        known
-            .chain(self.placed.iter_mut().map(|placed| &mut placed.world))
-            .for_each(|world| world.translation -= by);
-        self.origin = origin;
-    }
-
     /// World from node, whether it is in the scene or not.
     pub(super) fn world(
         &mut self,
@@ -46,7 +36,7 @@ impl Nodes {
         node: usize,
         warnings: &mut Warnings,
     ) -> Result<DAffine3, Fault> {
-        let (mut world, mut chain) = (DAffine3::from_translation(-self.origin), Vec::new());
+        let (mut world, mut chain) = (self.root, Vec::new());
         let mut next = Some(node);
         while let Some(node) = next {
             if let Some(known) = self.worlds[node] {
@@ -64,10 +54,10 @@ impl Nodes {
     }
 }
 
-/// Places all nodes of the scene.
+/// Places all nodes of the scene relative to its origin.
 ///
 /// The whole file's nodes must form trees, those outside the scene included. Depth is limited by memory only.
-pub(super) fn place_all(document: &Document, warnings: &mut Warnings) -> Result<Nodes, Fault> {
+pub(super) fn place_all(document: &Document, origin: DVec3, warnings: &mut Warnings) -> Result<Nodes, Fault> {
     let parents = parents(document)?;
     refuse_cycles(document, &parents)?;
     let all_roots = || (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
@@ -75,11 +65,12 @@ pub(super) fn place_all(document: &Document, warnings: &mut Warnings) -> Result<
     let mut placed = Vec::new();
     let mut worlds = vec![None; parents.len()];
     let mut waiting = Vec::new();
+    let from_world = DAffine3::from_translation(DVec3::ZERO - origin);
     for root in roots {
         if root >= parents.len() {
             return Err(Fault::absent("scene", "node", root, parents.len()));
         }
-        waiting.push((root, DAffine3::IDENTITY, true));
+        waiting.push((root, from_world, true));
         while let Some((node, parent, visible)) = waiting.pop() {
             if worlds[node].is_some() {
                 return Err(Fault::at(document.node_label(node), "it is in the scene twice"));
@@ -91,7 +82,7 @@ pub(super) fn place_all(document: &Document, warnings: &mut Warnings) -> Result<
             waiting.extend(children(&document.nodes[node]).rev().map(|child| (child, world, visible)));
         }
     }
-    Ok(Nodes { placed, parents, worlds, origin: DVec3::ZERO })
+    Ok(Nodes { placed, parents, root: from_world, worlds })
 }
 
 /// Whether a node hides itself and all below it.
@@ -187,7 +178,7 @@ mod tests {
         let mut warnings = Warnings::default();
         let json = serde_json::to_vec(&model.json).unwrap();
         let document = Document::parse(&json, &mut warnings).map_err(|fault| fault.to_string())?;
-        let nodes = place_all(&document, &mut warnings).map_err(|fault| fault.to_string())?;
+        let nodes = place_all(&document, DVec3::ZERO, &mut warnings).map_err(|fault| fault.to_string())?;
         Ok((nodes.placed, warnings))
     }
 
@@ -295,7 +286,7 @@ mod tests {
         let mut warnings = Warnings::default();
         let json = serde_json::to_vec(&model.json).unwrap();
         let document = Document::parse(&json, &mut warnings).unwrap();
-        let mut nodes = place_all(&document, &mut warnings).unwrap();
+        let mut nodes = place_all(&document, DVec3::ZERO, &mut warnings).unwrap();
         assert_eq!(nodes.placed.len(), 1);
         for node in [2, 0, 1] {
             let world = nodes.world(&document, node, &mut warnings).unwrap();

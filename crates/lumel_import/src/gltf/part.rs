@@ -197,7 +197,7 @@ impl Part<'_> {
         let end = object.positions.len();
         let coordinates = vertices().flat_map(|v| self.positions.vector::<3>(v)).map(f32::abs);
         let largest = coordinates.filter(|c| c.is_finite()).fold(0.0, f32::max);
-        object.rounding = object.rounding.max(pose.longest_column() * rounding_of(largest));
+        object.rounding = object.rounding.max(pose.stretch() * rounding_of(largest));
         let normals = self.normals.as_ref();
         let normals =
             normals.map(|n| vertices().enumerate().map(|(i, vertex)| pose.normal(i, n.vector(vertex))));
@@ -220,11 +220,6 @@ impl Corners<'_> {
     /// How many triangles there are; `None` for points and lines.
     pub(super) fn triangle_count(&self) -> Option<usize> {
         triangle_count(self.mode, self.count())
-    }
-
-    /// The positions, in the mesh's own space.
-    pub(super) fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
-        (0..self.positions.count()).map(|i| self.positions.vector(i))
     }
 
     fn count(&self) -> usize {

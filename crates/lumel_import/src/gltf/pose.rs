@@ -26,15 +26,11 @@ impl Pose {
         corners.iter().filter(|&&vertex| self.of(vertex as usize).mirrors).count() > 1
     }
 
-    /// How many times as far apart points are at the most after the transforms.
-    pub(super) fn longest_column(&self) -> f64 {
-        let longest = |transform: &Transform| {
-            let m = transform.world.matrix3;
-            [m.x_axis, m.y_axis, m.z_axis].into_iter().map(DVec3::length).fold(0.0, f64::max)
-        };
+    /// How many times as far apart points are at the most.
+    pub(super) fn stretch(&self) -> f64 {
         match self {
-            Self::Rigid(transform) => longest(transform),
-            Self::Skinned(transforms) => transforms.iter().map(longest).fold(0.0, f64::max),
+            Self::Rigid(transform) => transform.stretch(),
+            Self::Skinned(transforms) => transforms.iter().map(Transform::stretch).fold(0.0, f64::max),
         }
     }
 
@@ -51,6 +47,13 @@ pub(super) struct Transform {
     world: DAffine3,
     normals: Mat3,
     mirrors: bool,
+}
+
+impl Transform {
+    fn stretch(&self) -> f64 {
+        let DMat3 { x_axis, y_axis, z_axis } = self.world.matrix3;
+        [x_axis, y_axis, z_axis].into_iter().map(DVec3::length).fold(0.0, f64::max)
+    }
 }
 
 impl From<DAffine3> for Transform {

@@ -125,7 +125,7 @@ impl Model {
 
 pub(super) fn read_bytes(bytes: &[u8]) -> Result<Imported, String> {
     let resolver = Resolver::new(Path::new("model.glb"), PathPolicy::WithinFolder).unwrap();
-    read(bytes, &resolver).map_err(|fault| fault.to_string())
+    read(bytes, &resolver, glam::DVec3::ZERO).map_err(|fault| fault.to_string())
 }
 
 /// All warnings, one a line.

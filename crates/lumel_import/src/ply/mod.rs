@@ -44,14 +44,14 @@ pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     let (albedo_texture, textures) = comments.texture(path, &resolver, file.has_uvs, &mut warnings);
     let (ids, materials) = file.materials(path, albedo_texture, &mut warnings);
     let mut dropped = Tally::default();
-    let origin = origin_for(file.vertices.iter().map(|vertex| vertex.position));
-    let faces = file.triangles(path, (origin, &ids), &mut dropped)?;
+    file.origin = origin_for(file.vertices.iter().map(|vertex| vertex.position));
+    let faces = file.triangles(path, &ids, &mut dropped)?;
     if faces.is_empty() {
         return Err(dropped.nothing_left(path));
     }
     dropped.report(path, &mut warnings);
-    let objects = vec![file.mesh(path, origin, faces, &mut warnings)];
-    let name = scene_name(path);
+    let objects = vec![file.mesh(path, scene_name(path), faces, &mut warnings)];
+    let (name, origin) = (scene_name(path), file.origin);
     let scene = SceneBuilder { name, origin, objects, materials, textures, ..SceneBuilder::default() };
     Ok(Imported { scene, warnings })
 }
@@ -68,6 +68,8 @@ struct PlyFile {
     has_uvs: bool,
     /// Whether coordinates are stored in single precision.
     is_single: bool,
+    /// Where the coordinates of the mesh have their zero.
+    origin: DVec3,
 }
 
 /// Whether an element has all channels of a colour.
@@ -145,7 +147,7 @@ impl PlyFile {
     fn triangles(
         &self,
         path: &Path,
-        (origin, ids): (DVec3, &[MaterialId]),
+        ids: &[MaterialId],
         dropped: &mut Tally,
     ) -> Result<Vec<Face>, ImportError> {
         let mut faces = Vec::with_capacity(self.faces.len());
@@ -163,7 +165,7 @@ impl PlyFile {
                 return Err(ImportError::malformed(path, message));
             }
             outline.clear();
-            outline.extend(list.indices.iter().map(|&index| self.position(origin, index as usize)));
+            outline.extend(list.indices.iter().map(|&index| self.position(index as usize)));
             let material = ids.get(number).copied().unwrap_or(MaterialId(0));
             let place = || format!("face {number}");
             match triangulator.triangulate(&outline) {
@@ -211,8 +213,8 @@ impl PlyFile {
         }
     }
 
-    fn position(&self, origin: DVec3, vertex: usize) -> Vec3 {
-        (self.vertices[vertex].position - origin).as_vec3()
+    fn position(&self, vertex: usize) -> Vec3 {
+        (self.vertices[vertex].position - self.origin).as_vec3()
     }
 
     /// By how much coordinates were rounded when the file was written, metres.
@@ -221,13 +223,13 @@ impl PlyFile {
         if self.is_single { rounding_of(largest.fold(0.0, f64::max) as f32) } else { 0.0 }
     }
 
-    fn mesh(&self, path: &Path, origin: DVec3, faces: Vec<Face>, warnings: &mut Warnings) -> ObjectMesh {
+    fn mesh(&self, path: &Path, name: String, faces: Vec<Face>, warnings: &mut Warnings) -> ObjectMesh {
         fn all<T>(wanted: bool, vertices: &[PlyVertex], attribute: impl Fn(&PlyVertex) -> T) -> Vec<T> {
             if wanted { vertices.iter().map(attribute).collect() } else { Vec::new() }
         }
         ObjectMesh {
-            name: scene_name(path),
-            positions: (0..self.vertices.len()).map(|vertex| self.position(origin, vertex)).collect(),
+            name,
+            positions: (0..self.vertices.len()).map(|vertex| self.position(vertex)).collect(),
             normals: all(self.has_normals, &self.vertices, |v| v.normal),
             uvs: all(self.has_uvs, &self.vertices, PlyVertex::uv_down),
             tints: look::linear(
