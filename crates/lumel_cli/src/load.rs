@@ -6,8 +6,8 @@ use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
 use glam::Vec3;
 use lumel::{
-    Baker, Bvh, Control, EmitterSampling, Light, LightFileError, OpenError, Opened, Project, Scene, Settings,
-    SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
+    Baker, Bvh, Control, EmitterSampling, Light, LightFileError, MaxEdge, OpenError, OpenOptions, Opened,
+    Project, Scene, Settings, SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
 };
 use lumel_scene::TriId;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,17 @@ pub(crate) struct Loaded {
 
 /// Opens and builds the scene.
 pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
-    let Opened { mut builder, mut warnings, settings: patch, auto_edge, .. } = open(args)?;
+    load_with(args, &args.open_options())
+}
+
+/// The same, but mesh files stay as they are unless the command line gives a longest edge.
+pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<Loaded> {
+    let given = args.max_edge.or((!is_project(Path::new(&args.scene))).then_some(MaxEdge::Off));
+    load_with(args, &OpenOptions { max_edge: given, ..args.open_options() })
+}
+
+fn load_with(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Loaded> {
+    let Opened { mut builder, mut warnings, settings: patch, auto_edge, .. } = open(args, options)?;
     let new_lights = || args.lights.iter().filter_map(LightChoice::as_new);
     if new_lights().next().is_some() {
         builder.clear_lights();
@@ -59,8 +69,8 @@ pub(crate) fn load_and_warn(args: &SceneArgs, console: &Console) -> anyhow::Resu
     Ok(loaded)
 }
 
-fn open(args: &SceneArgs) -> anyhow::Result<Opened> {
-    lumel::open(&args.scene, &args.open_options()).map_err(|error| match error {
+fn open(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Opened> {
+    lumel::open(&args.scene, options).map_err(|error| match error {
         OpenError::NotFound { name } => hinted(
             format!("there is no file \"{name}\" and no built-in scene of that name"),
             format!("built-in scenes are {}", lumel_builtin::NAMES.join(", ")),
@@ -139,11 +149,15 @@ pub(crate) fn warn_of_darkness(baker: &Baker, state: &SolveState, console: &Cons
     }
 }
 
+fn is_project(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+}
+
 /// The files of a scene that the command line or the project names.
 pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
     let path = Path::new(scene);
     let mut files = vec![path.to_owned()];
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+    if is_project(path)
         && let Ok(project) = Project::read(path)
     {
         let sky = project.sky.as_ref().and_then(|sky| sky.file());

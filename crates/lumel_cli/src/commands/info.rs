@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Describes a scene.
 pub(crate) fn run(args: &InfoArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
-    let Loaded { scene, warnings, .. } = load::load(&args.scene)?;
+    let Loaded { scene, warnings, .. } = load::load_as_it_is(&args.scene)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     let any = !warnings.is_empty();
     let report = SceneReport::new(&scene, warnings);
