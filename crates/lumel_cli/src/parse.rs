@@ -55,7 +55,7 @@ pub(crate) fn count(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum LightChoice {
     /// A new light.
-    New(LightEntry),
+    New(Box<LightEntry>),
     /// The light of a layer, by its name.
     Layer(String),
 }
@@ -80,7 +80,7 @@ impl LightChoice {
 
 /// A light: see [`spec::light`].
 pub(crate) fn light(text: &str) -> Result<LightChoice, String> {
-    spec::light(text).map(LightChoice::New).map_err(|error| {
+    spec::light(text).map(Box::new).map(LightChoice::New).map_err(|error| {
         let named = LightKind::ALL.into_iter().find(|kind| text.trim_start().starts_with(kind.name()));
         let example = named.unwrap_or_default().example();
         format!("{error}\n  hint: for example --light '{example}'")
