@@ -40,8 +40,10 @@ impl SceneBuilder {
     ///
     /// All positions are then relative to that. [`SceneBuilder::tessellate`] and [`SceneBuilder::build`] do it first.
     pub fn recenter(&mut self) {
-        let positions = self.objects.iter().flat_map(|object| &object.positions);
-        let shift = origin_beyond(FAR_IF_ROUNDED, positions.map(|p| p.as_dvec3()));
+        let positions = self.objects.iter().flat_map(|object| object.positions.iter().copied());
+        // Lights count: what they shine on may be measured at points that are near them alone.
+        let lights = self.lights.iter().filter_map(Light::position);
+        let shift = origin_beyond(FAR_IF_ROUNDED, positions.chain(lights).map(|p| p.as_dvec3()));
         if shift == DVec3::ZERO {
             return;
         }

@@ -45,9 +45,9 @@ fn spot_lights_fade_between_their_cones() {
     let point = PointLight { position: Vec3::Z * 2.0, intensity: Vec3::splat(8.0), range: f32::INFINITY };
     let (cos_inner, cos_outer) = (0.95, 0.7);
     let spot = Light::Spot(SpotLight { point, direction: -Vec3::Z, cos_inner, cos_outer });
-    // The origin is pushed up by 2^-16.
-    let height = 2.0 - f64::from(2f32.powi(-16));
     for x in [0.0f64, 0.5, 1.0, 1.5, 1.9, 2.2, 5.0] {
+        // The origin is pushed up: see `Scene::ray_origin_at`; the scene's triangles have an area of 2 m².
+        let height = 2.0 - 16.0 * f64::from(f32::EPSILON) * (x + 2f64.sqrt());
         let squared = x * x + height * height;
         let cos = height / squared.sqrt();
         let share =
