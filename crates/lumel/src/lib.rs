@@ -30,6 +30,7 @@ mod max_edge;
 mod measure;
 mod method;
 mod open;
+mod places;
 mod progress;
 mod project;
 mod reading;

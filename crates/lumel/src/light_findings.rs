@@ -1,10 +1,10 @@
 //! Lights that are lost: they reach nothing, or the backs of surfaces.
 
-use crate::Baker;
+use crate::{Baker, places};
 use glam::Vec3;
 use lumel_accel::Ray;
 use lumel_basis::PointReceivers;
-use lumel_sample::{Dim, PiecewiseConstant1D, Sampler, Stream, StreamKey, uniform_sphere, uniform_triangle};
+use lumel_sample::{Dim, Sampler, Stream, StreamKey, uniform_sphere, uniform_triangle};
 use lumel_scene::{Light, Scene, Sides, SurfacePoint, TriId, luminance};
 use lumel_transport::{
     Control, CpuTransport, Emitter, EmitterMask, Job, LightSampling, Plan, Source, TransportError, accumulate,
@@ -166,16 +166,9 @@ impl Baker {
     /// Places on both sides of faces, evenly by area; at least one on each face while there are fewer faces than places.
     fn places(&self, n: u32) -> Vec<Place> {
         let scene: &Scene = self.scene();
-        let weights: Vec<f32> = (0..scene.traced_count() as u32).map(|tri| scene.area(TriId(tri))).collect();
-        let Some(by_area) = PiecewiseConstant1D::new(&weights) else { return Vec::new() };
-        let stream = stream(1);
-        let by_area = (0..n).map(|i| {
-            let [x, y, choice, _] = stream.sample_4d(i);
-            (TriId(by_area.sample(choice).0 as u32), [x, y])
-        });
         let each = (0..scene.traced_count().min(n as usize) as u32).map(|tri| (TriId(tri), [0.5, 0.5]));
         let each = each.filter(|_| n == MANY_PLACES);
-        by_area
+        places::by_area(scene, stream(1), n)
             .chain(each)
             .flat_map(|(tri, u)| {
                 let [a, b] = uniform_triangle(u).map(|weight| weight + INSET * (1.0 / 3.0 - weight));

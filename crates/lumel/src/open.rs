@@ -85,8 +85,7 @@ pub enum OpenError {
 /// See [`OpenError`].
 pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
     let path = Path::new(name);
-    let is_project = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    let mut opened = if is_project && path.exists() {
+    let mut opened = if Project::is_file_name(path) && path.exists() {
         open_project(path, options)?
     } else {
         let (builder, warnings) = open_mesh(name, options.subdivide, options)?;

@@ -169,6 +169,11 @@ impl std::str::FromStr for Project {
 }
 
 impl Project {
+    /// Whether a path is that of a project file: it ends with `.toml`.
+    pub fn is_file_name(path: &Path) -> bool {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+    }
+
     /// Reads a project file.
     ///
     /// # Errors

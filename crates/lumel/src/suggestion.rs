@@ -1,10 +1,10 @@
 //! Lights that suit a scene without any.
 
+use crate::places;
 use glam::Vec3;
 use lumel_accel::{Ray, RayTracer};
-use lumel_sample::Frame;
-use lumel_sample::{Dim, PiecewiseConstant1D, Sampler, StreamKey, cosine_hemisphere, uniform_triangle};
-use lumel_scene::{Scene, SurfacePoint, TriId};
+use lumel_sample::{Dim, Frame, Sampler, StreamKey, cosine_hemisphere, uniform_triangle};
+use lumel_scene::{Scene, SurfacePoint};
 
 /// Rays from surfaces that decide whether a scene is open.
 const RAYS: u32 = 1024;
@@ -31,18 +31,14 @@ pub fn suggested_light(scene: &Scene, tracer: &dyn RayTracer) -> String {
 
 /// Whether much of what surfaces see above them is sky.
 fn is_open(scene: &Scene, tracer: &dyn RayTracer) -> bool {
-    let weights: Vec<f32> = (0..scene.traced_count() as u32).map(|tri| scene.area(TriId(tri))).collect();
-    let Some(by_area) = PiecewiseConstant1D::new(&weights) else { return true };
-    let places = Sampler::Sobol.stream(StreamKey::new(0), Dim::Area);
+    let stream = Sampler::Sobol.stream(StreamKey::new(0), Dim::Area);
     let directions = Sampler::Sobol.stream(StreamKey::new(0), Dim::Hemisphere);
     let (mut upwards, mut escaped) = (0.0, 0.0);
-    for i in 0..RAYS {
-        let [x, y, choice, _] = places.sample_4d(i);
-        let tri = TriId(by_area.sample(choice).0 as u32);
+    for (i, (tri, u)) in (0..).zip(places::by_area(scene, stream, RAYS)) {
         let normal = scene.geometric_normal(tri);
         let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(directions.sample_2d(i)));
         if direction.y > 0.0 {
-            let at = SurfacePoint { tri, bary: uniform_triangle([x, y]).into() };
+            let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
             let ray = Ray::new(scene.ray_origin(at), direction).skipping(tri);
             upwards += 1.0;
             escaped += f32::from(u8::from(tracer.closest_hit(&ray).is_none()));

@@ -3,7 +3,7 @@
 use crate::{Basis, PointReceivers, Site, VertexBasis};
 use glam::DVec3;
 use lumel_sample::Frame;
-use lumel_scene::{Scene, TriId};
+use lumel_scene::{Margins, Scene, TriId};
 
 /// How far a vertex's rays start inside its ring of triangles, as a share of the way to the ring's centre.
 ///
@@ -11,7 +11,7 @@ use lumel_scene::{Scene, TriId};
 /// hemisphere. A thousandth of a triangle is too little to shift the light.
 const INSET: f64 = 1e-3;
 
-/// They start at least this many [clearances](Scene::clearance) from the edges of the ring: beyond the rounding of the walls
+/// They start at least this many [clearances](Margins::clearance) from the edges of the ring: beyond the rounding of the walls
 /// that rise there.
 const LEAST_INSET: f64 = 4.0;
 
@@ -59,7 +59,7 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
         let [a, b, c] = scene.triangle_positions(tri).map(|p| p.as_dvec3());
         let normal = 0.5 * (b - a).cross(c - a);
         let area = normal.length();
-        let [offset, clearance] = [scene.offset(tri), scene.clearance(tri)].map(f64::from);
+        let Margins { offset, clearance } = scene.margins(tri);
         let height = scene.least_height(tri);
         for node in basis.nodes_of(tri) {
             let ring = &mut rings[node.index()];

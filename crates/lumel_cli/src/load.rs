@@ -35,7 +35,7 @@ pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
 
 /// The same, but mesh files stay as they are unless the command line gives a longest edge.
 pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<Loaded> {
-    let given = args.max_edge.or((!is_project(Path::new(&args.scene))).then_some(MaxEdge::Off));
+    let given = args.max_edge.or((!Project::is_file_name(Path::new(&args.scene))).then_some(MaxEdge::Off));
     load_with(args, &OpenOptions { max_edge: given, ..args.open_options() })
 }
 
@@ -149,15 +149,11 @@ pub(crate) fn warn_of_darkness(baker: &Baker, state: &SolveState, console: &Cons
     }
 }
 
-fn is_project(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
-}
-
 /// The files of a scene that the command line or the project names.
 pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
     let path = Path::new(scene);
     let mut files = vec![path.to_owned()];
-    if is_project(path)
+    if Project::is_file_name(path)
         && let Ok(project) = Project::read(path)
     {
         let sky = project.sky.as_ref().and_then(|sky| sky.file());

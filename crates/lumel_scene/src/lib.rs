@@ -51,7 +51,7 @@ pub use light::{
 };
 pub use material::{MAX_ALBEDO, Material, Sides, TextureRef, UvTransform};
 pub use mesh::{Face, ObjectMesh, Smoothing};
-pub use offset::{RayOrigins, clearance_from, lift_from, offset_from};
+pub use offset::{Margins, RayOrigins, lift_from, offset_from};
 pub use origin::{origin_for, rounding_of};
 pub use scene::Scene;
 pub use sky::{Sky, SkyGradient, SkyImage};

@@ -148,12 +148,18 @@ impl Light {
 
     /// Where it is, or its middle; `None` for one that is infinitely far away.
     pub fn position(&self) -> Option<Vec3> {
+        let mut light = *self;
+        light.position_mut().copied()
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn position_mut(&mut self) -> Option<&mut Vec3> {
         match self {
-            Self::Rect(light) => Some(light.center),
-            Self::Point(light) => Some(light.position),
-            Self::Spot(light) => Some(light.point.position),
-            Self::Disk(light) => Some(light.center),
-            Self::Sphere(light) => Some(light.center),
+            Self::Rect(light) => Some(&mut light.center),
+            Self::Point(light) => Some(&mut light.position),
+            Self::Spot(light) => Some(&mut light.point.position),
+            Self::Disk(light) => Some(&mut light.center),
+            Self::Sphere(light) => Some(&mut light.center),
             Self::Directional(_) | Self::Sun(_) => None,
         }
     }

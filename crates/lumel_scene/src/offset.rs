@@ -32,35 +32,41 @@ const MOST_INSET: f64 = 0.25;
 ///
 /// Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., 3.1.
 pub fn offset_from(corners: [Vec3; 3]) -> f32 {
-    steps(corners).0 as f32
+    Margins::of(corners).offset as f32
 }
 
 /// [`offset_from`] the corners of a triangle along its normal.
 pub fn lift_from(corners: [Vec3; 3]) -> Vec3 {
-    (triangle::unit_normal(corners) * steps(corners).0).as_vec3()
+    (triangle::unit_normal(corners) * Margins::of(corners).offset).as_vec3()
 }
 
-/// How far ray origins are kept from the edges of a triangle, metres: the [offset](offset_from) from a wall of any direction
-/// that rises there, for which `Σ|nᵢ|Mᵢ` may be as much as `|M|`.
-pub fn clearance_from(corners: [Vec3; 3]) -> f32 {
-    steps(corners).1 as f32
+/// How far ray origins are kept from a triangle, metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Margins {
+    /// Along its normal: [`offset_from`] its corners.
+    pub offset: f64,
+    /// From its edges: the offset from a wall of any direction that rises there, for which `Σ|nᵢ|Mᵢ` may be as much as
+    /// `|M|`.
+    pub clearance: f64,
 }
 
-/// Along the normal, and from the edges.
-fn steps(corners: [Vec3; 3]) -> (f64, f64) {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
-    let (e1, e2) = (b - a, c - a);
-    let cross = e1.cross(e2);
-    let largest = a.abs().max(b.abs()).max(c.abs());
-    let extent = a.max(b).max(c) - a.min(b).min(c);
-    let longest = triangle::longest_edge(corners);
-    let (p, q) = (e1.abs(), e2.abs());
-    let products = DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
-    let double_area = cross.length().max(f64::MIN_POSITIVE);
-    let rounding = cross.abs().dot(largest) / double_area;
-    let height = (4.0 * products.dot(extent) / double_area).min(MOST * longest);
-    let twice = |error: f64| SIDES * EPSILON * (error + height + longest);
-    (twice(rounding), twice(largest.length()))
+impl Margins {
+    /// Those of a triangle.
+    pub fn of(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        let largest = a.abs().max(b.abs()).max(c.abs());
+        let extent = a.max(b).max(c) - a.min(b).min(c);
+        let longest = triangle::longest_edge(corners);
+        let (p, q) = (e1.abs(), e2.abs());
+        let products = DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
+        let double_area = cross.length().max(f64::MIN_POSITIVE);
+        let rounding = cross.abs().dot(largest) / double_area;
+        let height = (4.0 * products.dot(extent) / double_area).min(MOST * longest);
+        let twice = |error: f64| SIDES * EPSILON * (error + height + longest);
+        Self { offset: twice(rounding), clearance: twice(largest.length()) }
+    }
 }
 
 impl Scene {
@@ -69,9 +75,9 @@ impl Scene {
         offset_from(self.triangle_positions(tri))
     }
 
-    /// [`clearance_from`] the edges of a triangle.
-    pub fn clearance(&self, tri: TriId) -> f32 {
-        clearance_from(self.triangle_positions(tri))
+    /// The margins of a triangle.
+    pub fn margins(&self, tri: TriId) -> Margins {
+        Margins::of(self.triangle_positions(tri))
     }
 
     /// Where rays from the front of a triangle start.
@@ -96,7 +102,7 @@ impl Scene {
 }
 
 /// Origins of rays from the front of a triangle: its points, moved along its normal by [`offset_from`] its corners and
-/// kept [clear](clearance_from) of its edges, where rounding would put them behind the next wall.
+/// kept [clear](Margins::clearance) of its edges, where rounding would put them behind the next wall.
 #[derive(Clone, Copy, Debug)]
 pub struct RayOrigins {
     /// Of the triangle that origins lie on.
@@ -106,7 +112,7 @@ pub struct RayOrigins {
 impl RayOrigins {
     /// Those of a triangle.
     pub fn new(corners: [Vec3; 3]) -> Self {
-        let (offset, clearance) = steps(corners);
+        let Margins { offset, clearance } = Margins::of(corners);
         let lift = triangle::unit_normal(corners) * offset;
         let [a, b, c] = corners.map(|p| p.as_dvec3());
         // The centre of a triangle is a third of a height away from an edge.

@@ -81,15 +81,9 @@ impl Light {
     /// The light elsewhere.
     #[must_use]
     pub fn moved(mut self, by: DVec3) -> Self {
-        let position = match &mut self {
-            Self::Rect(rect) => &mut rect.center,
-            Self::Point(point) => &mut point.position,
-            Self::Spot(spot) => &mut spot.point.position,
-            Self::Disk(disk) => &mut disk.center,
-            Self::Sphere(sphere) => &mut sphere.center,
-            Self::Directional(_) | Self::Sun(_) => return self,
-        };
-        *position = moved(*position, by);
+        if let Some(position) = self.position_mut() {
+            *position = moved(*position, by);
+        }
         self
     }
 }

@@ -56,14 +56,17 @@ impl SceneBuilder {
     pub fn tessellate_to_suit(&mut self) -> (Option<f32>, Warnings) {
         self.recenter();
         let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
-        let given = self.objects.iter().map(|object| object.faces.len() as u64).sum::<u64>();
+        let given = self.face_count();
         let limit = given.saturating_add(MAX_ADDED);
         while self.count(&self.rule(length), limit) > limit {
             length = length.scaled(COARSER);
         }
         let warnings = self.split(&self.rule(length));
-        let after = self.objects.iter().map(|object| object.faces.len() as u64).sum::<u64>();
-        ((after > given).then_some(length.shortest() as f32), warnings)
+        ((self.face_count() > given).then_some(length.shortest() as f32), warnings)
+    }
+
+    fn face_count(&self) -> u64 {
+        self.objects.iter().map(|object| object.faces.len() as u64).sum()
     }
 
     fn rule(&self, length: EdgeLength) -> Rule {
@@ -506,7 +509,7 @@ mod tests {
             };
             let mut many = builder((0..40).map(sheet).collect());
             many.tessellate_to_suit();
-            many.objects.iter().map(|object| object.faces.len() as u64).sum::<u64>()
+            many.face_count()
         };
         let n = stacked(1.0);
         assert!((MAX_ADDED / 4..=MAX_ADDED + 480).contains(&n), "{n}");

@@ -4,12 +4,10 @@ use crate::area_pattern::{AreaChunk, AreaPart, AreaPatterns};
 use crate::cached::{CachedTransport, ChunkRows};
 use crate::ends::{RayEnd, StoredEnd};
 use crate::job::{Control, Job, TransportError};
-use crate::measure::{self, LightScratch, Reader};
+use crate::measure::{self, LightScratch};
 use crate::reflectance::Reflected;
-use crate::sky_rays::SkyRays;
 use crate::sums::ElementSums;
 use crate::{EmitterMask, Sums, trace};
-use glam::Vec4;
 use lumel_basis::{Basis, NodeWeights, Receivers};
 
 impl<B: Basis, R: Receivers> CachedTransport<B, R> {
@@ -72,8 +70,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     ) -> Result<Sums, TransportError> {
         let inner = &self.inner;
         let direct = measure::direct(inner, mask, control);
-        let (mut scratch, mut reader) = (LightScratch::default(), Reader::new(inner, job.source));
-        let mut sky = SkyRays::new(inner, job.source);
+        let mut scratch = LightScratch::default();
         let mut sums = ElementSums::some(rows.elements.len());
         let (measured, mut by_rays) = (measured(job, rows), sums.clone());
         let mut lights = lights.parts(&inner.order, chunk);
@@ -91,15 +88,8 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                 measure::add_lights_of(inner, &direct, (lights, i), is_outside, &mut scratch, &mut sums)?;
             }
             if inner.lights.needs_hemisphere() {
-                for elements in measured.chunks(SkyRays::side_by_side(sky.as_ref())) {
-                    if let Some(sky) = &mut sky {
-                        sky.set_area(inner, &rays, elements[0]);
-                    }
-                    measure::add_samples(inner, &rays, elements, &mut by_rays, |i, slot, _| {
-                        let read = |end| reader.read_with(sky.as_ref(), slot as usize, &end);
-                        end(i, slot).end().map_or(Vec4::ZERO, read)
-                    });
-                }
+                let end = |i, slot| end(i, slot).end();
+                measure::add_arrivals(inner, job.source, &rays, &measured, &mut by_rays, end);
             }
         }
         sums.iter_mut().zip(&by_rays).for_each(|(sums, by_rays)| sums.add_means(by_rays));

@@ -123,10 +123,7 @@ impl Direct<'_> {
             .iter()
             .map(|site| site.as_ref().and_then(|site| Some((site, self.view(light, site)?))))
             .collect();
-        if views.iter().all(Option::is_none) {
-            return 0;
-        }
-        let has_closed_form = views.iter().flatten().any(|(_, view)| view.unblocked.is_some());
+        let Some((_, example)) = views.iter().flatten().next() else { return 0 };
         let mut n_rays = 0;
         let add = |batch: &mut Batch, number: u32, u: [f32; 2]| {
             let number = number as usize;
@@ -138,7 +135,7 @@ impl Direct<'_> {
         };
         // Where nothing is known of a closed form, all that is seen is counted.
         let mut beta = 0.0;
-        if self.plan.light_sampling == LightSampling::Analytic && has_closed_form {
+        if self.plan.light_sampling == LightSampling::Analytic && example.unblocked.is_some() {
             let pilot = self.plan.sampler.sample_count((samples / 4).clamp(1, MAX_PILOT)).min(samples);
             let stream = self.plan.sampler.for_count(pilot).stream(area.key, Dim::LightPilot(l));
             for (slot, &u) in (0..).zip(points.fill(&stream, pilot)) {
@@ -158,12 +155,8 @@ impl Direct<'_> {
         for (slot, &u) in (0..).zip(points.fill(&stream, samples)) {
             add(batch, (area.number)(slot), u);
         }
-        let beta_of = |number: usize| match &views[number] {
-            Some((_, view)) if view.unblocked.is_some() => beta,
-            _ => 0.0,
-        };
         n_rays += batch.trace(self.tracer, |number, value, blocked| {
-            values[number] += value * (if blocked { 0.0 } else { 1.0 } - beta_of(number));
+            values[number] += value * (if blocked { 0.0 } else { 1.0 } - beta);
         });
         n_rays
     }

@@ -28,14 +28,13 @@ pub(crate) struct LightView<'a> {
     light: &'a AreaLight,
     plan: &'a Plan,
     density: Density,
-    /// From a point of the light to where shadow rays end: in front of it, as it is geometry or may lie on some. Its
-    /// points are rounded more often than ray origins: twice the offset.
-    lift: Vec3,
-    /// Near the edges of the light, points move towards this as well, so that none is lifted into the next wall.
-    center: Vec3,
+    front: Front,
     /// Irradiance if nothing were in the way, when there is a closed form.
     pub(crate) unblocked: Option<Irradiance>,
 }
+
+/// What depends on the kind of a light and on the site.
+type Prepared = (Density, Front, Option<Irradiance>);
 
 /// How points on the light are chosen.
 enum Density {
@@ -50,6 +49,36 @@ enum Density {
 
 /// How far points keep from the edges of a light, in lengths of their lift: walls may rise there at a quarter of a right angle.
 const INSET: f32 = 4.0;
+
+/// The space before a light, where shadow rays end. By default they end on the light itself.
+#[derive(Clone, Copy, Default)]
+struct Front {
+    /// From a point of the light to where they end, as the light is geometry or may lie on some. Its points are rounded
+    /// more often than ray origins: twice the offset.
+    lift: Vec3,
+    /// Near the edges of the light, points move towards this as well, so that none is lifted into the next wall.
+    center: Vec3,
+}
+
+impl Front {
+    fn of_polygon(corners: &[Vec3]) -> Self {
+        let lift = 2.0 * lift_from([corners[0], corners[1], corners[2]]);
+        Self { lift, center: corners.iter().sum::<Vec3>() / corners.len() as f32 }
+    }
+
+    fn of_disk(disk: &DiskLight) -> Self {
+        let (right, up) = disk.direction.any_orthonormal_pair();
+        let corner = |x: f32, y: f32| disk.center + (right * x + up * y) * disk.radius;
+        let offset = offset_from([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)]);
+        Self { lift: disk.direction * (2.0 * offset), center: disk.center }
+    }
+
+    /// Where the shadow ray to a point of the light ends.
+    fn before(&self, point: Vec3) -> Vec3 {
+        let inwards = (self.center - point).normalize_or_zero();
+        point + self.lift + inwards * (INSET * self.lift.length())
+    }
+}
 
 /// One point of a light.
 pub(crate) struct LightSample {
@@ -67,100 +96,19 @@ impl<'a> LightView<'a> {
         site: &'a Site,
         plan: &'a Plan,
     ) -> Option<Self> {
-        match light {
-            AreaLight::Sun(sun) => return Self::of_sun(scene, (light, sun), site, plan),
-            AreaLight::Sphere(sphere) => return Self::of_sphere(scene, (light, sphere), site, plan),
-            AreaLight::Disk(disk) => {
-                let (density, lift, center) = (Density::Area, disk_lift(disk), disk.center);
-                return Some(Self { scene, site, light, plan, density, lift, center, unblocked: None });
+        let (density, front, unblocked) = match light {
+            AreaLight::Rect(rect) | AreaLight::TexturedRect(rect, _) => {
+                polygon_light(light, &rect.corners(), site, plan)?
             }
-            AreaLight::Sky(_) => {
-                let (density, lift, center) = (Density::Area, Vec3::ZERO, Vec3::ZERO);
-                return Some(Self { scene, site, light, plan, density, lift, center, unblocked: None });
-            }
-            AreaLight::Rect(_)
-            | AreaLight::TexturedRect(..)
-            | AreaLight::Triangle(..)
-            | AreaLight::TexturedTriangle(_) => {}
-        }
-        let (mut corners, mut n_corners) = ([Vec3::ZERO; 4], 4);
-        match light {
-            AreaLight::Rect(rect) | AreaLight::TexturedRect(rect, _) => corners = rect.corners(),
             AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri) => {
-                corners[..3].copy_from_slice(&scene.triangle_positions(*tri));
-                n_corners = 3;
+                polygon_light(light, &scene.triangle_positions(*tri), site, plan)?
             }
-            _ => return None,
-        }
-        let corners = &corners[..n_corners];
-        let per_radiance = polygon::unit_irradiance(corners, site.origin, site.frame.normal);
-        if per_radiance <= 0.0 {
-            return None;
-        }
-        let unblocked = match light {
-            AreaLight::Rect(RectLight { radiance, .. }) | AreaLight::Triangle(_, radiance) => {
-                Some(Irradiance(radiance.0 * per_radiance as f32))
-            }
-            _ => None,
+            AreaLight::Disk(disk) => (Density::Area, Front::of_disk(disk), None),
+            AreaLight::Sphere(sphere) => sphere_light(sphere, site)?,
+            AreaLight::Sun(sun) => sun_light(sun, site)?,
+            AreaLight::Sky(_) => (Density::Area, Front::default(), None),
         };
-        let density = match plan.light_sampling {
-            LightSampling::Area => Density::Area,
-            LightSampling::Analytic => Density::by_solid_angle(light, corners, site.origin),
-        };
-        let lift = 2.0 * lift_from([corners[0], corners[1], corners[2]]);
-        let center = corners.iter().sum::<Vec3>() / corners.len() as f32;
-        Some(Self { scene, site, light, plan, density, lift, center, unblocked })
-    }
-
-    fn of_sun(
-        scene: &'a Scene,
-        (light, sun): (&'a AreaLight, &SunLight),
-        site: &'a Site,
-        plan: &'a Plan,
-    ) -> Option<Self> {
-        let axis = -sun.parallel.direction;
-        let sin_squared = f64::from(sun.sin_half_angle).powi(2);
-        let cos = site.frame.normal.as_dvec3().dot(axis.as_dvec3());
-        let density = Density::Cap(SphericalCap::new(axis, sin_squared), None);
-        let unblocked = cap_irradiance(sun.radiance(), cos, sin_squared)?;
-        Some(Self {
-            scene,
-            site,
-            light,
-            plan,
-            density,
-            lift: Vec3::ZERO,
-            center: Vec3::ZERO,
-            unblocked: Some(unblocked),
-        })
-    }
-
-    fn of_sphere(
-        scene: &'a Scene,
-        (light, sphere): (&'a AreaLight, &SphereLight),
-        site: &'a Site,
-        plan: &'a Plan,
-    ) -> Option<Self> {
-        let to_center = sphere.center.as_dvec3() - site.origin.as_dvec3();
-        let (squared, radius_squared) = (to_center.length_squared(), f64::from(sphere.radius).powi(2));
-        if squared <= radius_squared {
-            return None;
-        }
-        let (axis, sin_squared) = (to_center / squared.sqrt(), radius_squared / squared);
-        let cos = site.frame.normal.as_dvec3().dot(axis);
-        let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
-        let density = Density::Cap(cap, Some([squared.sqrt(), radius_squared]));
-        let unblocked = cap_irradiance(sphere.radiance, cos, sin_squared)?;
-        Some(Self {
-            scene,
-            site,
-            light,
-            plan,
-            density,
-            lift: Vec3::ZERO,
-            center: Vec3::ZERO,
-            unblocked: Some(unblocked),
-        })
+        Some(Self { scene, site, light, plan, density, front, unblocked })
     }
 
     /// The point of the light for `u` in the unit square; `None` if nothing of it arrives.
@@ -244,13 +192,7 @@ impl<'a> LightView<'a> {
     fn in_solid_angle(&self, target: Vec3, radiance: Radiance, pdf_solid_angle: f64) -> Option<LightSample> {
         let cos = self.site.frame.normal.dot((target - self.site.origin).try_normalize()?);
         let unblocked = Irradiance(radiance.0 * (cos / pdf_solid_angle as f32));
-        (cos > 0.0).then_some(LightSample { target: self.clear(target), unblocked })
-    }
-
-    /// A point of the light, off its surface and its edges.
-    fn clear(&self, point: Vec3) -> Vec3 {
-        let inwards = (self.center - point).normalize_or_zero();
-        point + self.lift + inwards * (INSET * self.lift.length())
+        (cos > 0.0).then_some(LightSample { target: self.front.before(target), unblocked })
     }
 
     /// A point chosen with a density per area: `L cos θ cos θₗ / (r² p)`.
@@ -264,8 +206,47 @@ impl<'a> LightView<'a> {
         let direction = to_light.try_normalize()?;
         let (cos, cos_light) = (self.site.frame.normal.dot(direction), -normal.dot(direction));
         let unblocked = Irradiance(radiance.0 * (cos * cos_light / (distance_squared * pdf_area)));
-        (cos > 0.0 && cos_light > 0.0).then_some(LightSample { target: self.clear(target), unblocked })
+        (cos > 0.0 && cos_light > 0.0).then_some(LightSample { target: self.front.before(target), unblocked })
     }
+}
+
+fn polygon_light(light: &AreaLight, corners: &[Vec3], site: &Site, plan: &Plan) -> Option<Prepared> {
+    let per_radiance = polygon::unit_irradiance(corners, site.origin, site.frame.normal);
+    if per_radiance <= 0.0 {
+        return None;
+    }
+    let unblocked = match light {
+        AreaLight::Rect(RectLight { radiance, .. }) | AreaLight::Triangle(_, radiance) => {
+            Some(Irradiance(radiance.0 * per_radiance as f32))
+        }
+        _ => None,
+    };
+    let density = match plan.light_sampling {
+        LightSampling::Area => Density::Area,
+        LightSampling::Analytic => Density::by_solid_angle(light, corners, site.origin),
+    };
+    Some((density, Front::of_polygon(corners), unblocked))
+}
+
+fn sun_light(sun: &SunLight, site: &Site) -> Option<Prepared> {
+    let axis = -sun.parallel.direction;
+    let sin_squared = f64::from(sun.sin_half_angle).powi(2);
+    let cos = site.frame.normal.as_dvec3().dot(axis.as_dvec3());
+    let density = Density::Cap(SphericalCap::new(axis, sin_squared), None);
+    Some((density, Front::default(), Some(cap_irradiance(sun.radiance(), cos, sin_squared)?)))
+}
+
+fn sphere_light(sphere: &SphereLight, site: &Site) -> Option<Prepared> {
+    let to_center = sphere.center.as_dvec3() - site.origin.as_dvec3();
+    let (squared, radius_squared) = (to_center.length_squared(), f64::from(sphere.radius).powi(2));
+    if squared <= radius_squared {
+        return None;
+    }
+    let (axis, sin_squared) = (to_center / squared.sqrt(), radius_squared / squared);
+    let cos = site.frame.normal.as_dvec3().dot(axis);
+    let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
+    let density = Density::Cap(cap, Some([squared.sqrt(), radius_squared]));
+    Some((density, Front::default(), Some(cap_irradiance(sphere.radiance, cos, sin_squared)?)))
 }
 
 impl Density {
@@ -287,13 +268,6 @@ impl Density {
 fn cap_irradiance(radiance: Radiance, cos: f64, sin_squared: f64) -> Option<Irradiance> {
     let per_radiance = cap::unit_irradiance(cos, sin_squared);
     (per_radiance > 0.0).then(|| Irradiance((radiance.0.as_dvec3() * per_radiance).as_vec3()))
-}
-
-/// From a point of a disk to where shadow rays end: as for its square.
-fn disk_lift(disk: &DiskLight) -> Vec3 {
-    let (right, up) = disk.direction.any_orthonormal_pair();
-    let corner = |x: f32, y: f32| disk.center + (right * x + up * y) * disk.radius;
-    disk.direction * (2.0 * offset_from([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)]))
 }
 
 /// Where a direction meets the plane of a triangle, and its barycentrics, clamped to the triangle.

@@ -195,20 +195,36 @@ fn add_rays<B: Basis, R: Receivers>(
     ends: &[Option<RayEnd>],
     sums: &mut [ElementSums],
 ) {
-    let (lanes, mut reader) = (area.elements.len(), Reader::new(op, source));
-    let mut sky = SkyRays::new(op, source);
+    let lanes = area.elements.len();
     let all: Vec<usize> = (0..lanes).collect();
-    for elements in all.chunks(SkyRays::side_by_side(sky.as_ref())) {
+    let end = |i: usize, slot: u32| ends[slot as usize * lanes + i];
+    if matches!(source, Source::Nothing) {
+        return add_samples(op, area, &all, sums, |i, slot, _| {
+            let met_back_face = end(i, slot).is_none_or(|end| end == RayEnd::BackFace);
+            Vec3::splat(f32::from(u8::from(met_back_face))).extend(1.0)
+        });
+    }
+    add_arrivals(op, source, area, &all, sums, end);
+}
+
+/// Adds what arrives along the rays of some elements, which end where `end` of element and slot says; `None` for those left
+/// out.
+pub(crate) fn add_arrivals<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    source: Source<'_>,
+    area: &AreaChunk<'_>,
+    elements: &[usize],
+    sums: &mut [ElementSums],
+    end: impl Fn(usize, u32) -> Option<RayEnd>,
+) {
+    let (mut reader, mut sky) = (Reader::new(op, source), SkyRays::new(op, source));
+    for elements in elements.chunks(SkyRays::side_by_side(sky.as_ref())) {
         if let Some(sky) = &mut sky {
             sky.set_area(op, area, elements[0]);
         }
         add_samples(op, area, elements, sums, |i, slot, _| {
-            let end = ends[slot as usize * lanes + i];
-            if matches!(source, Source::Nothing) {
-                let met_back_face = end.is_none_or(|end| end == RayEnd::BackFace);
-                return Vec3::splat(f32::from(u8::from(met_back_face))).extend(1.0);
-            }
-            end.map_or(Vec4::ZERO, |end| reader.read_with(sky.as_ref(), slot as usize, &end))
+            let read = |end| reader.read_with(sky.as_ref(), slot as usize, &end);
+            end(i, slot).map_or(Vec4::ZERO, read)
         });
     }
 }

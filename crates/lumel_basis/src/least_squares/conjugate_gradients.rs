@@ -30,17 +30,15 @@ impl LeastSquares {
         // Rounded, which is no error: what is added to `u` is what takes its product off the residual.
         let mut p: Vec<Vec3A> =
             r.par_iter().enumerate().map(|(row, r)| conditioned(*r, row).as_vec3a()).collect();
-        let mut rz = sum(r.par_chunks(BLOCK).zip(p.par_chunks(BLOCK)).map(|(r, z)| dot(z, r)));
+        let mut rz =
+            sum(r.par_chunks(BLOCK).zip(p.par_chunks(BLOCK)).map(|(r, z)| dot(z, r.iter().copied())));
         let mut change = p.iter().fold(Vec3A::ZERO, |max, z| max.max(z.abs())).as_dvec3();
         let (mut ap, mut n_iterations) = (vec![Vec3A::ZERO; n], 0);
         while change.cmpgt(TOLERANCE * largest).any() && n_iterations < MAX_ITERATIONS {
             n_iterations += 1;
             let of_block = |(i, ap): (usize, &mut [Vec3A])| {
                 ap.iter_mut().zip(block(i)).for_each(|(ap, row)| *ap = self.matrix.times_single(row, &p));
-                p[block(i)]
-                    .iter()
-                    .zip(ap)
-                    .fold(DVec3::ZERO, |sum, (p, ap)| sum + p.as_dvec3() * ap.as_dvec3())
+                dot(&p[block(i)], ap.iter().map(|ap| ap.as_dvec3()))
             };
             let step = ratio(rz, sum(ap.par_chunks_mut(BLOCK).enumerate().map(of_block)));
             let parts = u.par_chunks_mut(BLOCK).zip(r.par_chunks_mut(BLOCK)).enumerate();
@@ -73,8 +71,8 @@ impl LeastSquares {
     }
 }
 
-fn dot(a: &[Vec3A], b: &[DVec3]) -> DVec3 {
-    a.iter().zip(b).fold(DVec3::ZERO, |sum, (a, b)| sum + a.as_dvec3() * *b)
+fn dot(a: &[Vec3A], b: impl Iterator<Item = DVec3>) -> DVec3 {
+    a.iter().zip(b).fold(DVec3::ZERO, |sum, (a, b)| sum + a.as_dvec3() * b)
 }
 
 /// The sum of what blocks have, in their order.

@@ -3,6 +3,7 @@
 use crate::NodeId;
 use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Rows that are assembled one after the other, to be put together in order.
 const ROWS_PER_PART: usize = 4096;
@@ -60,11 +61,17 @@ impl Matrix {
         matrix
     }
 
+    /// Where a row lies.
+    #[inline]
+    fn range(&self, row: usize) -> Range<usize> {
+        let begin = if row == 0 { 0 } else { self.ends[row - 1] };
+        begin as usize..self.ends[row] as usize
+    }
+
     /// The columns and values of a row.
     #[inline]
     pub(super) fn row(&self, row: usize) -> impl Iterator<Item = (NodeId, f64)> + '_ {
-        let begin = if row == 0 { 0 } else { self.ends[row - 1] };
-        let row = begin as usize..self.ends[row] as usize;
+        let row = self.range(row);
         let values = self.values[row.clone()].iter().map(|&value| f64::from(value));
         self.columns[row].iter().copied().zip(values)
     }
@@ -72,8 +79,7 @@ impl Matrix {
     /// A row times a vector in single precision: of half the memory, and all colours in one operation.
     #[inline]
     pub(super) fn times_single(&self, row: usize, vector: &[Vec3A]) -> Vec3A {
-        let begin = if row == 0 { 0 } else { self.ends[row - 1] };
-        let row = begin as usize..self.ends[row] as usize;
+        let row = self.range(row);
         let terms = self.columns[row.clone()].iter().zip(&self.values[row]);
         terms.fold(Vec3A::ZERO, |sum, (column, value)| sum + vector[column.index()] * *value)
     }
