@@ -157,7 +157,8 @@ fn describe(scene: &Scene, material: &Material, images: &mut Images) -> io::Resu
         if let Some(texture) = texture {
             json["emissiveTexture"] = texture;
         }
-        if strength > 1.0 {
+        // Unlit materials must have no strength: the extras tell how bright they are.
+        if strength > 1.0 && shown == Shown::Apart {
             json["extensions"][STRENGTH] = json!({ "emissiveStrength": strength });
             images.extensions.insert(STRENGTH);
         }

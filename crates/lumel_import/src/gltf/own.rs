@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 
 /// Turns a file of `lumel bake` back into the scene that was baked, as far as it holds it.
 ///
-/// `COLOR_0` is light and left out. Emissive surfaces that show it alone have white as base colour; their albedo is in
-/// the extras.
+/// `COLOR_0` is light and left out. Emissive surfaces that show it alone have white as base colour and no strength; their
+/// albedo and emission are in the extras.
 pub(super) fn restore(root: &mut Value, warnings: &mut Warnings) {
     if !is_own(root) {
         return;
@@ -34,17 +34,27 @@ fn is_own(root: &Value) -> bool {
 }
 
 fn restore_material(material: &mut Value) {
-    let albedo = material["extras"]["albedo"].clone();
-    if let Some(extensions) = material.get_mut("extensions").and_then(Value::as_object_mut) {
-        extensions.remove("KHR_materials_unlit");
+    let [albedo, emission] = ["albedo", "emission"].map(|name| color(&material["extras"][name]));
+    let Some(fields) = material.as_object_mut() else { return };
+    let extensions = fields.get_mut("extensions").and_then(Value::as_object_mut);
+    let was_unlit = extensions.is_some_and(|extensions| extensions.remove("KHR_materials_unlit").is_some());
+    if let Some(emission) = emission.filter(|_| was_unlit) {
+        let strength = emission.into_iter().fold(1.0, f64::max);
+        fields.insert("emissiveFactor".into(), json!(emission.map(|c| c / strength)));
+        fields["extensions"]["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": strength });
     }
-    let surface = material.get_mut("pbrMetallicRoughness").filter(|surface| surface.is_object());
-    let Some(surface) = surface else { return };
-    let is_color = albedo.as_array().is_some_and(|a| a.len() == 3 && a.iter().all(Value::is_number));
-    if is_color && surface["baseColorTexture"].is_null() {
+    let surface = fields.get_mut("pbrMetallicRoughness").filter(|surface| surface.is_object());
+    let (Some(surface), Some([r, g, b])) = (surface, albedo) else { return };
+    if surface["baseColorTexture"].is_null() {
         let alpha = surface["baseColorFactor"].get(3).cloned().unwrap_or(json!(1));
-        surface["baseColorFactor"] = json!([albedo[0], albedo[1], albedo[2], alpha]);
+        surface["baseColorFactor"] = json!([r, g, b, alpha]);
     }
+}
+
+/// Three numbers.
+fn color(value: &Value) -> Option<[f64; 3]> {
+    let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(Value::as_f64).collect();
+    numbers?.try_into().ok()
 }
 
 fn items<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
@@ -69,7 +79,7 @@ mod tests {
         let surface = json!({ "baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0 });
         model.json["materials"] = json!([{
             "pbrMetallicRoughness": surface, "extensions": { "KHR_materials_unlit": {} },
-            "extras": { "albedo": [0.5, 0.25, 0.125], "emission": [0, 0, 0] },
+            "extras": { "albedo": [0.5, 0.25, 0.125], "emission": [0, 3, 6] },
         }]);
         model
     }
@@ -79,6 +89,7 @@ mod tests {
         let imported = baked("lumel 0.1.0").read().unwrap();
         assert!(imported.scene.objects[0].tints.is_empty());
         assert_eq!(imported.scene.materials[0].albedo, Vec3::new(0.5, 0.25, 0.125));
+        assert_eq!(imported.scene.materials[0].emission.0, Vec3::new(0.0, 3.0, 6.0));
         assert!(text(&imported.warnings).contains("lumel has baked these vertex colours"));
         assert_eq!(imported.warnings.len(), 1, "nothing is said about unlit");
     }
