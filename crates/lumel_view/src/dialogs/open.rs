@@ -57,12 +57,13 @@ fn longest_edge(ui: &mut egui::Ui, max_edge: &mut Option<MaxEdge>) {
         ("At most", Some(MaxEdge::Length(length))),
     ];
     ui.horizontal(|ui| {
-        ui.label("Longest edge").on_hover_text(hint);
+        let name = ui.label("Longest edge").on_hover_text(hint);
         for (label, choice) in choices {
             ui.radio_value(max_edge, choice, label).on_hover_text(hint);
         }
         if let Some(MaxEdge::Length(length)) = max_edge {
-            ui.add(DragValue::new(length).speed(0.005).range(1e-4..=1e4).max_decimals(4).suffix(" m"));
+            let value = DragValue::new(length).speed(0.005).range(1e-4..=1e4).max_decimals(4).suffix(" m");
+            ui.add(value).labelled_by(name.id);
         }
     });
 }

@@ -72,16 +72,21 @@ fn m_and_control_o_take_a_path() {
 fn the_longest_edge_is_asked_for() {
     let Some(mut window) = Window::empty() else { return };
     let mesh = write_mesh(window.folder().path());
-    let mut opened = |edge| {
+    let opened = |window: &mut Window, choice| {
         window.press(Key::M);
-        window.find(Role::SpinButton, "Longest edge").set_value_accesskit(edge);
-        window.run_steps(1);
+        window.pick(choice);
+        if choice == "At most" {
+            window.find(Role::SpinButton, "Longest edge").set_value_accesskit(0.25);
+            window.run_steps(1);
+        }
         window.answer(&mesh);
         window.wait_for_files();
         vertices(window.state())
     };
-    assert!(opened(0.0) <= 20);
-    assert!(opened(0.25) >= 5 * 64);
+    assert_eq!(opened(&mut window, "As in the file"), 5 * 4);
+    let at_most = opened(&mut window, "At most");
+    assert!(at_most >= 5 * 64);
+    assert!(opened(&mut window, "Automatic") > at_most);
 }
 
 #[test]

@@ -125,6 +125,12 @@ impl Window {
         self.click_on(Role::CheckBox, label);
     }
 
+    /// Takes one of several choices.
+    #[track_caller]
+    pub(crate) fn pick(&mut self, label: &str) {
+        self.click_on(Role::RadioButton, label);
+    }
+
     /// Brings a panel to the front by its tab.
     #[track_caller]
     pub(crate) fn tab(&mut self, title: &str) {

@@ -4,12 +4,13 @@ use crate::hands::CTRL;
 use crate::harness::Window;
 use crate::scenes::write_mesh;
 use eframe::egui::Key;
-use lumel::{OpenOptions, Project};
+use lumel::{MaxEdge, OpenOptions, Project};
 use lumel_view::document::OpenRequest;
 use std::path::Path;
 
 fn vertices_in(file: &Path) -> usize {
-    let (scene, _) = lumel::open(&file.to_string_lossy(), &OpenOptions::default())
+    let as_it_is = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
+    let (scene, _) = lumel::open(&file.to_string_lossy(), &as_it_is)
         .unwrap_or_else(|e| panic!("{e}: {}", file.display()))
         .builder
         .build()
