@@ -5,7 +5,7 @@ use crate::layers;
 use crate::method::Method;
 use crate::settings::{Layers, Projection, Settings, Tail};
 use crate::surfaces::Surfaces;
-use lumel_accel::{Bvh, RayTracer};
+use lumel_accel::{RayTracer, tracer_of};
 use lumel_basis::{Basis, Field, Readout, Receivers, Sampling, VertexBasis, reflecting_areas};
 use lumel_scene::Scene;
 use lumel_solve::{
@@ -29,7 +29,7 @@ impl Baker {
     ///
     /// `settings` must be [valid](Settings::validate), here and wherever a baker takes settings.
     pub fn new(scene: Arc<Scene>, settings: Settings) -> Self {
-        let tracer = Arc::new(Bvh::build(&scene));
+        let tracer = tracer_of(&scene);
         Self::with_tracer(scene, tracer, settings)
     }
 

@@ -55,7 +55,7 @@ pub use layers::{LightLayer, light_layers};
 pub use light_entry::{LightEntry, LightKind};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use light_findings::LightFinding;
-pub use lumel_accel::{Bvh, RayTracer};
+pub use lumel_accel::{Bvh, RayTracer, SeeThrough, tracer_of};
 pub use lumel_basis::{
     Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,
 };
@@ -63,9 +63,10 @@ pub use lumel_export::{Checkpoint, RadFile, Saved, Solution, SolutionLayer, Solu
 pub use lumel_import::PathPolicy;
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
-    Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material, MaterialId, ObjectId,
-    ObjectMesh, PointLight, Radiance, RectLight, Scene, SceneBuilder, SceneError, Sides, Sky, SkyGradient,
-    SkyImage, Smoothing, SphereLight, SpotLight, SunLight, Texture, TextureId, TextureRef, Warnings,
+    AlphaMode, Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material, MaterialId,
+    ObjectId, ObjectMesh, PointLight, Radiance, RectLight, Scene, SceneBuilder, SceneError, Sides, Sky,
+    SkyGradient, SkyImage, Smoothing, SphereLight, SpotLight, SunLight, Texture, TextureId, TextureRef,
+    Transparency, Warnings,
 };
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};

@@ -2,7 +2,7 @@
 
 use crate::bvh::{Bvh, Child};
 use crate::ray::{Bundle, Hit, Ray, RayTracer};
-use crate::trace::{Alone, NO_TRIANGLE, PACKET, Packet, PacketTrace, SHAFT, Shaft, Stack};
+use crate::trace::{Alone, Crossings, NO_TRIANGLE, PACKET, Packet, PacketTrace, SHAFT, Shaft, Stack};
 use crate::triangle::is_traceable;
 
 /// Fewer rays than this are not worth a packet.
@@ -94,6 +94,13 @@ impl Bvh {
     fn follow<const ANY: bool>(&self, ray: &Ray) -> Option<Hit> {
         let root = self.root.filter(|_| is_traceable(ray.origin, ray.direction))?;
         Stack::lend(|stack| self.instructions().run(Alone::<ANY> { bvh: self, ray, root, stack }))
+    }
+
+    /// Tells `each` of all that a ray meets, in no particular order; it tells up to which distance more is looked for,
+    /// that distance included, and must not trace.
+    pub(crate) fn cross(&self, ray: &Ray, each: &mut dyn FnMut(Hit) -> f32) {
+        let Some(root) = self.root.filter(|_| is_traceable(ray.origin, ray.direction)) else { return };
+        Stack::lend(|stack| self.instructions().run(Crossings { bvh: self, ray, root, stack, each }));
     }
 
     fn closest_in_packets<const TOGETHER: bool, I: Iterator<Item = Ray>>(

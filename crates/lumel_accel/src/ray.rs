@@ -51,6 +51,15 @@ pub struct Hit {
     pub side: FaceSide,
 }
 
+/// A surface that a ray meets, and what passes through it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// Where.
+    pub hit: Hit,
+    /// The share of light that passes, 0..=1.
+    pub transmittance: Vec3,
+}
+
 /// Many rays from one origin.
 ///
 /// Traced fast when directions that follow each other are close to each other: in the order of the cells of their
@@ -77,12 +86,33 @@ impl Bundle<'_> {
 /// Answers where rays meet the triangles of a scene.
 ///
 /// Rays whose origin or direction is zero or not finite meet nothing.
+///
+/// Where light passes through surfaces, a ray ends at each of them with a probability, its
+/// [opacity](lumel_scene::Scene::opacity): what is read where rays end is right in the mean. The ray itself decides, so
+/// that it always ends in the same place, however it is traced. Segments to lights are not decided but multiplied:
+/// [`transmittance`](Self::transmittance).
 pub trait RayTracer: Send + Sync {
     /// The closest hit with `0 < t < t_max`; among equals the one of the lowest triangle.
     fn closest_hit(&self, ray: &Ray) -> Option<Hit>;
 
-    /// Whether anything lies at `0 < t < t_max`.
+    /// Whether no light passes `0 < t < t_max`.
     fn occluded(&self, ray: &Ray) -> bool;
+
+    /// Whether light passes through any surface. If not, segments are occluded or free.
+    fn is_see_through(&self) -> bool {
+        false
+    }
+
+    /// The share of light that passes `0 < t < t_max`, 0..=1: the product over all surfaces there.
+    fn transmittance(&self, ray: &Ray) -> Vec3 {
+        if self.occluded(ray) { Vec3::ZERO } else { Vec3::ONE }
+    }
+
+    /// What a ray meets at `0 < t < t_max`, the nearest first, up to the first surface that lets nothing through.
+    fn layers(&self, ray: &Ray, layers: &mut Vec<Layer>) {
+        layers.clear();
+        layers.extend(self.closest_hit(ray).map(|hit| Layer { hit, transmittance: Vec3::ZERO }));
+    }
 
     /// The closest hits of a bundle; `hits` is as long as `bundle.directions`.
     fn closest_hits(&self, bundle: &Bundle<'_>, hits: &mut [Option<Hit>]) {
@@ -107,6 +137,20 @@ pub trait RayTracer: Send + Sync {
     fn occlusions_of(&self, rays: &[Ray], occluded: &mut [bool]) {
         for (ray, blocked) in rays.iter().zip(occluded) {
             *blocked = self.occluded(ray);
+        }
+    }
+
+    /// The transmittance of rays with origins of their own; `passed` is as long as `rays`.
+    fn transmittances_of(&self, rays: &[Ray], passed: &mut [Vec3]) {
+        for (ray, passed) in rays.iter().zip(passed) {
+            *passed = self.transmittance(ray);
+        }
+    }
+
+    /// The transmittance of a bundle; `passed` is as long as `bundle.directions`.
+    fn transmittances(&self, bundle: &Bundle<'_>, passed: &mut [Vec3]) {
+        for (i, passed) in passed.iter_mut().enumerate() {
+            *passed = self.transmittance(&bundle.ray(i));
         }
     }
 

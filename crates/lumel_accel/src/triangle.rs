@@ -60,6 +60,31 @@ pub(crate) fn passes(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> bool
     inside && sides.iter().any(|&s| s != 0.0)
 }
 
+/// Whether a ray that passes through a triangle still does if it is moved a little, always the same way.
+///
+/// Of the triangles around a point of a surface that share the edge or the vertex which a ray passes through, this holds
+/// for one: what is to count each surface once asks for it. Exact on edges; a ray that is not on one is not moved off.
+pub(crate) fn owns(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> bool {
+    // As good as any that no edge runs along.
+    const MOVES: [DVec3; 2] =
+        [DVec3::new(0.613_746, 0.358_107, 0.703_935), DVec3::new(-0.281_193, 0.912_346, 0.297_518)];
+    let point = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    let (start, ahead) = (origin.as_dvec3(), origin.as_dvec3() + direction.as_dvec3());
+    let edges = [(b, c), (c, a), (a, b)];
+    let sides = edges.map(|(p, q)| orient3d(point(p), point(q), point(ahead), point(start)));
+    if sides.iter().all(|&side| side != 0.0) {
+        return true;
+    }
+    let inside = sides.iter().sum::<f64>().signum();
+    edges.iter().zip(sides).filter(|(_, side)| *side == 0.0).all(|(&(p, q), _)| {
+        // How that side changes as the line moves: neighbours get the same but for its sign.
+        let normal = (q - p).cross(ahead - start);
+        let change = MOVES.map(|step| normal.dot(step)).into_iter().find(|&change| change != 0.0);
+        change.is_some_and(|change| change * inside > 0.0)
+    })
+}
+
 /// The test of one ray and one triangle: `0 < t <= limit`.
 ///
 /// Möller, Trumbore, *Fast, minimum storage ray/triangle intersection*, 1997, with the triple products grouped so that

@@ -4,7 +4,9 @@ mod text;
 
 use glam::Vec3;
 use lumel::{Emitter, Light, LightLayer, Scene, Settings, Sky, light_layers};
-use lumel_scene::{Barycentrics, MaterialId, Sides, SurfacePoint, TextureRef, TriId};
+use lumel_scene::{
+    AlphaMode, Barycentrics, Material, MaterialId, Sides, SurfacePoint, TextureRef, Transparency, TriId,
+};
 use serde::Serialize;
 
 /// The contents of a scene. Lengths in metres, light in W and W·m⁻²·sr⁻¹ (lumen and nits if it is photometric).
@@ -39,6 +41,8 @@ struct Triangles {
     traced: usize,
     /// Back faces of two-sided triangles.
     back_sides: usize,
+    /// Those that rays can hit and light passes through.
+    transparent: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -49,6 +53,8 @@ struct MaterialReport {
     /// Radiance before textures.
     emission: [f32; 3],
     two_sided: bool,
+    /// What lets light through: "mask", "blend", "transmission".
+    transparency: Vec<&'static str>,
     textures: Vec<TextureReport>,
     triangles: usize,
     area: f64,
@@ -117,6 +123,7 @@ impl SceneReport {
                 total: scene.triangle_count(),
                 traced,
                 back_sides: scene.triangle_count() - traced,
+                transparent: scene.transparent_count(),
             },
             vertices: scene.vertex_count(),
             objects: scene.object_names().to_vec(),
@@ -169,6 +176,7 @@ fn materials(scene: &Scene) -> Vec<MaterialReport> {
                 albedo: material.albedo.to_array(),
                 emission: material.emission.0.to_array(),
                 two_sided: material.sides == Sides::Both,
+                transparency: transparency(material),
                 textures: textures.into_iter().flatten().collect(),
                 triangles: 0,
                 area: 0.0,
@@ -184,6 +192,17 @@ fn materials(scene: &Scene) -> Vec<MaterialReport> {
     reports
 }
 
+fn transparency(material: &Material) -> Vec<&'static str> {
+    let Transparency { mode, transmission, .. } = material.transparency;
+    let alpha = match mode {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask { .. } => Some("mask"),
+        AlphaMode::Blend => Some("blend"),
+    };
+    let transmits = (transmission != lumel::Vec3::ZERO).then_some("transmission");
+    alpha.into_iter().chain(transmits).collect()
+}
+
 impl Emissive {
     fn of(scene: &Scene) -> Self {
         let mut all = Self { triangles: 0, area: 0.0, power: [0.0; 3] };
@@ -191,7 +210,12 @@ impl Emissive {
             let middle = SurfacePoint { tri, bary: Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 } };
             all.triangles += 1;
             all.area += f64::from(scene.area(tri));
-            let power = scene.emission(middle).power(scene.area(tri));
+            let emission = if scene.is_transparent(tri) {
+                lumel_scene::Radiance(scene.emission(middle).0 * scene.opacity(middle))
+            } else {
+                scene.emission(middle)
+            };
+            let power = emission.power(scene.area(tri));
             for (sum, channel) in all.power.iter_mut().zip(power.to_array()) {
                 *sum += f64::from(channel);
             }

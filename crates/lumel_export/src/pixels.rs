@@ -18,3 +18,10 @@ pub(crate) fn srgb_pixels(texture: &Texture) -> Vec<[u8; 3]> {
     let texels = (0..height).flat_map(|y| (0..width).map(move |x| texture.texel(x, y)));
     texels.map(|texel| (texel * scale).to_array().map(srgb_byte)).collect()
 }
+
+/// Alpha as grey, row by row from the top.
+pub(crate) fn opacity_pixels(texture: &Texture) -> Vec<[u8; 3]> {
+    let (width, height) = texture.size();
+    let grey = |x, y| [(255.0 * texture.texel_alpha(x, y) + 0.5) as u8; 3];
+    (0..height).flat_map(|y| (0..width).map(move |x| grey(x, y))).collect()
+}

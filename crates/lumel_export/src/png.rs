@@ -43,16 +43,17 @@ fn problem(width: u32, height: u32, n_pixels: usize, texts: &[(&str, &str)]) -> 
     bad.map(|(keyword, _)| format!("\"{keyword}\" cannot be a text of a PNG file"))
 }
 
-/// Encodes a picture whose number of pixels matches its size.
-pub(crate) fn encode_png(
+/// Encodes a picture whose number of pixels matches its size, with alpha if they have four channels.
+pub(crate) fn encode_png<const CHANNELS: usize>(
     out: impl Write,
     width: u32,
     height: u32,
-    pixels: &[[u8; 3]],
+    pixels: &[[u8; CHANNELS]],
     texts: &[(&str, &str)],
 ) -> io::Result<()> {
     let mut encoder = ::png::Encoder::new(out, width, height);
-    encoder.set_color(::png::ColorType::Rgb);
+    let with_alpha = CHANNELS == 4;
+    encoder.set_color(if with_alpha { ::png::ColorType::Rgba } else { ::png::ColorType::Rgb });
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
     for (keyword, text) in texts {

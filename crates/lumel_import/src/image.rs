@@ -264,6 +264,11 @@ impl TextureCache {
         result
     }
 
+    /// A texture that it has handed out.
+    pub(crate) fn get(&self, id: TextureId) -> &Texture {
+        &self.textures[id.index()]
+    }
+
     /// All textures, in the order of their ids.
     pub(crate) fn into_textures(self) -> Vec<Texture> {
         self.textures

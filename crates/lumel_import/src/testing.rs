@@ -42,6 +42,14 @@ fn without_folder(text: &str, folder: &Path) -> String {
     text.replace(&start(&canonical), "").replace(&start(folder), "")
 }
 
+/// A PNG of one row of texels.
+pub(crate) fn png_row(texels: &[[u8; 4]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let image = image::RgbaImage::from_fn(texels.len() as u32, 1, |x, _| image::Rgba(texels[x as usize]));
+    image.write_to(&mut std::io::Cursor::new(&mut bytes), image::ImageFormat::Png).unwrap();
+    bytes
+}
+
 /// A PNG of one colour.
 pub(crate) fn png(rgba: [u8; 4]) -> Vec<u8> {
     let mut bytes = Vec::new();

@@ -3,7 +3,8 @@
 use crate::names::named;
 use crate::normal_map::seen_normal;
 use crate::rect_light::VisibleLight;
-use lumel_accel::{Hit, Ray, RayTracer};
+use glam::Vec3;
+use lumel_accel::{Hit, Layer, Ray, RayTracer};
 use lumel_basis::Lighting;
 use lumel_scene::{FaceSide, Irradiance, Radiance, Scene, SurfacePoint};
 
@@ -64,7 +65,7 @@ impl<'a> View<'a> {
     pub(crate) fn sight(&self, mut ray: Ray) -> (Sight, f32) {
         let mut passed = 0.0;
         for _ in 0..MAX_BACKS {
-            let Some(hit) = self.tracer.closest_hit(&ray) else { break };
+            let Some(hit) = self.met(&ray) else { break };
             let t = passed + hit.t;
             if let Some(at) = self.scene.seen_side(hit.at, hit.side) {
                 return (Sight::Surface(at), t);
@@ -76,10 +77,24 @@ impl<'a> View<'a> {
                 return (Sight::Back, t);
             }
             passed = t;
-            let beyond = self.scene.ray_origin(hit.at);
-            ray = Ray { origin: beyond, ..ray }.skipping(hit.at.tri);
+            ray = self.beyond(&hit, &ray);
         }
         (Sight::Nothing, f32::INFINITY)
+    }
+
+    /// What a ray meets; of surfaces that light passes through, the first of which at least half is there.
+    fn met(&self, ray: &Ray) -> Option<Hit> {
+        if !self.tracer.is_see_through() {
+            return self.tracer.closest_hit(ray);
+        }
+        let mut layers = Vec::new();
+        self.tracer.layers(ray, &mut layers);
+        layers.into_iter().find(|layer| opacity(layer) >= 0.5).map(|layer| layer.hit)
+    }
+
+    /// A ray behind the back face that it has met.
+    fn beyond(&self, back: &Hit, ray: &Ray) -> Ray {
+        Ray { origin: self.scene.ray_origin(back.at), ..*ray }.skipping(back.at.tri)
     }
 
     /// The lit surface that coincides with the back of a one-sided face: thin walls are often modelled as two
@@ -98,6 +113,9 @@ impl<'a> View<'a> {
     /// Radiance that arrives at the camera along a ray: `Le + ρE/π` of a surface, a rectangle light in front of it,
     /// or the sky.
     pub(crate) fn radiance(&self, lights: &[VisibleLight<'_>], ray: Ray) -> Radiance {
+        if self.tracer.is_see_through() {
+            return self.radiance_through_layers(lights, ray);
+        }
         let (sight, t) = self.sight(ray);
         if let Some(radiance) = VisibleLight::nearest(lights, &ray, t) {
             return radiance;
@@ -109,6 +127,36 @@ impl<'a> View<'a> {
         }
     }
 
+    /// The same where light passes through surfaces: each adds its share, and what is behind shines through.
+    fn radiance_through_layers(&self, lights: &[VisibleLight<'_>], camera_ray: Ray) -> Radiance {
+        let (mut sum, mut passed, mut layers) = (Vec3::ZERO, Vec3::ONE, Vec::new());
+        let (mut ray, mut start) = (camera_ray, 0.0);
+        for _ in 0..MAX_BACKS {
+            self.tracer.layers(&ray, &mut layers);
+            let mut blocking_back = None;
+            for layer in &layers {
+                let (hit, t) = (&layer.hit, start + layer.hit.t);
+                if let Some(radiance) = VisibleLight::nearest(lights, &camera_ray, t) {
+                    return Radiance(sum + passed * radiance.0);
+                }
+                let blocks = layer.transmittance == Vec3::ZERO;
+                let beside = || if blocks { self.front_beside(hit) } else { None };
+                if let Some(at) = self.scene.seen_side(hit.at, hit.side).or_else(beside) {
+                    sum += passed * self.surface_radiance(at).0 * opacity(layer);
+                } else if self.backfaces == Backfaces::Through {
+                    blocking_back = blocks.then_some((*hit, t));
+                    continue;
+                }
+                passed *= layer.transmittance;
+            }
+            let Some((back, t)) = blocking_back else { break };
+            (ray, start) = (self.beyond(&back, &ray), t);
+        }
+        let behind = VisibleLight::nearest(lights, &camera_ray, f32::INFINITY);
+        let sky = || self.scene.sky().radiance(camera_ray.direction.normalize_or_zero());
+        Radiance(sum + passed * behind.unwrap_or_else(sky).0)
+    }
+
     /// The light that arrives at a surface point whose normal is the one that is shown.
     pub(crate) fn irradiance(&self, at: SurfacePoint) -> Irradiance {
         self.lighting.irradiance(at, seen_normal(self.scene, at))
@@ -118,6 +166,11 @@ impl<'a> View<'a> {
         let reflected = self.irradiance(at).reflected(self.scene.albedo(at));
         self.scene.emission(at) + reflected.radiance()
     }
+}
+
+/// The share of rays that end at a layer.
+fn opacity(layer: &Layer) -> f32 {
+    1.0 - layer.transmittance.element_sum() / 3.0
 }
 
 /// Faces within 2.6° of opposite directions are the two sides of one wall.

@@ -1,9 +1,9 @@
 // The material of a draw call. The offset into the buffer of all materials is that of its batch.
 
 struct Material {
-    /// Albedo that multiplies the texture; the last is not used.
+    /// Albedo that multiplies the texture; the last is opacity, which multiplies the alpha texture.
     albedo: vec4<f32>,
-    /// Emitted radiance that multiplies the texture; the last is not used.
+    /// Emitted radiance that multiplies the texture; the last is the least alpha of a mask, or negative.
     emission: vec4<f32>,
     /// Rows of the map from the mesh's texture coordinates to those of the albedo texture: linear part, offset.
     albedo_u: vec4<f32>,
@@ -14,6 +14,9 @@ struct Material {
     /// The same for the normal map. The last of the first row is -1 on back faces, otherwise 1.
     normal_u: vec4<f32>,
     normal_v: vec4<f32>,
+    /// The same for alpha.
+    alpha_u: vec4<f32>,
+    alpha_v: vec4<f32>,
 };
 
 @group(1) @binding(0) var<uniform> material: Material;

@@ -4,6 +4,7 @@
 override SHOWS_ALBEDO: bool = false;
 override HAS_ALBEDO_MAP: bool = false;
 override HAS_EMISSION_MAP: bool = false;
+override IS_TRANSPARENT: bool = false;
 
 struct Interpolated {
     @builtin(position) clip: vec4<f32>,
@@ -22,6 +23,17 @@ fn vertex(
     return Interpolated(project(position - view.eye), light, tint, uv);
 }
 
+/// Whether the surface is not there: below the least alpha of a mask, otherwise at that share of pixels.
+///
+/// Jimenez, *Next generation post processing in Call of Duty: Advanced Warfare*, 2014: noise that is even over
+/// neighbouring pixels.
+fn is_hole(in: Interpolated) -> bool {
+    let uv = mapped(in.uv, material.alpha_u, material.alpha_v);
+    let alpha = material.albedo.a * textureSample(alpha_map, alpha_sampler, uv).a;
+    let noise = fract(52.9829189 * fract(dot(in.clip.xy, vec2<f32>(0.06711056, 0.00583715))));
+    return select(alpha < material.emission.a, alpha <= noise, material.emission.a < 0.0);
+}
+
 @fragment
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
     var albedo = material.albedo.rgb * in.tint;
@@ -30,6 +42,9 @@ fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
         albedo *= textureSample(albedo_map, albedo_sampler, uv).rgb;
     }
     albedo = clamp(albedo, vec3<f32>(0.0), vec3<f32>(MAX_ALBEDO));
+    if (IS_TRANSPARENT && is_hole(in)) {
+        discard;
+    }
     if (SHOWS_ALBEDO) {
         return vec4<f32>(albedo, 1.0);
     }

@@ -6,3 +6,5 @@
 @group(2) @binding(3) var emission_sampler: sampler;
 @group(2) @binding(4) var normal_map: texture_2d<f32>;
 @group(2) @binding(5) var normal_sampler: sampler;
+@group(2) @binding(6) var alpha_map: texture_2d<f32>;
+@group(2) @binding(7) var alpha_sampler: sampler;

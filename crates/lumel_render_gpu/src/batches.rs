@@ -2,7 +2,7 @@
 
 use crate::pipelines::Detail;
 use glam::Vec3;
-use lumel_scene::{Scene, TriId};
+use lumel_scene::{Scene, Transparency, TriId};
 use std::ops::Range;
 
 /// Triangles that are drawn at once.
@@ -52,6 +52,7 @@ pub(crate) fn grouped(scene: &Scene) -> (Vec<[u32; 3]>, Vec<Group>) {
             detail: Detail {
                 albedo_map: material.albedo_texture.is_some(),
                 emission_map: material.emission_texture.is_some() && material.emits(),
+                transparent: scene.has_transparent() && material.transparency != Transparency::default(),
                 tint: vertices.iter().any(|v| scene.tints()[*v as usize] != Vec3::ONE),
             },
             indices: 3 * range.start..3 * range.end,

@@ -1,8 +1,7 @@
 //! Data as the shaders read it: order and padding are those of the structs of the same names in `shaders/`.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
-use lumel_scene::{Camera, Material, TextureRef, UvTransform};
+use lumel_scene::{AlphaMode, Camera, Material, TextureRef, Transparency, UvTransform};
 
 /// The camera and the exposure: `view.wgsl`.
 #[repr(C)]
@@ -29,6 +28,7 @@ pub(crate) struct MaterialValues {
     albedo_uv: [[f32; 4]; 2],
     emission_uv: [[f32; 4]; 2],
     normal_uv: [[f32; 4]; 2],
+    alpha_uv: [[f32; 4]; 2],
 }
 
 /// Settings of the tone mapper: `tone.wgsl`.
@@ -75,18 +75,26 @@ impl View {
     }
 }
 
+/// In place of the least alpha of a mask: the share of pixels that are there is alpha.
+const DITHERED: f32 = -1.0;
+
 impl MaterialValues {
     /// `side` is -1 on back faces of two-sided surfaces, otherwise 1.
     pub(crate) fn new(material: &Material, side: f32) -> Self {
         let rows = |map: Option<TextureRef>| uv_rows(map.map_or(UvTransform::default(), |map| map.transform));
         let [normal_u, normal_v] = rows(material.normal_texture);
-        let four = |c: Vec3| c.extend(0.0).to_array();
+        let Transparency { mode, alpha, texture, transmission } = material.transparency;
+        // Opaque, unless it is glass.
+        let alpha = if mode == AlphaMode::Opaque { 1.0 } else { alpha };
+        let opacity = alpha * (1.0 - transmission.element_sum() / 3.0);
+        let cutoff = if let AlphaMode::Mask { cutoff } = mode { cutoff } else { DITHERED };
         Self {
-            albedo: four(material.albedo),
-            emission: four(material.emission.0),
+            albedo: material.albedo.extend(opacity).to_array(),
+            emission: material.emission.0.extend(cutoff).to_array(),
             albedo_uv: rows(material.albedo_texture),
             emission_uv: rows(material.emission_texture),
             normal_uv: [[normal_u[0], normal_u[1], normal_u[2], side], normal_v],
+            alpha_uv: rows(texture),
         }
     }
 }
@@ -149,6 +157,8 @@ mod tests {
             ("emission_v", offset_of!(MaterialValues, emission_uv) + 16),
             ("normal_u", offset_of!(MaterialValues, normal_uv)),
             ("normal_v", offset_of!(MaterialValues, normal_uv) + 16),
+            ("alpha_u", offset_of!(MaterialValues, alpha_uv)),
+            ("alpha_v", offset_of!(MaterialValues, alpha_uv) + 16),
         ]);
         assert_eq!(members, ours);
     }

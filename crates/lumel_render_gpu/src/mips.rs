@@ -21,10 +21,10 @@ pub(crate) struct Pyramid {
     pub(crate) levels: Vec<Level>,
 }
 
-/// Texels in linear light.
+/// Texels in linear light, with alpha.
 struct Linear {
     size: [u32; 2],
-    texels: Vec<[f32; 3]>,
+    texels: Vec<[f32; 4]>,
 }
 
 impl Pyramid {
@@ -41,7 +41,7 @@ impl Pyramid {
         if width.max(height) <= limit {
             levels.push(Level { size: [width, height], bytes: original(texture) });
         }
-        let at = |x, y| texture.texel(x, y).to_array();
+        let at = |x, y| texture.texel(x, y).extend(texture.texel_alpha(x, y)).to_array();
         let mut next = smaller([width, height], at);
         while let Some(level) = next {
             if level.size[0].max(level.size[1]) <= limit {
@@ -61,12 +61,12 @@ fn original(texture: &Texture) -> Vec<u8> {
     }
     let (width, height) = texture.size();
     let rows = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let texels: Vec<_> = rows.map(|(x, y)| texture.texel(x, y).to_array()).collect();
+    let texels: Vec<_> = rows.map(|(x, y)| texture.texel(x, y).extend(1.0).to_array()).collect();
     encode(&texels, None)
 }
 
 /// An image of half the width and height, rounded down; `None` for a single texel.
-fn smaller(size: [u32; 2], at: impl Fn(u32, u32) -> [f32; 3]) -> Option<Linear> {
+fn smaller(size: [u32; 2], at: impl Fn(u32, u32) -> [f32; 4]) -> Option<Linear> {
     if size == [1, 1] {
         return None;
     }
@@ -75,7 +75,7 @@ fn smaller(size: [u32; 2], at: impl Fn(u32, u32) -> [f32; 3]) -> Option<Linear> 
     let mut texels = Vec::with_capacity(half[0] as usize * half[1] as usize);
     for row in &rows {
         for column in &columns {
-            let mut sum = [0.0; 3];
+            let mut sum = [0.0; 4];
             for &(y, share_y) in row {
                 for &(x, share_x) in column {
                     let texel = at(x, y);
@@ -112,20 +112,18 @@ const SRGB_STEPS: usize = 4095;
 static SRGB: LazyLock<Vec<u8>> =
     LazyLock::new(|| (0..=SRGB_STEPS).map(|i| srgb_byte(i as f32 / SRGB_STEPS as f32)).collect());
 
-fn encode(texels: &[[f32; 3]], encoding: Option<Encoding>) -> Vec<u8> {
+fn encode(texels: &[[f32; 4]], encoding: Option<Encoding>) -> Vec<u8> {
     let unit = |x: f32, steps: f32| (x.clamp(0.0, 1.0) * steps + 0.5) as usize;
     match encoding {
         Some(Encoding::Srgb) => {
             let table = &*SRGB;
-            let bytes = |[r, g, b]: [f32; 3]| [r, g, b].map(|x| table[unit(x, SRGB_STEPS as f32)]);
-            texels.iter().flat_map(|&texel| with_alpha(bytes(texel), u8::MAX)).collect()
+            let code = |x| table[unit(x, SRGB_STEPS as f32)];
+            let bytes = |[r, g, b, alpha]: [f32; 4]| [code(r), code(g), code(b), unit(alpha, 255.0) as u8];
+            texels.iter().flat_map(|&texel| bytes(texel)).collect()
         }
-        Some(Encoding::Linear) => {
-            let bytes = |texel: [f32; 3]| texel.map(|x| unit(x, 255.0) as u8);
-            texels.iter().flat_map(|&texel| with_alpha(bytes(texel), u8::MAX)).collect()
-        }
+        Some(Encoding::Linear) => texels.as_flattened().iter().map(|&x| unit(x, 255.0) as u8).collect(),
         None => {
-            let halves = texels.iter().flat_map(|texel| with_alpha(texel.map(finite_f16), f16::ONE));
+            let halves = texels.as_flattened().iter().map(|&x| finite_f16(x));
             halves.flat_map(f16::to_ne_bytes).collect()
         }
     }
@@ -135,10 +133,6 @@ fn encode(texels: &[[f32; 3]], encoding: Option<Encoding>) -> Vec<u8> {
 fn finite_f16(value: f32) -> f16 {
     // NaN becomes zero.
     f16::from_f32(if value > 0.0 { value.min(MAX_F16) } else { 0.0 })
-}
-
-fn with_alpha<T>([r, g, b]: [T; 3], alpha: T) -> [T; 4] {
-    [r, g, b, alpha]
 }
 
 #[cfg(test)]
@@ -171,6 +165,13 @@ mod tests {
         assert_eq!(Pyramid::new(&texture, 8192).levels[1].bytes, [188, 188, 188, 255]);
         let texture = Texture::from_bytes("t", 2, 1, rgba, Encoding::Linear).unwrap();
         assert_eq!(Pyramid::new(&texture, 8192).levels[1].bytes, [128, 128, 128, 255]);
+    }
+
+    #[test]
+    fn alpha_is_averaged_too() {
+        let texture =
+            Texture::from_bytes("t", 2, 1, vec![[9, 9, 9, 0], [9, 9, 9, 200]], Encoding::Srgb).unwrap();
+        assert_eq!(Pyramid::new(&texture, 8192).levels[1].bytes[3], 100);
     }
 
     #[test]

@@ -94,7 +94,8 @@ impl Model {
         let tints = if groups.iter().any(|group| group.detail.tint) { scene.tints() } else { &[Vec3::ONE] };
         let batch = |(slot, group): (usize, &Group)| {
             let material = &scene.materials()[group.material];
-            let maps = [material.albedo_texture, material.emission_texture, material.normal_texture];
+            let alpha = material.transparency.texture;
+            let maps = [material.albedo_texture, material.emission_texture, material.normal_texture, alpha];
             Batch {
                 indices: group.indices.clone(),
                 detail: group.detail,

@@ -40,6 +40,8 @@ pub(crate) struct Detail {
     pub(crate) albedo_map: bool,
     pub(crate) emission_map: bool,
     pub(crate) tint: bool,
+    /// Whether parts of it are not there.
+    pub(crate) transparent: bool,
 }
 
 /// Visible marks, or those behind surfaces.
@@ -83,7 +85,7 @@ pub(crate) struct Layouts {
     pub(crate) view: wgpu::BindGroupLayout,
     /// One material, at an offset.
     pub(crate) material: wgpu::BindGroupLayout,
-    /// Albedo, emission and normal map.
+    /// Albedo, emission and normal map, and alpha.
     pub(crate) textures: wgpu::BindGroupLayout,
     /// One texture.
     pub(crate) rect_light: wgpu::BindGroupLayout,
@@ -122,7 +124,7 @@ impl Layouts {
         Self {
             view: layout("view", &[uniform(false)]),
             material: layout("material", &[uniform(true)]),
-            textures: layout("textures", &[image; 3].concat()),
+            textures: layout("textures", &[image; 4].concat()),
             rect_light: layout("rect_light", &image),
             tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
             composite: layout("composite", &[texture(false)]),
@@ -206,6 +208,7 @@ impl Pipelines {
                     ("SHOWS_ALBEDO", number(quantity == Quantity::Albedo)),
                     ("HAS_ALBEDO_MAP", number(detail.albedo_map)),
                     ("HAS_EMISSION_MAP", number(detail.emission_map)),
+                    ("IS_TRANSPARENT", number(detail.transparent)),
                 ];
                 scene(Shader::Surface, samples, vec![view, material, textures], vertices, constants)
             }

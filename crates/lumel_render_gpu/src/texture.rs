@@ -63,13 +63,13 @@ impl Blank {
         Image { view, sampler: sampler.clone() }
     }
 
-    /// The bind group of a material's albedo, emission and normal map.
+    /// The bind group of a material's albedo, emission and normal map, and alpha.
     pub(crate) fn textures(
         &self,
         gpu: &Gpu,
         layouts: &Layouts,
         images: &[Image],
-        maps: [Option<TextureRef>; 3],
+        maps: [Option<TextureRef>; 4],
     ) -> wgpu::BindGroup {
         let image = |map: Option<TextureRef>| map.and_then(|map| images.get(map.texture.index()));
         let images = maps.map(|map| image(map).unwrap_or(&self.white));

@@ -36,6 +36,12 @@ pub(crate) fn unit_from_bits(bits: u32) -> f32 {
     (bits >> 8) as f32 * (f32::EPSILON / 2.0)
 }
 
+/// A number in `[0, 1)` that is the same for the same words and otherwise as good as random.
+pub fn unit_hash(words: &[u32]) -> f32 {
+    let absorb = |hash: u64, &word: &u32| mix(hash.wrapping_add(GOLDEN) ^ u64::from(word));
+    unit_from_bits((words.iter().fold(0, absorb) >> 32) as u32)
+}
+
 /// `x` as `f32`, clamped to `[0, 1)`.
 #[inline]
 pub(crate) fn unit_from_f64(x: f64) -> f32 {

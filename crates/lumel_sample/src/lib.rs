@@ -29,6 +29,7 @@ mod sobol;
 mod stratified;
 mod warp;
 
+pub use bits::unit_hash;
 pub use cells::{CellOrder, numbers_by_cell};
 pub use frame::Frame;
 pub use key::{Dim, StreamKey};

@@ -4,13 +4,15 @@ use crate::creases::split_at_creases;
 use crate::error::{MAX_TRIANGLES, SceneError};
 use crate::face_list::{FaceList, Given};
 use crate::scene::Scene;
+use crate::transparency::Looks;
 use crate::{SceneBuilder, Sides, Warnings, check, normals, resolution, sanitize};
 
 impl SceneBuilder {
     /// Checks, cleans and freezes the scene. What had to be left out is in the warnings.
     ///
-    /// A scene far from its origin is [recentred](Self::recenter). Triangles with positions that are not finite or with an area below 1e-12 of the squared diagonal are
-    /// dropped. Missing normals are made; vertices are split where neighbouring faces turn sharply. Faces of
+    /// A scene far from its origin is [recentred](Self::recenter). Triangles that are fully transparent, have positions
+    /// that are not finite or an area below 1e-12 of the squared diagonal are dropped. Missing normals are made; vertices
+    /// are split where neighbouring faces turn sharply. Faces of
     /// two-sided materials get a second face for the back, with vertices of its own. The order of vertices is kept,
     /// split-off ones follow those of their object, and those of back sides come last. [`Scene::input_mesh`] leads
     /// back to the vertices and faces as they were given here.
@@ -22,12 +24,20 @@ impl SceneBuilder {
         check::builder(&self)?;
         self.recenter();
         sanitize::materials(&mut self.materials, &self.textures, &self.objects, &mut warnings);
+        let looks = Looks::new(&self.materials, &self.textures);
+        let face_counts: Vec<u32> = self.objects.iter().map(|object| object.faces.len() as u32).collect();
+        let present: Vec<Vec<u32>> = self
+            .objects
+            .iter_mut()
+            .map(|object| sanitize::absent_faces(object, &looks, &mut warnings))
+            .collect();
         let smallest = 1e-12 * self.diagonal_squared();
         let mut faces = FaceList::default();
-        for mut object in std::mem::take(&mut self.objects) {
-            let (vertex_count, face_count) = (object.positions.len() as u32, object.faces.len() as u32);
+        let objects = std::mem::take(&mut self.objects);
+        for ((mut object, face_count), present) in objects.into_iter().zip(face_counts).zip(present) {
+            let vertex_count = object.positions.len() as u32;
             resolution::check(&object, &mut warnings)?;
-            let kept = sanitize::object(&mut object, smallest, &mut warnings);
+            let kept = sanitize::object(&mut object, present, smallest, &mut warnings);
             let mut vertices: Vec<u32> = (0..vertex_count).collect();
             let mut note_copies = |copies: Vec<u32>| {
                 copies.into_iter().for_each(|vertex| vertices.push(vertices[vertex as usize]));
@@ -41,6 +51,9 @@ impl SceneBuilder {
         }
         let two_sided: Vec<bool> = self.materials.iter().map(|m| m.sides == Sides::Both).collect();
         faces.add_back_sides(&two_sided);
+        if looks.vary() {
+            faces.note_transparent(&looks);
+        }
         if faces.positions.len() > MAX_TRIANGLES || faces.triangles.len() > MAX_TRIANGLES {
             return Err(SceneError::TooLarge { scene: self.name, triangles: faces.triangles.len() as u64 });
         }

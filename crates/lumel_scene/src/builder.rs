@@ -31,9 +31,10 @@ pub struct SceneBuilder {
 }
 
 impl SceneBuilder {
-    /// Squared diagonal of the bounds of all finite positions; in f64, where it cannot overflow.
+    /// Squared diagonal of the bounds of all finite positions of objects that have faces; in f64, where it cannot overflow.
     pub(crate) fn diagonal_squared(&self) -> f64 {
-        let finite = self.objects.iter().flat_map(|o| &o.positions).filter(|p| p.is_finite());
+        let with_faces = self.objects.iter().filter(|o| !o.faces.is_empty());
+        let finite = with_faces.flat_map(|o| &o.positions).filter(|p| p.is_finite());
         let (min, max) = finite.fold((Vec3::MAX, Vec3::MIN), |(min, max), p| (min.min(*p), max.max(*p)));
         if min.x > max.x { 0.0 } else { (max.as_dvec3() - min.as_dvec3()).length_squared() }
     }

@@ -45,6 +45,7 @@ fn object(mesh: &ObjectMesh, n_materials: usize) -> Result<(), SceneError> {
         ("normals", mesh.normals.len()),
         ("texture coordinates", mesh.uvs.len()),
         ("vertex colours", mesh.tints.len()),
+        ("vertex alphas", mesh.alphas.len()),
     ];
     for (what, count) in counts {
         if count != 0 && count != vertices {
@@ -66,7 +67,8 @@ fn object(mesh: &ObjectMesh, n_materials: usize) -> Result<(), SceneError> {
 
 fn materials(materials: &[Material], n_textures: usize) -> Result<(), SceneError> {
     for material in materials {
-        let used = [material.albedo_texture, material.emission_texture, material.normal_texture];
+        let alpha = material.transparency.texture;
+        let used = [material.albedo_texture, material.emission_texture, material.normal_texture, alpha];
         for used in used.into_iter().flatten() {
             let user = || format!("material \"{}\"", material.name);
             texture_index(used.texture, n_textures, user)?;

@@ -2,6 +2,7 @@
 
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
+use crate::transparency::{Look, Looks};
 use crate::{MaterialId, ObjectId, TriId};
 use glam::{Vec2, Vec3};
 
@@ -12,6 +13,8 @@ pub(crate) struct FaceList {
     pub(crate) normals: Vec<Vec3>,
     pub(crate) uvs: Vec<Vec2>,
     pub(crate) tints: Vec<Vec3>,
+    /// Empty where no object has any.
+    pub(crate) alphas: Vec<f32>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) materials: Vec<MaterialId>,
     pub(crate) objects: Vec<ObjectId>,
@@ -19,6 +22,8 @@ pub(crate) struct FaceList {
     pub(crate) traced: usize,
     /// The triangle on the other side, or itself if there is none.
     pub(crate) other_side: Vec<TriId>,
+    /// Whether light passes through each triangle; empty where it passes through none.
+    pub(crate) transparent: Vec<bool>,
     pub(crate) object_names: Vec<String>,
     /// Where each object comes from.
     pub(crate) origins: Vec<Origin>,
@@ -49,6 +54,7 @@ impl FaceList {
             self.normals.push(mesh.normals[old]);
             self.uvs.push(mesh.uvs.get(old).copied().unwrap_or_default());
             self.tints.push(mesh.tints.get(old).copied().unwrap_or(Vec3::ONE));
+            self.push_alpha(mesh.alphas.get(old).copied());
         }
         for face in mesh.faces {
             self.triangles.push(face.vertices.map(|v| new_index[v as usize]));
@@ -82,11 +88,34 @@ impl FaceList {
         }
     }
 
+    /// The alpha of the vertex that was added last.
+    fn push_alpha(&mut self, alpha: Option<f32>) {
+        if alpha.is_some() || !self.alphas.is_empty() {
+            self.alphas.resize(self.positions.len() - 1, 1.0);
+            self.alphas.push(alpha.unwrap_or(1.0));
+        }
+    }
+
+    /// The alphas at the corners of a triangle.
+    #[inline]
+    pub(crate) fn corner_alphas(&self, tri: usize) -> [f32; 3] {
+        self.triangles[tri].map(|v| self.alphas.get(v as usize).copied().unwrap_or(1.0))
+    }
+
+    /// Notes which triangles are transparent.
+    pub(crate) fn note_transparent(&mut self, looks: &Looks) {
+        let is_transparent =
+            |tri: usize| looks.of(self.materials[tri].index(), self.corner_alphas(tri)) == Look::Transparent;
+        let transparent: Vec<bool> = (0..self.triangles.len()).map(is_transparent).collect();
+        self.transparent = if transparent.contains(&true) { transparent } else { Vec::new() };
+    }
+
     fn copy_vertex_for_back(&mut self, front: usize) {
         self.positions.push(self.positions[front]);
         self.normals.push(-self.normals[front]);
         self.uvs.push(self.uvs[front]);
         self.tints.push(self.tints[front]);
+        self.push_alpha(self.alphas.get(front).copied());
     }
 }
 

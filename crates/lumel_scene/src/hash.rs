@@ -82,6 +82,9 @@ fn surfaces(faces: &FaceList, materials: &[Material], textures: &[Texture]) -> B
     for tint in &faces.tints {
         bytes.floats(tint.to_array());
     }
+    for &alpha in &faces.alphas {
+        bytes.floats([alpha]);
+    }
     bytes
 }
 

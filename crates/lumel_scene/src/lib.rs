@@ -34,6 +34,7 @@ mod tessellate;
 #[cfg(test)]
 mod testing;
 mod texture;
+mod transparency;
 mod triangle;
 mod units;
 mod vertex_map;
@@ -56,6 +57,7 @@ pub use origin::{origin_for, rounding_of};
 pub use scene::Scene;
 pub use sky::{Sky, SkyGradient, SkyImage};
 pub use texture::{Encoding, Filter, Texture, Wrap};
+pub use transparency::{AlphaMode, Transparency};
 pub use units::{Albedo, Irradiance, Radiance, Radiosity, luminance};
 pub use vertex_map::{Share, VertexMap};
 pub use warning::{Warning, Warnings};

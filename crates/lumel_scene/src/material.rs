@@ -1,6 +1,6 @@
 //! Diffuse materials.
 
-use crate::{Radiance, TextureId};
+use crate::{Radiance, TextureId, Transparency};
 use glam::{Vec2, Vec3};
 
 /// The largest albedo per channel that a surface may have.
@@ -86,6 +86,8 @@ pub struct Material {
     pub normal_texture: Option<TextureRef>,
     /// Which sides it has.
     pub sides: Sides,
+    /// How light passes through it.
+    pub transparency: Transparency,
 }
 
 impl Material {
@@ -99,6 +101,7 @@ impl Material {
             emission_texture: None,
             normal_texture: None,
             sides: Sides::Front,
+            transparency: Transparency::default(),
         }
     }
 

@@ -39,6 +39,8 @@ pub struct ObjectMesh {
     pub uvs: Vec<Vec2>,
     /// Linear vertex colours that multiply the albedo: empty, or one per position.
     pub tints: Vec<Vec3>,
+    /// Vertex alphas that multiply those of materials: empty, or one per position.
+    pub alphas: Vec<f32>,
     /// The triangles.
     pub faces: Vec<Face>,
     /// By how much a file or program may have rounded the coordinates before they came here, metres; zero if by no more
@@ -50,6 +52,11 @@ impl ObjectMesh {
     /// The corners' positions of a face.
     pub fn corners(&self, face: &Face) -> [Vec3; 3] {
         face.vertices.map(|v| self.positions[v as usize])
+    }
+
+    /// The alphas at the corners of a face.
+    pub(crate) fn corner_alphas(&self, face: &Face) -> [f32; 3] {
+        face.vertices.map(|v| self.alphas.get(v as usize).copied().unwrap_or(1.0))
     }
 
     /// Unit normals of the faces from their winding. Faces must have an area.

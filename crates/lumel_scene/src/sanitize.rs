@@ -1,18 +1,41 @@
 //! What can be mended in a scene is mended, with a warning.
 
 use crate::material::sound;
-use crate::mesh::ObjectMesh;
+use crate::mesh::{Face, ObjectMesh};
 use crate::runs::Runs;
-use crate::{MAX_ALBEDO, Material, Radiance, Texture, Warnings, triangle};
+use crate::transparency::{Look, Looks};
+use crate::{AlphaMode, MAX_ALBEDO, Material, Radiance, Texture, Transparency, Warnings, triangle};
 use glam::{Vec2, Vec3};
 
+/// Drops the triangles of an object that are nowhere there. Returns the numbers of those that are kept.
+pub(crate) fn absent_faces(mesh: &mut ObjectMesh, looks: &Looks, warnings: &mut Warnings) -> Vec<u32> {
+    for alpha in &mut mesh.alphas {
+        *alpha = if alpha.is_finite() { alpha.clamp(0.0, 1.0) } else { 1.0 };
+    }
+    let faces = std::mem::take(&mut mesh.faces);
+    let n_faces = faces.len();
+    let is_there = |face: &Face| looks.of(face.material.index(), mesh.corner_alphas(face)) != Look::Absent;
+    let (numbers, kept): (Vec<u32>, Vec<Face>) = (0..).zip(faces).filter(|(_, face)| is_there(face)).unzip();
+    if kept.len() < n_faces {
+        let message = format!("{} triangles dropped: they are fully transparent", n_faces - kept.len());
+        warnings.push(format!("object \"{}\"", mesh.name), message);
+    }
+    mesh.faces = kept;
+    numbers
+}
+
 /// Drops the triangles of an object that have no area above `smallest_area` (m²) or positions that are not finite, and
-/// makes its attributes finite. Returns which of the faces are kept.
-pub(crate) fn object(mesh: &mut ObjectMesh, smallest_area: f64, warnings: &mut Warnings) -> Runs {
+/// makes its attributes finite. Returns which of the faces, which have these `numbers`, are kept.
+pub(crate) fn object(
+    mesh: &mut ObjectMesh,
+    numbers: Vec<u32>,
+    smallest_area: f64,
+    warnings: &mut Warnings,
+) -> Runs {
     let positions = &mesh.positions;
     let (mut n_infinite, mut n_flat) = (0, 0);
     let mut kept = Runs::default();
-    let mut numbers = 0..;
+    let mut numbers = numbers.into_iter();
     mesh.faces.retain(|face| {
         let corners = face.vertices.map(|v| positions[v as usize]);
         let is_finite = corners.iter().all(|p| p.is_finite());
@@ -37,6 +60,27 @@ pub(crate) fn object(mesh: &mut ObjectMesh, smallest_area: f64, warnings: &mut W
     }
     mesh.tints.iter_mut().for_each(|tint| *tint = sound_tint(*tint));
     kept
+}
+
+/// Makes the transparency of a material one that light can have.
+fn transparency(material: &mut Material, subject: &str, warnings: &mut Warnings) {
+    let emits = material.emits();
+    let transparency = &mut material.transparency;
+    let cutoff = match transparency.mode {
+        AlphaMode::Mask { cutoff } => cutoff,
+        AlphaMode::Opaque | AlphaMode::Blend => 0.0,
+    };
+    if !(transparency.alpha.is_finite() && transparency.transmission.is_finite() && cutoff.is_finite()) {
+        warnings.push(subject, "transparency is not a finite number: it is treated as opaque");
+        *transparency = Transparency::default();
+    }
+    transparency.alpha = transparency.alpha.clamp(0.0, 1.0);
+    transparency.transmission = transparency.transmission.clamp(Vec3::ZERO, Vec3::ONE);
+    if emits && transparency.transmission != Vec3::ZERO {
+        warnings.push(subject, "it emits light, so no light passes through it: its transmission is ignored");
+        material.albedo += transparency.transmission;
+        material.transparency.transmission = Vec3::ZERO;
+    }
 }
 
 /// A vertex colour that can multiply an albedo.
@@ -76,6 +120,7 @@ pub(crate) fn materials(
         }
         material.albedo = sound(material.albedo);
         material.emission = Radiance(sound(material.emission.0));
+        transparency(material, &subject, warnings);
         let texture = material.albedo_texture.map_or(Vec3::ONE, |t| textures[t.texture.index()].max());
         let brightest = (material.albedo * texture * tint).max_element();
         if brightest > MAX_ALBEDO {

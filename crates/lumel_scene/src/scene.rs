@@ -6,9 +6,10 @@ use crate::face_list::FaceList;
 use crate::hash::{self, SurfacesHash};
 use crate::light_names;
 use crate::material::sound;
+use crate::transparency::mean;
 use crate::{
-    Albedo, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId, Radiance,
-    SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
+    Albedo, AlphaMode, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId,
+    Radiance, SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
@@ -45,6 +46,11 @@ struct Unlit {
     usual_size: OnceLock<f64>,
     geometry_hash: OnceLock<blake3::Hash>,
     surfaces_hash: OnceLock<SurfacesHash>,
+}
+
+/// The share of light that passes through what is there of a material, under a colour that multiplies it.
+fn transmitted(material: &Material, paint: Vec3) -> Vec3 {
+    (material.transparency.transmission * paint).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 impl Scene {
@@ -169,6 +175,11 @@ impl Scene {
     /// Vertex colours that multiply the albedo; one where the file has none.
     pub fn tints(&self) -> &[Vec3] {
         &self.unlit.faces.tints
+    }
+
+    /// Vertex alphas that multiply those of materials; empty where no file has any.
+    pub fn alphas(&self) -> &[f32] {
+        &self.unlit.faces.alphas
     }
 
     /// Vertex indices of all triangles.
@@ -305,13 +316,77 @@ impl Scene {
         uv[a as usize] * wa + uv[b as usize] * wb + uv[c as usize] * wc
     }
 
-    /// Albedo at a surface point, clamped to [`MAX_ALBEDO`].
+    /// Albedo at a surface point, of what light does not pass through, clamped to [`MAX_ALBEDO`].
     #[inline]
     pub fn albedo(&self, at: SurfacePoint) -> Albedo {
         let material = self.material(at.tri);
-        let tint = self.interpolate(&self.unlit.faces.tints, at);
-        let texture = self.texture_value(material.albedo_texture, at);
-        Albedo((material.albedo * tint * texture).clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)))
+        let (tint, texture) = (self.tint(at), self.texture_value(material.albedo_texture, at));
+        let mut reflected = material.albedo * tint * texture;
+        if material.transparency.transmission != Vec3::ZERO {
+            // Of what does not pass: rays end there that much more seldom.
+            let ending = 1.0 - mean(transmitted(material, tint * texture));
+            reflected = if ending > 0.0 { reflected / ending } else { Vec3::ZERO };
+        }
+        Albedo(reflected.clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)))
+    }
+
+    #[inline]
+    fn tint(&self, at: SurfacePoint) -> Vec3 {
+        self.interpolate(&self.unlit.faces.tints, at)
+    }
+
+    /// Whether light passes through any triangle.
+    pub fn has_transparent(&self) -> bool {
+        !self.unlit.faces.transparent.is_empty()
+    }
+
+    /// Whether light passes through a triangle anywhere.
+    #[inline]
+    pub fn is_transparent(&self, tri: TriId) -> bool {
+        self.unlit.faces.transparent.get(tri.index()).is_some_and(|&is| is)
+    }
+
+    /// Number of triangles that rays meet and light passes through.
+    pub fn transparent_count(&self) -> usize {
+        let traced = self.unlit.faces.transparent.iter().take(self.traced_count());
+        traced.filter(|&&is_transparent| is_transparent).count()
+    }
+
+    /// The share of light that passes through a surface point, 0..=1.
+    ///
+    /// What is not there lets all of it through, what is there tints it.
+    pub fn transmittance(&self, at: SurfacePoint) -> Vec3 {
+        if !self.is_transparent(at.tri) {
+            return Vec3::ZERO;
+        }
+        let material = self.material(at.tri);
+        let coverage = self.coverage(material, at);
+        let absent = Vec3::splat(1.0 - coverage);
+        if material.transparency.transmission == Vec3::ZERO || coverage == 0.0 {
+            return absent;
+        }
+        let paint = self.tint(at) * self.texture_value(material.albedo_texture, at);
+        absent + transmitted(material, paint) * coverage
+    }
+
+    /// The share of rays that end at a surface point, 0..=1: one minus the mean transmittance of the channels. Those
+    /// that do see the whole [albedo](Self::albedo) and [emission](Self::emission).
+    pub fn opacity(&self, at: SurfacePoint) -> f32 {
+        1.0 - mean(self.transmittance(at))
+    }
+
+    fn coverage(&self, material: &Material, at: SurfacePoint) -> f32 {
+        let transparency = &material.transparency;
+        if transparency.mode == AlphaMode::Opaque {
+            return 1.0;
+        }
+        let texture = transparency
+            .texture
+            .map_or(1.0, |t| self.unlit.textures[t.texture.index()].alpha(t.transform.apply(self.uv(at))));
+        let ([a, b, c], [wa, wb, wc]) = (self.unlit.faces.corner_alphas(at.tri.index()), at.bary.weights());
+        // Weights do not sum to one exactly; what is the same at all corners is the same between.
+        let vertices = if a == b && b == c { a } else { a * wa + b * wb + c * wc };
+        transparency.coverage(texture * vertices)
     }
 
     /// The albedo of a triangle if it is the same everywhere on it.

@@ -98,7 +98,7 @@ impl SceneBuilder {
 
 /// Whether each attribute is there for all vertices or none.
 fn has_whole_attributes(object: &ObjectMesh) -> bool {
-    let counts = [object.normals.len(), object.uvs.len(), object.tints.len()];
+    let counts = [object.normals.len(), object.uvs.len(), object.tints.len(), object.alphas.len()];
     counts.iter().all(|&n| n == 0 || n == object.positions.len())
 }
 
@@ -238,6 +238,9 @@ fn add_middle(object: &mut ObjectMesh, a: u32, b: u32) -> u32 {
     }
     if !object.tints.is_empty() {
         object.tints.push(0.5 * (object.tints[i] + object.tints[j]));
+    }
+    if !object.alphas.is_empty() {
+        object.alphas.push(0.5 * (object.alphas[i] + object.alphas[j]));
     }
     new
 }

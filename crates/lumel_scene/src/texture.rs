@@ -101,6 +101,22 @@ impl Texture {
         }
     }
 
+    /// The texture whose alpha is its brightness, unless it has an alpha.
+    #[must_use]
+    pub fn into_opacity(mut self) -> Self {
+        if self.alpha_range() != [1.0; 2] {
+            return self;
+        }
+        let rgba = match &self.texels {
+            Texels::Bytes { rgba, .. } => {
+                rgba.iter().map(|&[r, g, b, _]| mean_byte([r, g, b].map(f32::from))).collect()
+            }
+            Texels::Floats(rgb) => rgb.iter().map(|rgb| mean_byte(rgb.map(|c| 255.0 * c))).collect(),
+        };
+        self.texels = Texels::Bytes { rgba, encoding: Encoding::Linear };
+        self
+    }
+
     /// Width and height in texels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
@@ -132,20 +148,50 @@ impl Texture {
         }
     }
 
+    /// Alpha of one texel; 1 in images without. `x` and `y` must be inside the image.
+    #[inline]
+    pub fn texel_alpha(&self, x: u32, y: u32) -> f32 {
+        match &self.texels {
+            Texels::Bytes { rgba, .. } => {
+                f32::from(rgba[y as usize * self.width as usize + x as usize][3]) / 255.0
+            }
+            Texels::Floats(_) => 1.0,
+        }
+    }
+
+    /// The smallest and the largest alpha.
+    pub fn alpha_range(&self) -> [f32; 2] {
+        let Texels::Bytes { rgba, .. } = &self.texels else { return [1.0; 2] };
+        let (low, high) = rgba.iter().fold((255, 0), |(low, high), t| (t[3].min(low), t[3].max(high)));
+        [low, high].map(|alpha| f32::from(alpha) / 255.0)
+    }
+
     /// The value at a texture coordinate by the texture's wrapping and filter, linear.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
+        self.look_up(uv, |x, y| self.texel(x, y))
+    }
+
+    /// Alpha at a texture coordinate by the texture's wrapping and filter; 1 in images without.
+    pub fn alpha(&self, uv: Vec2) -> f32 {
+        match &self.texels {
+            Texels::Bytes { .. } => self.look_up(uv, |x, y| Vec3::splat(self.texel_alpha(x, y))).x,
+            Texels::Floats(_) => 1.0,
+        }
+    }
+
+    fn look_up(&self, uv: Vec2, texel: impl Fn(u32, u32) -> Vec3) -> Vec3 {
         if !uv.is_finite() {
-            return self.texel(0, 0);
+            return texel(0, 0);
         }
         if self.filter == Filter::Nearest {
             let [x, y] = [(uv.x, self.width, self.wrap_u), (uv.y, self.height, self.wrap_v)]
                 .map(|(coordinate, size, wrap)| nearest(coordinate, size, wrap));
-            return self.texel(x, y);
+            return texel(x, y);
         }
         let (x0, x1, fx) = neighbours(uv.x, self.width, self.wrap_u);
         let (y0, y1, fy) = neighbours(uv.y, self.height, self.wrap_v);
-        let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
-        let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
+        let top = texel(x0, y0).lerp(texel(x1, y0), fx);
+        let bottom = texel(x0, y1).lerp(texel(x1, y1), fx);
         top.lerp(bottom, fy)
     }
 
@@ -163,6 +209,11 @@ impl Texture {
     fn all_texels(&self) -> impl Iterator<Item = Vec3> + '_ {
         (0..self.height).flat_map(move |y| (0..self.width).map(move |x| self.texel(x, y)))
     }
+}
+
+/// White whose alpha is the mean of channels, 0..=255.
+fn mean_byte([r, g, b]: [f32; 3]) -> [u8; 4] {
+    [255, 255, 255, ((r + g + b) / 3.0 + 0.5).min(255.0) as u8]
 }
 
 /// A coordinate inside the image or, of a mirrored one, inside the image and its mirror image.

@@ -4,7 +4,7 @@ use crate::combination::{Method, Solver, Storage};
 use crate::quadrature::hat_average;
 use crate::stored::StoredPasses;
 use glam::{DVec3, Vec3};
-use lumel_accel::{Bvh, InstructionSet, RayTracer};
+use lumel_accel::{Bvh, InstructionSet, RayTracer, SeeThrough, tracer_of};
 use lumel_basis::{
     AreaReceivers, ElementId, Field, PointReceivers, Receivers, VertexBasis, reflecting_areas,
 };
@@ -30,13 +30,16 @@ pub struct Operator {
 
 /// The ray tracer of a scene, with the instructions that the environment variable `LUMEL_TEST_INSTRUCTIONS` names, such as
 /// `portable`; with the best that there are without it.
-pub fn tracer(scene: &Scene) -> Bvh {
-    let tree = Bvh::build(scene);
-    let Some(name) = std::env::var_os("LUMEL_TEST_INSTRUCTIONS") else { return tree };
+pub fn tracer(scene: &Scene) -> Arc<dyn RayTracer> {
+    let Some(name) = std::env::var_os("LUMEL_TEST_INSTRUCTIONS") else { return tracer_of(scene) };
     let is_meant = |set: &InstructionSet| name.eq_ignore_ascii_case(set.to_string());
     let set = InstructionSet::available().into_iter().find(is_meant);
     let set = set.unwrap_or_else(|| panic!("this machine has no instructions {name:?}"));
-    tree.with_instructions(set).unwrap_or_else(|| panic!("{set} is there"))
+    let traced: Option<Arc<dyn RayTracer>> = match scene.has_transparent() {
+        true => SeeThrough::build(scene).with_instructions(set).map(|tracer| Arc::new(tracer) as _),
+        false => Bvh::build(scene).with_instructions(set).map(|tree| Arc::new(tree) as _),
+    };
+    traced.unwrap_or_else(|| panic!("{set} is there"))
 }
 
 impl Stage {
@@ -45,7 +48,7 @@ impl Stage {
         let (scene, warnings) = builder.build().expect("the test's scene builds");
         assert!(warnings.is_empty(), "{:?}", warnings.iter().next());
         let scene = Arc::new(scene);
-        let tracer = Arc::new(tracer(&scene));
+        let tracer = tracer(&scene);
         let basis = Arc::new(VertexBasis::new(scene.clone()));
         Self { scene, tracer, basis }
     }

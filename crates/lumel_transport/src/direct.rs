@@ -108,7 +108,7 @@ impl Direct<'_> {
         let samples = self.plan.sampler.sample_count(requested.clamp(1, MAX_PILOT));
         let stream = self.plan.sampler.for_count(samples).stream(key, dim);
         let visible = self.visible(site, view, points.fill(&stream, samples), tally)?;
-        Ok(if visible.n_rays > 0 { f64::from(visible.n_lit) / f64::from(visible.n_rays) } else { 1.0 })
+        Ok(if visible.n_rays > 0 { visible.n_lit / f64::from(visible.n_rays) } else { 1.0 })
     }
 
     /// The sum over samples of lights that are chosen one by one.
@@ -141,16 +141,17 @@ impl Direct<'_> {
         Ok(rays.finish(tally).lit)
     }
 
-    fn blocked(&self, site: &Site, target: Vec3, tally: &mut Tally) -> bool {
+    fn passed(&self, site: &Site, target: Vec3, tally: &mut Tally) -> Vec3 {
         tally.n_rays += 1;
-        self.tracer.occluded(&Ray { skip: site.skip, ..Ray::between(site.origin, target) })
+        self.tracer.transmittance(&Ray { skip: site.skip, ..Ray::between(site.origin, target) })
     }
 
     /// Lights without an area: one shadow ray each, nothing random.
     fn delta_lights(&self, site: &Site, tally: &mut Tally) {
         self.delta_arrivals(site, |target, value| {
-            if !self.blocked(site, target, tally) {
-                tally.sum += value;
+            let passed = self.passed(site, target, tally);
+            if passed != Vec3::ZERO {
+                tally.sum += value * passed.as_dvec3();
             }
         });
     }

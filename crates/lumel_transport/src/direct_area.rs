@@ -7,7 +7,8 @@ use crate::light_tree::LightTree;
 use crate::light_view::LightView;
 use crate::lights::AreaLight;
 use crate::plan::LightSampling;
-use glam::DVec3;
+use crate::shadow_rays::share;
+use glam::{DVec3, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_basis::Site;
 use lumel_sample::{Dim, StreamKey};
@@ -29,25 +30,37 @@ pub(crate) struct Batch {
     /// The sample and what arrives there if nothing is in the way.
     values: Vec<(usize, DVec3)>,
     occluded: Vec<bool>,
+    passed: Vec<Vec3>,
 }
 
 impl Batch {
-    fn add(&mut self, site: &Site, target: glam::Vec3, number: usize, value: DVec3) {
+    fn add(&mut self, site: &Site, target: Vec3, number: usize, value: DVec3) {
         self.rays.push(Ray { skip: site.skip, ..Ray::between(site.origin, target) });
         self.values.push((number, value));
     }
 
-    /// Traces the rays, tells what they have found in the order in which they were added, and forgets them. Returns how many.
-    fn trace(&mut self, tracer: &dyn RayTracer, mut each: impl FnMut(usize, DVec3, bool)) -> usize {
-        self.occluded.clear();
-        self.occluded.resize(self.rays.len(), false);
-        tracer.occlusions_of(&self.rays, &mut self.occluded);
-        for (&(number, value), &blocked) in self.values.iter().zip(&self.occluded) {
-            each(number, value, blocked);
+    /// Traces the rays, tells which share of its value each lets arrive, in the order in which they were added, and
+    /// forgets them. Returns how many.
+    fn trace(&mut self, tracer: &dyn RayTracer, mut each: impl FnMut(usize, DVec3, Vec3)) -> usize {
+        let n_rays = self.rays.len();
+        if tracer.is_see_through() {
+            self.passed.clear();
+            self.passed.resize(n_rays, Vec3::ZERO);
+            tracer.transmittances_of(&self.rays, &mut self.passed);
+            for (&(number, value), &passed) in self.values.iter().zip(&self.passed) {
+                each(number, value, passed);
+            }
+        } else {
+            self.occluded.clear();
+            self.occluded.resize(n_rays, false);
+            tracer.occlusions_of(&self.rays, &mut self.occluded);
+            for (&(number, value), &blocked) in self.values.iter().zip(&self.occluded) {
+                each(number, value, if blocked { Vec3::ZERO } else { Vec3::ONE });
+            }
         }
         self.rays.clear();
         self.values.clear();
-        self.occluded.len()
+        n_rays
     }
 }
 
@@ -68,9 +81,9 @@ impl Direct<'_> {
             let Some(site) = site else { continue };
             self.delta_arrivals(site, |target, value| batch.add(site, target, number, value));
         }
-        let mut add_lit = |number: usize, value: DVec3, blocked: bool| {
-            if !blocked {
-                values[number] += value;
+        let mut add_lit = |number: usize, value: DVec3, passed: Vec3| {
+            if passed != Vec3::ZERO {
+                values[number] += value * passed.as_dvec3();
             }
         };
         if let Some(tree) = &self.lights.tree {
@@ -141,9 +154,9 @@ impl Direct<'_> {
             for (slot, &u) in (0..).zip(points.fill(&stream, pilot)) {
                 add(batch, slot, u);
             }
-            let mut n_lit = 0;
-            let n = batch.trace(self.tracer, |_, _, blocked| n_lit += usize::from(!blocked));
-            beta = if n > 0 { n_lit as f64 / n as f64 } else { 1.0 };
+            let mut n_lit = 0.0;
+            let n = batch.trace(self.tracer, |_, _, passed| n_lit += share(passed));
+            beta = if n > 0 { n_lit / n as f64 } else { 1.0 };
             n_rays += n;
             for (value, view) in values.iter_mut().zip(&views) {
                 if let Some(unblocked) = view.as_ref().and_then(|(_, view)| view.unblocked) {
@@ -155,8 +168,8 @@ impl Direct<'_> {
         for (slot, &u) in (0..).zip(points.fill(&stream, samples)) {
             add(batch, (area.number)(slot), u);
         }
-        n_rays += batch.trace(self.tracer, |number, value, blocked| {
-            values[number] += value * (if blocked { 0.0 } else { 1.0 } - beta);
+        n_rays += batch.trace(self.tracer, |number, value, passed| {
+            values[number] += value * (passed.as_dvec3() - beta);
         });
         n_rays
     }

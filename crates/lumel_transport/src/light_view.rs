@@ -175,7 +175,7 @@ impl<'a> LightView<'a> {
         if let Density::SolidAngleTriangle(triangle) = &self.density {
             let direction = triangle.sample(u);
             let (target, bary) = meet_plane(self.site.origin, direction, &corners)?;
-            let radiance = self.scene.emission(SurfacePoint { tri, bary });
+            let radiance = emitted(self.scene, SurfacePoint { tri, bary });
             return self.in_solid_angle(target, radiance, triangle.pdf());
         }
         let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
@@ -183,7 +183,7 @@ impl<'a> LightView<'a> {
         self.on_area(
             self.scene.position(at),
             self.scene.geometric_normal(tri),
-            self.scene.emission(at),
+            emitted(self.scene, at),
             pdf_area,
         )
     }
@@ -268,6 +268,12 @@ impl Density {
 fn cap_irradiance(radiance: Radiance, cos: f64, sin_squared: f64) -> Option<Irradiance> {
     let per_radiance = cap::unit_irradiance(cos, sin_squared);
     (per_radiance > 0.0).then(|| Irradiance((radiance.0.as_dvec3() * per_radiance).as_vec3()))
+}
+
+/// The radiance that a surface sends, of which a share alone may be there.
+fn emitted(scene: &Scene, at: SurfacePoint) -> Radiance {
+    let emission = scene.emission(at);
+    if scene.is_transparent(at.tri) { Radiance(emission.0 * scene.opacity(at)) } else { emission }
 }
 
 /// Where a direction meets the plane of a triangle, and its barycentrics, clamped to the triangle.

@@ -133,9 +133,10 @@ impl LightSet {
         }
         self.area.extend(emissive.into_iter().map(|tri| {
             let material = scene.material(tri);
+            // What is not there everywhere emits as unevenly as a texture.
             let light = match material.emission_texture {
-                Some(_) => AreaLight::TexturedTriangle(tri),
-                None => AreaLight::Triangle(tri, material.emission),
+                None if !scene.is_transparent(tri) => AreaLight::Triangle(tri, material.emission),
+                _ => AreaLight::TexturedTriangle(tri),
             };
             (Emitter::Surfaces(scene.material_id(tri)), light)
         }));

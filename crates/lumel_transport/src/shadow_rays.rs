@@ -31,10 +31,10 @@ pub(crate) struct ShadowRays<'a> {
 pub(crate) struct Visible {
     /// The sum of the values of all rays.
     pub(crate) all: DVec3,
-    /// The sum over rays that nothing blocks; the same bits as `all` if that is all of them.
+    /// The sum of what of them arrives; the same bits as `all` if nothing is in the way of any.
     pub(crate) lit: DVec3,
-    /// Rays that nothing blocks.
-    pub(crate) n_lit: u32,
+    /// Rays that arrive; of those through transparent surfaces the share that does.
+    pub(crate) n_lit: f64,
     /// All rays.
     pub(crate) n_rays: u32,
 }
@@ -72,20 +72,35 @@ impl<'a> ShadowRays<'a> {
     /// Sums in the order in which rays were added, however they are traced.
     fn trace(&mut self) {
         let n = self.waiting;
-        let mut occluded = [false; BUNDLE];
         let Site { origin, skip, .. } = *self.site;
         let bundle = Bundle { origin, directions: &self.segments[..n], t_max: SHADOW_END, skip };
-        self.tracer.occlusions(&bundle, &mut occluded[..n]);
-        for (value, blocked) in self.values[..n].iter().zip(&occluded) {
-            self.visible.all += *value;
-            if !blocked {
-                self.visible.lit += *value;
-                self.visible.n_lit += 1;
+        if self.tracer.is_see_through() {
+            let mut passed = [Vec3::ZERO; BUNDLE];
+            self.tracer.transmittances(&bundle, &mut passed[..n]);
+            for (value, passed) in self.values[..n].iter().zip(passed) {
+                self.visible.all += *value;
+                self.visible.lit += *value * passed.as_dvec3();
+                self.visible.n_lit += share(passed);
+            }
+        } else {
+            let mut occluded = [false; BUNDLE];
+            self.tracer.occlusions(&bundle, &mut occluded[..n]);
+            for (value, blocked) in self.values[..n].iter().zip(&occluded) {
+                self.visible.all += *value;
+                if !blocked {
+                    self.visible.lit += *value;
+                    self.visible.n_lit += 1.0;
+                }
             }
         }
         self.visible.n_rays += n as u32;
         self.waiting = 0;
     }
+}
+
+/// The mean of the channels of a transmittance.
+pub(crate) fn share(passed: Vec3) -> f64 {
+    passed.as_dvec3().element_sum() / 3.0
 }
 
 #[cfg(test)]
@@ -127,7 +142,7 @@ mod tests {
         }
         let visible = rays.finish(&mut tally);
         let expected =
-            Visible { all: DVec3::splat(150.0), lit: DVec3::splat(100.0), n_lit: 100, n_rays: 150 };
+            Visible { all: DVec3::splat(150.0), lit: DVec3::splat(100.0), n_lit: 100.0, n_rays: 150 };
         assert_eq!((visible, tally.n_rays), (expected, 150));
         assert_eq!(*notes.0.lock().unwrap(), [64, 64, 22]);
     }

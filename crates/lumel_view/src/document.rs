@@ -4,7 +4,9 @@ use crate::camera::FlyCamera;
 use crate::lights::{EditLight, default_name, shining};
 use crate::slots::Slots;
 use glam::Vec3;
-use lumel::{Baker, Bvh, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch};
+use lumel::{
+    Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch, tracer_of,
+};
 use lumel_render_cpu::camera_for;
 use lumel_scene::{Light, TextureId, TriId};
 use std::path::{Path, PathBuf};
@@ -76,7 +78,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
     let mut warnings = opened.warnings;
     warnings.append(more);
     let scene = Arc::new(scene);
-    let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(&scene));
+    let tracer = tracer_of(&scene);
     let camera = camera_for(&scene, &*tracer);
     let baker = Baker::with_tracer(Arc::clone(&scene), Arc::clone(&tracer), Settings::default());
     let project = opened.project;

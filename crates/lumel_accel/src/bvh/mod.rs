@@ -38,6 +38,13 @@ impl Bvh {
         )
     }
 
+    /// Builds the tree over those of the traced triangles that are `wanted`.
+    pub(crate) fn over(scene: &Scene, wanted: impl Fn(TriId) -> bool) -> Self {
+        // What is not finite is not met, and the others keep their numbers.
+        let corners = |tri| if wanted(tri) { scene.triangle_positions(tri) } else { [Vec3::NAN; 3] };
+        Self::from_corners((0..scene.traced_count() as u32).map(|t| corners(TriId(t))).collect())
+    }
+
     /// Builds the tree over triangles given by their corners.
     pub fn from_corners(corners: Vec<[Vec3; 3]>) -> Self {
         let instructions = InstructionSet::best();

@@ -10,7 +10,7 @@ mod stack;
 
 pub(crate) use packet::{Packet, PacketTrace};
 pub(crate) use shaft::{SHAFT, Shaft};
-pub(crate) use single::Alone;
+pub(crate) use single::{Alone, Crossings};
 pub(crate) use stack::Stack;
 
 use crate::ray::Hit;

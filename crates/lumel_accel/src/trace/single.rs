@@ -19,6 +19,26 @@ pub(super) struct Line {
     pub(super) skip: u32,
 }
 
+/// What the triangles that a ray meets are offered to.
+pub(super) trait Offers {
+    /// Up to where triangles are looked for, that distance included.
+    fn limit(&self) -> f32;
+
+    fn offer(&mut self, found: Found);
+}
+
+impl Offers for Found {
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.t
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, found: Found) {
+        Found::offer(self, found);
+    }
+}
+
 /// Vectors of one ray.
 struct Prepared<S: Simd> {
     line: Line,
@@ -78,11 +98,11 @@ impl<S: Simd> Prepared<S> {
         }
     }
 
-    /// The best of a block's triangles goes to `found`; whether there was any.
+    /// Offers those of a block's triangles that it meets; whether there was any.
     #[inline(always)]
-    fn meet(&self, isa: S, block: &Block, found: &mut Found) -> bool {
+    fn meet(&self, isa: S, block: &Block, found: &mut impl Offers) -> bool {
         let planes = Edges::<S::F4>::new(isa, block, &self.from).planes(self.origin4);
-        let met = planes.test(isa, self.direction4, S::F4::splat(isa, found.t));
+        let met = planes.test(isa, self.direction4, S::F4::splat(isa, found.limit()));
         if met.lanes == 0 {
             return false;
         }
@@ -111,13 +131,13 @@ impl<S: Simd> Prepared<S> {
 
 /// Follows a ray through the subtree of `start`; with `ANY` only until something is met. Whether anything was.
 #[inline(always)]
-pub(super) fn follow<S: Simd, const ANY: bool>(
+pub(super) fn follow<S: Simd, const ANY: bool, O: Offers>(
     isa: S,
     bvh: &Bvh,
     line: Line,
     start: Child,
     stack: &mut Stack,
-    found: &mut Found,
+    found: &mut O,
 ) -> bool {
     let ray = Prepared::new(isa, line);
     let bottom = stack.len();
@@ -125,7 +145,7 @@ pub(super) fn follow<S: Simd, const ANY: bool>(
     let mut met = false;
     loop {
         if let Some(node) = current.node() {
-            ray.enter(isa, &bvh.nodes[node], found.t, stack);
+            ray.enter(isa, &bvh.nodes[node], found.limit(), stack);
         } else {
             for block in &bvh.blocks[current.blocks()] {
                 met |= ray.meet(isa, block, found);
@@ -139,7 +159,7 @@ pub(super) fn follow<S: Simd, const ANY: bool>(
         current = loop {
             match stack.pop_above(bottom) {
                 None => return met,
-                Some(entry) if entry.near <= found.t => break entry.child,
+                Some(entry) if entry.near <= found.limit() => break entry.child,
                 Some(_) => {}
             }
         };
@@ -160,7 +180,7 @@ impl<const ANY: bool> Kernel for Follow<'_, ANY> {
 
     #[inline(always)]
     fn run<S: Simd>(self, isa: S) -> bool {
-        follow::<S, ANY>(isa, self.bvh, self.line, self.start, self.stack, self.found)
+        follow::<S, ANY, _>(isa, self.bvh, self.line, self.start, self.stack, self.found)
     }
 }
 
@@ -178,8 +198,55 @@ impl<const ANY: bool> Kernel for Alone<'_, ANY> {
     #[inline(always)]
     fn run<S: Simd>(self, isa: S) -> Option<Hit> {
         let mut found = Found::nothing(self.ray.t_max);
-        follow::<S, ANY>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut found);
+        follow::<S, ANY, _>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut found);
         found.hit()
+    }
+}
+
+/// All that a ray meets, in no particular order: `each` is told, and tells up to where more is looked for.
+pub(crate) struct Crossings<'a> {
+    pub(crate) bvh: &'a Bvh,
+    pub(crate) ray: &'a Ray,
+    pub(crate) root: Child,
+    pub(crate) stack: &'a mut Stack,
+    pub(crate) each: &'a mut dyn FnMut(Hit) -> f32,
+}
+
+struct Crossed<'a> {
+    limit: f32,
+    /// The triangle that was met last.
+    last: u32,
+    each: &'a mut dyn FnMut(Hit) -> f32,
+}
+
+impl Offers for Crossed<'_> {
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, found: Found) {
+        // A block that is not full repeats its last triangle. Those of a block are tested together, and one may have
+        // brought the limit nearer.
+        let is_new = std::mem::replace(&mut self.last, found.code) != found.code;
+        if is_new
+            && found.t <= self.limit
+            && let Some(hit) = found.hit()
+        {
+            self.limit = (self.each)(hit);
+        }
+    }
+}
+
+impl Kernel for Crossings<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, isa: S) {
+        let limit = self.ray.t_max.next_down();
+        let mut crossed = Crossed { limit, last: NO_TRIANGLE, each: self.each };
+        follow::<S, false, _>(isa, self.bvh, line(self.ray), self.root, self.stack, &mut crossed);
     }
 }
 

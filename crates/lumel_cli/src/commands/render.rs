@@ -12,7 +12,7 @@ use crate::picture::{self, Subject};
 use crate::report;
 use anyhow::Context;
 use glam::Vec3;
-use lumel::{Bvh, Camera, LightFile, RayTracer, Scene, SolutionSelection, VertexLighting};
+use lumel::{Camera, LightFile, RayTracer, Scene, SolutionSelection, VertexLighting, tracer_of};
 use lumel_render_cpu::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
 use std::sync::Arc;
 
@@ -61,12 +61,12 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
 fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Result<Option<Picture>> {
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, &run.console)?;
     let light = light(args, &scene, &run.console)?;
-    let tracer = Bvh::build(&scene);
-    let camera = camera(args.camera.as_ref(), &scene, &tracer)?;
+    let tracer = tracer_of(&scene);
+    let camera = camera(args.camera.as_ref(), &scene, &*tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
     let lighting = VertexLighting::new(&scene, &light)?;
-    let subject = Subject { scene: &scene, tracer: &tracer, lighting: &lighting, camera: &camera };
+    let subject = Subject { scene: &scene, tracer: &*tracer, lighting: &lighting, camera: &camera };
     let _heeding = run.interrupt.heed();
     let result = picture::write(&args.output, &subject, &resolution, display, run.interrupt.picture());
     if result.is_err() && run.interrupt.is_requested() {

@@ -14,13 +14,15 @@ impl SceneReport {
         let mut page = Page::default();
         page.row("scene", &self.name);
         let triangles = &self.triangles;
-        page.row(
-            "triangles",
-            &match triangles.back_sides {
-                0 => triangles.total.to_string(),
-                n => format!("{}: {} front faces and {n} back faces", triangles.total, triangles.traced),
-            },
-        );
+        let sides = match triangles.back_sides {
+            0 => triangles.total.to_string(),
+            n => format!("{}: {} front faces and {n} back faces", triangles.total, triangles.traced),
+        };
+        let transparent = match triangles.transparent {
+            0 => String::new(),
+            n => format!("; light passes through {n}"),
+        };
+        page.row("triangles", &(sides + &transparent));
         page.row("vertices", &self.vertices.to_string());
         page.row("bounds", &format!("{} to {} m", place(self.bounds[0]), place(self.bounds[1])));
         page.row("size", &format!("{} m", self.size.map(|side| significant(f64::from(side))).join(" x ")));
@@ -68,6 +70,9 @@ impl MaterialReport {
         }
         if self.two_sided {
             line += ", two-sided";
+        }
+        for transparency in &self.transparency {
+            line += &format!(", {transparency}");
         }
         let triangles = counted(self.triangles, "triangle", "triangles");
         line + &format!(", {triangles}, {} m²", significant(self.area))

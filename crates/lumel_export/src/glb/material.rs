@@ -1,11 +1,12 @@
 //! The materials and images of a GLB file.
 
 use super::binary::Binary;
-use crate::pixels::{self, srgb_pixels};
+use crate::pixels::{self, opacity_pixels, srgb_pixels};
 use crate::png::encode_png;
 use glam::Vec3;
 use lumel_scene::{
-    Filter, MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, TriId, UvTransform, Wrap,
+    AlphaMode, Filter, MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, Transparency,
+    TriId, UvTransform, Wrap,
 };
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,7 +63,8 @@ struct Image {
 #[derive(Default)]
 struct Images {
     list: Vec<Image>,
-    index: BTreeMap<TextureId, usize>,
+    /// By texture, and whether with its alpha.
+    index: BTreeMap<(TextureId, bool), usize>,
     extensions: BTreeSet<&'static str>,
 }
 
@@ -139,19 +141,39 @@ fn describe(scene: &Scene, material: &Material, images: &mut Images) -> io::Resu
         "extensions": {},
         "extras": { "albedo": material.albedo.to_array(), "emission": material.emission.0.to_array() },
     });
-    let (albedo, albedo_texture) = images.slot(scene, material.albedo, material.albedo_texture)?;
+    let Transparency { mode, alpha, texture, transmission } = material.transparency;
+    let is_opaque = mode == AlphaMode::Opaque;
+    let (albedo, albedo_texture) = if is_opaque {
+        images.slot(scene, material.albedo, material.albedo_texture, false)?
+    } else {
+        // A file has one image for colour and alpha; alpha of another image is left out.
+        let surface = material.albedo_texture.or(texture);
+        images.slot(scene, material.albedo, surface, texture.is_some() && texture == surface)?
+    };
+    // Glass is written as clear as it is.
+    let clarity = 1.0 - transmission.element_sum() / 3.0;
+    let opacity = if is_opaque { clarity } else { alpha * clarity };
     let base = match albedo_texture {
         _ if shown == Shown::Colors => Vec3::ONE,
         Some(_) => albedo.clamp(Vec3::ZERO, Vec3::ONE),
         None => albedo.clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)),
     };
-    let mut surface = json!({ "baseColorFactor": base.extend(1.0).to_array(), "metallicFactor": 0.0, "roughnessFactor": 1.0 });
+    let mut surface = json!({ "baseColorFactor": base.extend(opacity).to_array(), "metallicFactor": 0.0, "roughnessFactor": 1.0 });
     if let Some(texture) = albedo_texture {
         surface["baseColorTexture"] = texture;
     }
     json["pbrMetallicRoughness"] = surface;
+    match mode {
+        AlphaMode::Mask { cutoff } => {
+            json["alphaMode"] = json!("MASK");
+            json["alphaCutoff"] = json!(cutoff * clarity);
+        }
+        AlphaMode::Opaque if transmission == Vec3::ZERO => {}
+        AlphaMode::Opaque | AlphaMode::Blend => json["alphaMode"] = json!("BLEND"),
+    }
     if material.emits() {
-        let (emission, texture) = images.slot(scene, material.emission.0, material.emission_texture)?;
+        let (emission, texture) =
+            images.slot(scene, material.emission.0, material.emission_texture, false)?;
         let strength = emission.max_element().max(1.0);
         json["emissiveFactor"] = json!((emission / strength).to_array());
         if let Some(texture) = texture {
@@ -177,19 +199,20 @@ impl Images {
         scene: &Scene,
         factor: Vec3,
         texture: Option<TextureRef>,
+        with_alpha: bool,
     ) -> io::Result<(Vec3, Option<Value>)> {
         let Some(texture) = texture else { return Ok((factor, None)) };
         let largest = pixels::largest(&scene.textures()[texture.texture.index()]);
-        Ok((factor * largest, Some(self.reference(scene, texture)?)))
+        Ok((factor * largest, Some(self.reference(scene, texture, with_alpha)?)))
     }
 
     /// A material's reference to a texture, which is added if it is new.
-    fn reference(&mut self, scene: &Scene, texture: TextureRef) -> io::Result<Value> {
-        let index = match self.index.get(&texture.texture) {
+    fn reference(&mut self, scene: &Scene, texture: TextureRef, with_alpha: bool) -> io::Result<Value> {
+        let index = match self.index.get(&(texture.texture, with_alpha)) {
             Some(&index) => index,
             None => {
-                self.list.push(encode(&scene.textures()[texture.texture.index()])?);
-                self.index.insert(texture.texture, self.list.len() - 1);
+                self.list.push(encode(&scene.textures()[texture.texture.index()], with_alpha)?);
+                self.index.insert((texture.texture, with_alpha), self.list.len() - 1);
                 self.list.len() - 1
             }
         };
@@ -213,10 +236,17 @@ fn transform(transform: &UvTransform) -> Option<Value> {
 }
 
 /// glTF takes textures of colours as sRGB: others are converted, and brighter ones scaled to fit.
-fn encode(texture: &Texture) -> io::Result<Image> {
+fn encode(texture: &Texture, with_alpha: bool) -> io::Result<Image> {
     let (width, height) = texture.size();
     let mut png = Vec::new();
-    encode_png(&mut png, width, height, &srgb_pixels(texture), &[])?;
+    let colors = srgb_pixels(texture);
+    if with_alpha {
+        let pixel = |([r, g, b], [alpha, ..]): ([u8; 3], [u8; 3])| [r, g, b, alpha];
+        let pixels: Vec<[u8; 4]> = colors.into_iter().zip(opacity_pixels(texture)).map(pixel).collect();
+        encode_png(&mut png, width, height, &pixels, &[])?;
+    } else {
+        encode_png(&mut png, width, height, &colors, &[])?;
+    }
     let (wrap, filter) = ([texture.wrap_u, texture.wrap_v], texture.filter);
     Ok(Image { name: texture.name.clone(), png, wrap, filter })
 }

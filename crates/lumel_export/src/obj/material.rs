@@ -1,10 +1,12 @@
 //! The material library of an OBJ file, and its textures.
 
 use super::name::printable;
-use crate::pixels::{largest, srgb_pixels};
+use crate::pixels::{largest, opacity_pixels, srgb_pixels};
 use crate::{ExportError, write_png};
 use glam::{Vec2, Vec3};
-use lumel_scene::{Material, MaterialId, Scene, Texture, TextureId, TextureRef, UvTransform, Wrap};
+use lumel_scene::{
+    AlphaMode, Material, MaterialId, Scene, Texture, TextureId, TextureRef, Transparency, UvTransform, Wrap,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, Write};
@@ -18,6 +20,8 @@ pub(super) struct Materials {
     by_id: BTreeMap<MaterialId, Entry>,
     /// File names of the textures they use.
     textures: BTreeMap<TextureId, String>,
+    /// File names of the textures whose alpha they use.
+    opacities: BTreeMap<TextureId, String>,
     /// Name of the folder they are in.
     folder: String,
 }
@@ -28,6 +32,9 @@ struct Entry {
     albedo_map: Option<Map>,
     emission: Vec3,
     emission_map: Option<Map>,
+    /// Glass as the share of it that is not clear.
+    opacity: f32,
+    opacity_map: Option<Map>,
     /// What texture coordinates go through where the format has no words for it.
     turned: Option<OnSurface>,
 }
@@ -76,7 +83,8 @@ fn mirrored(texture: &Texture) -> [bool; 2] {
 impl Materials {
     /// The materials of these ids, with texture files in a folder of this name.
     pub(super) fn new(scene: &Scene, ids: impl Iterator<Item = MaterialId>, folder: &str) -> Self {
-        let mut all = Self { by_id: BTreeMap::new(), textures: BTreeMap::new(), folder: folder.to_owned() };
+        let (by_id, textures, opacities) = Default::default();
+        let mut all = Self { by_id, textures, opacities, folder: folder.to_owned() };
         let mut names = BTreeSet::new();
         for id in ids.collect::<BTreeSet<_>>() {
             let material = &scene.materials()[id.index()];
@@ -84,6 +92,10 @@ impl Materials {
             for map in [&entry.albedo_map, &entry.emission_map].into_iter().flatten() {
                 let texture = &scene.textures()[map.texture.index()];
                 all.textures.entry(map.texture).or_insert_with(|| file_name(texture, map.texture));
+            }
+            if let Some(Map { texture, .. }) = entry.opacity_map {
+                let name = file_name(&scene.textures()[texture.index()], texture);
+                all.opacities.entry(texture).or_insert_with(|| format!("opacity_{name}"));
             }
             all.by_id.insert(id, entry);
         }
@@ -102,7 +114,7 @@ impl Materials {
 
     /// Whether any of them has a texture.
     pub(super) fn have_textures(&self) -> bool {
-        !self.textures.is_empty()
+        !(self.textures.is_empty() && self.opacities.is_empty())
     }
 
     /// Writes the library.
@@ -113,13 +125,26 @@ impl Materials {
             if entry.emission != Vec3::ZERO {
                 self.write_part(out, "Ke", entry.emission, entry.emission_map.as_ref())?;
             }
+            if entry.opacity < 1.0 {
+                writeln!(out, "d {}", entry.opacity)?;
+            }
+            if let Some(map) = &entry.opacity_map {
+                self.write_map(out, "d", map, &self.opacities[&map.texture])?;
+            }
         }
         Ok(())
     }
 
     fn write_part(&self, out: &mut impl Write, part: &str, color: Vec3, map: Option<&Map>) -> io::Result<()> {
         writeln!(out, "{part} {} {} {}", color.x, color.y, color.z)?;
-        let Some(Map { texture, scale, offset, clamped }) = map else { return Ok(()) };
+        match map {
+            Some(map) => self.write_map(out, part, map, &self.textures[&map.texture]),
+            None => Ok(()),
+        }
+    }
+
+    fn write_map(&self, out: &mut impl Write, part: &str, map: &Map, file: &str) -> io::Result<()> {
+        let Map { scale, offset, clamped, .. } = map;
         write!(out, "map_{part}")?;
         if *scale != Vec2::ONE {
             write!(out, " -s {} {} 1", scale.x, scale.y)?;
@@ -130,7 +155,7 @@ impl Materials {
         if *clamped {
             write!(out, " -clamp on")?;
         }
-        writeln!(out, " {}/{}", self.folder, self.textures[texture])
+        writeln!(out, " {}/{file}", self.folder)
     }
 
     /// Writes the images into a folder, which is created if there are any.
@@ -140,7 +165,12 @@ impl Materials {
         }
         for (id, name) in &self.textures {
             let texture = &scene.textures()[id.index()];
-            let (width, height, pixels) = picture(texture);
+            let (width, height, pixels) = picture(texture, srgb_pixels(texture));
+            write_png(&folder.join(name), width, height, &pixels, &[])?;
+        }
+        for (id, name) in &self.opacities {
+            let texture = &scene.textures()[id.index()];
+            let (width, height, pixels) = picture(texture, opacity_pixels(texture));
             write_png(&folder.join(name), width, height, &pixels, &[])?;
         }
         Ok(())
@@ -165,6 +195,10 @@ impl Entry {
             emission_texture = None;
             emission = material.emission.0 * scene.textures()[texture.texture.index()].mean();
         }
+        let Transparency { mode, alpha, texture, transmission } = material.transparency;
+        let alpha = if mode == AlphaMode::Blend { alpha } else { 1.0 };
+        let opacity = alpha * (1.0 - transmission.element_sum() / 3.0);
+        let opacity_texture = texture.filter(|_| mode != AlphaMode::Opaque);
         let map = |texture: TextureRef| Map::new(scene, texture, turned);
         Self {
             name,
@@ -172,6 +206,10 @@ impl Entry {
             albedo_map: albedo_texture.map(map),
             emission,
             emission_map: emission_texture.map(map),
+            opacity,
+            opacity_map: opacity_texture
+                .filter(|t| turned.is_none_or(|turned| on_surface(t) == turned))
+                .map(map),
             turned,
         }
     }
@@ -214,9 +252,8 @@ fn file_name(texture: &Texture, id: TextureId) -> String {
 }
 
 /// Width, height and pixels; twice as many in directions in which the texture is mirrored.
-fn picture(texture: &Texture) -> (u32, u32, Vec<[u8; 3]>) {
+fn picture(texture: &Texture, pixels: Vec<[u8; 3]>) -> (u32, u32, Vec<[u8; 3]>) {
     let (width, height) = texture.size();
-    let pixels = srgb_pixels(texture);
     let [twice_u, twice_v] = mirrored(texture);
     let mut rows: Vec<Vec<[u8; 3]>> = pixels.chunks(width as usize).map(<[_]>::to_vec).collect();
     if twice_u {

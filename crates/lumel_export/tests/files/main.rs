@@ -20,3 +20,5 @@ mod scenes;
 mod solution;
 #[cfg(test)]
 mod tools;
+#[cfg(test)]
+mod transparent;

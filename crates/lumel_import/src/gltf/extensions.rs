@@ -9,6 +9,7 @@ const SUPPORTED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
@@ -36,7 +37,6 @@ const HARMLESS: &[&str] = &[
     // Named by material.
     "KHR_materials_diffuse_transmission",
     "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_transmission",
     "KHR_materials_volume",
     // Alternatives to what the file shows, other people's results, and notes.
     "FB_ngon_encoding",

@@ -5,11 +5,12 @@ use super::fault::Fault;
 use super::textures::Textures;
 use glam::{Vec2, Vec3};
 use gltf_json::extensions::texture::TextureTransform;
-use gltf_json::material::{AlphaMode, NormalTexture};
+use gltf_json::material::NormalTexture;
 use gltf_json::texture::Info;
 use gltf_json::validation::Checked;
 use lumel_scene::{
-    Encoding, Material, MaterialId, Radiance, Sides, Texture, TextureRef, UvTransform, Warnings,
+    AlphaMode, Encoding, Material, MaterialId, Radiance, Sides, Texture, TextureRef, Transparency,
+    UvTransform, Warnings,
 };
 
 /// The materials of a document, each converted when it is first used.
@@ -72,7 +73,8 @@ impl<'a> Materials<'a> {
     /// - The base colour of metals is used as albedo. A metal reflects that fraction of the light, although not
     ///   diffusely; a black surface would absorb it.
     /// - Emission is used as radiance, unconverted: cd/m² give lux, W·m⁻²·sr⁻¹ give W·m⁻².
-    /// - Alpha is ignored, and so is the base colour's fourth channel.
+    /// - Alpha counts as `alphaMode` says. Of what transmits, the base colour tints what passes; what is left of it is
+    ///   the albedo.
     fn convert(
         &mut self,
         index: usize,
@@ -117,17 +119,49 @@ impl<'a> Materials<'a> {
         let emission_texture = bind(emissive.map(|info| Slot::color("emissive", info)));
         let normal_texture = bind(material.normal_texture.as_ref().map(Slot::normal));
 
-        let [red, green, blue, _] = pbr.base_color_factor.0;
+        let [red, green, blue, alpha] = pbr.base_color_factor.0;
+        let base = Vec3::new(red, green, blue);
+        let transmission = transmission_factor(material) * (1.0 - pbr.metallic_factor.0.clamp(0.0, 1.0));
+        let mode = alpha_mode(material);
+        let transparency = Transparency {
+            mode,
+            alpha,
+            texture: albedo_texture.filter(|_| mode != AlphaMode::Opaque),
+            transmission: base * transmission,
+        };
         let material = Material {
             name: material.name.clone().unwrap_or_else(|| subject.clone()),
-            albedo: Vec3::new(red, green, blue),
+            albedo: base - base * transmission,
             albedo_texture,
             emission: Radiance(emission),
             emission_texture,
             normal_texture,
             sides: if material.double_sided { Sides::Both } else { Sides::Front },
+            transparency,
         };
         (material, uv_set)
+    }
+}
+
+const TRANSMISSION: &str = "KHR_materials_transmission";
+
+/// A number of an extension, 0 without it.
+fn factor(material: &gltf_json::Material, extension: &str, name: &str) -> f32 {
+    let extension = material.extensions.as_ref().and_then(|e| e.others.get(extension));
+    extension.and_then(|e| e.get(name)?.as_f64()).unwrap_or(0.0) as f32
+}
+
+fn transmission_factor(material: &gltf_json::Material) -> f32 {
+    factor(material, TRANSMISSION, "transmissionFactor").clamp(0.0, 1.0)
+}
+
+fn alpha_mode(material: &gltf_json::Material) -> AlphaMode {
+    match material.alpha_mode {
+        Checked::Valid(gltf_json::material::AlphaMode::Mask) => {
+            AlphaMode::Mask { cutoff: material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0) }
+        }
+        Checked::Valid(gltf_json::material::AlphaMode::Blend) => AlphaMode::Blend,
+        Checked::Valid(gltf_json::material::AlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
     }
 }
 
@@ -139,12 +173,6 @@ fn limitations(material: &gltf_json::Material) -> Vec<String> {
         let which = if pbr.metallic_roughness_texture.is_some() { "metal in its texture" } else { "metal" };
         messages.push(format!("{which} is treated as diffuse, with its base colour as albedo"));
     }
-    let alpha = match material.alpha_mode {
-        Checked::Valid(AlphaMode::Mask) => Some("MASK"),
-        Checked::Valid(AlphaMode::Blend) => Some("BLEND"),
-        _ => None,
-    };
-    messages.extend(alpha.map(|mode| format!("alphaMode {mode} is not supported: it is treated as opaque")));
     if material.normal_texture.as_ref().is_some_and(|normal| normal.scale != 1.0) {
         messages.push("the scale of its normal texture is ignored".into());
     }
@@ -153,13 +181,14 @@ fn limitations(material: &gltf_json::Material) -> Vec<String> {
             messages
                 .push("KHR_materials_unlit: its base colour, though lit already, is used as albedo".into());
         }
-        let transmits = |extension: &str, factor: &str| {
-            extensions.others.get(extension).and_then(|e| e.get(factor)?.as_f64()).is_some_and(|t| t > 0.0)
-        };
-        if transmits("KHR_materials_transmission", "transmissionFactor")
-            || transmits("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor")
+        if factor(material, "KHR_materials_diffuse_transmission", "diffuseTransmissionFactor") > 0.0 {
+            messages.push("light that passes through it diffusely is not computed".into());
+        }
+        let transmission = extensions.others.get(TRANSMISSION);
+        if transmission.is_some_and(|e| e.get("transmissionTexture").is_some())
+            && transmission_factor(material) > 0.0
         {
-            messages.push("light that passes through is not computed: it is treated as opaque".into());
+            messages.push("its transmission texture is ignored: light passes through all of it alike".into());
         }
     }
     messages

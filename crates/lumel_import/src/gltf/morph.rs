@@ -113,6 +113,18 @@ impl Morphed<'_> {
         }
         sum
     }
+
+    /// Whether the base has a fourth component.
+    pub(super) fn has_fourth(&self) -> bool {
+        self.base.width() == 4
+    }
+
+    /// A vertex's fourth component, where the base has one.
+    pub(super) fn fourth(&self, i: usize) -> f32 {
+        let with_fourth = self.differences.iter().filter(|(_, difference)| difference.width() == 4);
+        let moved: f32 = with_fourth.map(|(weight, d)| weight * d.vector::<4>(i)[3]).sum();
+        self.base.vector::<4>(i)[3] + moved
+    }
 }
 
 #[cfg(test)]

@@ -209,6 +209,9 @@ impl Part<'_> {
         let tint = |color: [f32; 3]| Vec3::from(color).clamp(Vec3::ZERO, Vec3::ONE);
         let tints = self.colors.as_ref().map(|colors| vertices().map(move |v| tint(colors.vector(v))));
         fill(&mut object.tints, first, end, Vec3::ONE, tints);
+        let with_alpha = self.colors.as_ref().filter(|colors| colors.has_fourth());
+        let alphas = with_alpha.map(|colors| vertices().map(|v| colors.fourth(v).clamp(0.0, 1.0)));
+        fill(&mut object.alphas, first, end, 1.0, alphas);
         object.faces.extend(self.shape.triangles.iter().map(|&[a, b, c]| {
             let vertices = if pose.mirrors([a, b, c]) { [a, c, b] } else { [a, b, c] };
             Face { vertices: vertices.map(|v| v + first as u32), material: self.material, smoothing }

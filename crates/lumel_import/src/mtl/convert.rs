@@ -2,16 +2,33 @@
 
 use super::map::MapStatement;
 use super::statements::MtlMaterial;
-use crate::image::{TextureCache, TextureKey, read_texture};
+use crate::image::{Budget, TextureCache, TextureKey, read_texture};
 use crate::paths::Resolver;
 use crate::text::name_list;
 use glam::Vec3;
-use lumel_scene::{Encoding, Filter, Material, Radiance, TextureRef, Warnings};
+use lumel_scene::{
+    Encoding, Filter, Material, Radiance, Texture, TextureId, TextureRef, Transparency, Warnings,
+};
 use std::path::Path;
 
 /// Warnings about single materials beyond this number are only counted: a scene without its textures would
 /// cause thousands.
 const MOST_WARNINGS: usize = 100;
+
+/// Illumination models of glass.
+const GLASS: [u8; 4] = [4, 6, 7, 9];
+
+/// Whether a material is glass that nothing else says how transparent it is.
+fn is_glass(mtl: &MtlMaterial) -> bool {
+    let is_opaque = mtl.opacity.is_none_or(|opacity| opacity >= 1.0) && mtl.opacity_map.is_none();
+    is_opaque && mtl.illumination.is_some_and(|model| GLASS.contains(&model))
+}
+
+/// The share of light that passes through glass: `Tf` if it says something, else the colour `Kd`, black being none.
+fn glass_color(mtl: &MtlMaterial) -> Vec3 {
+    let filter = mtl.filter.filter(|&filter| filter != Vec3::ONE);
+    filter.or(mtl.albedo.filter(|&albedo| albedo != Vec3::ZERO)).unwrap_or(Vec3::ONE)
+}
 
 /// Converts materials one by one; reports at the end what a diffuse solver ignores.
 pub(super) struct Converter<'a> {
@@ -19,14 +36,14 @@ pub(super) struct Converter<'a> {
     warnings: &'a mut Warnings,
     n_warnings: usize,
     height_maps: Vec<String>,
-    transparent: Vec<String>,
+    glass: Vec<String>,
     shiny: Vec<String>,
 }
 
 impl<'a> Converter<'a> {
     pub(super) fn new(textures: &'a mut TextureCache, warnings: &'a mut Warnings) -> Self {
-        let (height_maps, transparent, shiny) = Default::default();
-        Self { textures, warnings, n_warnings: 0, height_maps, transparent, shiny }
+        let (height_maps, glass, shiny) = Default::default();
+        Self { textures, warnings, n_warnings: 0, height_maps, glass, shiny }
     }
 
     /// The diffuse part of a material.
@@ -46,7 +63,41 @@ impl<'a> Converter<'a> {
         material.emission = Radiance(emission.unwrap_or_default());
         material.normal_texture = self.texture(name, mtl.normal_map.as_ref(), Encoding::Linear, resolver);
         self.note_what_is_lost(mtl);
+        material.transparency = self.alpha(mtl, material.albedo_texture, resolver);
+        if is_glass(mtl) && !material.emits() {
+            // All that it does not absorb passes.
+            material.transparency.transmission = glass_color(mtl);
+            material.albedo = Vec3::ZERO;
+            self.glass.push(name.clone());
+        }
         material
+    }
+
+    /// The opacity of a material: `d`, times `map_d`.
+    ///
+    /// The fourth channel of `map_Kd` counts where the material is transparent anyway: beside a `d` below 1, or where
+    /// `map_d` names the same image.
+    fn alpha(
+        &mut self,
+        mtl: &MtlMaterial,
+        albedo_texture: Option<TextureRef>,
+        resolver: &Resolver,
+    ) -> Transparency {
+        let opacity = mtl.opacity.map_or(1.0, |opacity| opacity.clamp(0.0, 1.0));
+        let has_alpha = |used: &TextureRef| self.textures.get(used.texture).alpha_range() != [1.0; 2];
+        let of_albedo = albedo_texture.filter(has_alpha);
+        let same_image = |map: &MapStatement| mtl.albedo_map.as_ref().is_some_and(|a| a.file == map.file);
+        let texture = match (&mtl.opacity_map, of_albedo) {
+            (Some(map), Some(albedo)) if same_image(map) => {
+                Some(TextureRef { transform: map.transform(), ..albedo })
+            }
+            (Some(map), _) => self.opacity_texture(&mtl.name, map, resolver),
+            (None, of_albedo) => of_albedo.filter(|_| opacity < 1.0),
+        };
+        match opacity >= 1.0 && texture.is_none() {
+            true => Transparency::default(),
+            false => Transparency { texture, ..Transparency::blend(opacity) },
+        }
     }
 
     fn factor(
@@ -81,6 +132,33 @@ impl<'a> Converter<'a> {
             let texture = self.textures.get_or_load(key, |budget| read_texture(&path, encoding, budget));
             texture.map_err(|error| error.to_string())
         });
+        self.bound(material, map, loaded)
+    }
+
+    /// An image whose alpha, or if it has none whose brightness, is that of the surface.
+    fn opacity_texture(
+        &mut self,
+        material: &str,
+        map: &MapStatement,
+        resolver: &Resolver,
+    ) -> Option<TextureRef> {
+        let loaded = resolver.resolve(&map.file).map_err(|error| error.to_string()).and_then(|path| {
+            // No file inside a file: the image as a colour is another texture.
+            let source = path.join("opacity");
+            let (encoding, filter) = (Encoding::Linear, Filter::Linear);
+            let key = TextureKey { source, encoding, wrap_u: map.wrap, wrap_v: map.wrap, filter };
+            let load = |budget: &mut Budget| read_texture(&path, encoding, budget).map(Texture::into_opacity);
+            self.textures.get_or_load(key, load).map_err(|error| error.to_string())
+        });
+        self.bound(material, map, loaded)
+    }
+
+    fn bound(
+        &mut self,
+        material: &str,
+        map: &MapStatement,
+        loaded: Result<TextureId, String>,
+    ) -> Option<TextureRef> {
         if map.changes_values {
             self.warn(material, format!("option -mm of \"{}\" is ignored", map.file));
         }
@@ -104,11 +182,8 @@ impl<'a> Converter<'a> {
         if mtl.has_height_map {
             self.height_maps.push(mtl.name.clone());
         }
-        if mtl.opacity.is_some_and(|opacity| opacity < 1.0) || mtl.has_opacity_map {
-            self.transparent.push(mtl.name.clone());
-        }
         // From 3 on, illumination models trace rays into mirrors and through glass; 10 is for shadows on photographs.
-        if mtl.illumination.is_some_and(|model| (3..10).contains(&model)) {
+        if mtl.illumination.is_some_and(|model| (3..10).contains(&model) && !GLASS.contains(&model)) {
             self.shiny.push(mtl.name.clone());
         }
     }
@@ -121,7 +196,7 @@ impl<'a> Converter<'a> {
         }
         let kinds = [
             (self.height_maps, "height maps are ignored (a normal map is named by norm), materials"),
-            (self.transparent, "transparent materials are treated as opaque"),
+            (self.glass, "light passes straight through materials that refract"),
             (self.shiny, "materials that mirror or refract are treated as diffuse"),
         ];
         for (names, what) in kinds {

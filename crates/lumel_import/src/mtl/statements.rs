@@ -27,8 +27,10 @@ pub(super) struct MtlMaterial {
     pub(super) has_height_map: bool,
     /// `d`, or one minus `Tr` where there is only that.
     pub(super) opacity: Option<f32>,
-    /// Whether it has a `map_d`.
-    pub(super) has_opacity_map: bool,
+    /// `map_d`.
+    pub(super) opacity_map: Option<MapStatement>,
+    /// `Tf`: the share of light that passes.
+    pub(super) filter: Option<Vec3>,
     /// `illum`.
     pub(super) illumination: Option<u8>,
 }
@@ -106,7 +108,8 @@ impl MtlMaterial {
             b"map_ke" => self.emission_map = Some(map(arguments)?),
             b"norm" | b"map_norm" => self.normal_map = Some(map(arguments)?),
             b"map_bump" | b"bump" | b"disp" | b"map_disp" => self.has_height_map = true,
-            b"map_d" => self.has_opacity_map = true,
+            b"map_d" => self.opacity_map = Some(map(arguments)?),
+            b"tf" => self.filter = Some(color(arguments)?),
             b"d" => {
                 // The option makes opacity depend on the angle.
                 let (option, value) = split_keyword(arguments);

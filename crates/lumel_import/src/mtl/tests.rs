@@ -1,7 +1,7 @@
-use crate::testing::{folder, load_with_warnings, png, try_load};
+use crate::testing::{folder, load_with_warnings, png, png_row, try_load};
 use crate::{ImportOptions, Imported, PathPolicy, load};
 use glam::{Vec2, Vec3};
-use lumel_scene::{Encoding, Material, Radiance, Wrap};
+use lumel_scene::{AlphaMode, Encoding, Material, Radiance, TextureRef, Transparency, Wrap};
 use proptest::prelude::*;
 
 /// A triangle of material `m` from library `test.mtl`.
@@ -80,14 +80,73 @@ fn normal_maps_are_linear_and_height_maps_are_not_normal_maps() {
 fn what_a_diffuse_solver_cannot_do_is_said_once() {
     let opaque = [warnings("d 1\nTr 1"), warnings("Tr 0"), warnings("illum 2")];
     assert_eq!(opaque, [[""; 0]; 3], "d counts, and Tr 0 is opaque");
-    for text in ["d 0.5", "Tr 0.3", "d -halo 0.2", "map_d red.png"] {
-        assert_eq!(warnings(text), ["test.obj: transparent materials are treated as opaque: m"], "{text}");
+    for model in [4, 6, 7, 9] {
+        let glass = warnings(&format!("Kd 0.5 0.5 0.5\nillum {model}"));
+        assert_eq!(glass, ["test.obj: light passes straight through materials that refract: m"]);
     }
     let expected = "test.obj: materials that mirror or refract are treated as diffuse: m";
     assert_eq!(warnings("illum 5"), [expected]);
     let expected =
         "test.mtl: 1 colours skipped: spectral and xyz colours are not supported; use RGB, first in line 2";
     assert_eq!(warnings("Kd spectral glass.rfl"), [expected]);
+}
+
+/// The transparency of a material, and alpha at the left and right of its texture.
+fn alpha(text: &str) -> (Transparency, Option<[f32; 2]>) {
+    let of_alpha = png_row(&[[255, 255, 255, 51], [255, 255, 255, 255]]);
+    let of_brightness = png_row(&[[51, 51, 51, 255], [255, 255, 255, 255]]);
+    let mtl = format!("newmtl m\n{text}\n");
+    let files: [(&str, &[u8]); 4] = [
+        ("test.obj", TRIANGLE),
+        ("test.mtl", mtl.as_bytes()),
+        ("alpha.png", &of_alpha),
+        ("grey.png", &of_brightness),
+    ];
+    let (imported, warnings) = load_with_warnings(&files);
+    assert_eq!(warnings, [""; 0], "{text}");
+    let scene = imported.scene;
+    let transparency = scene.materials[0].transparency;
+    let texels = |t: TextureRef| {
+        let texture = &scene.textures[t.texture.index()];
+        [texture.texel_alpha(0, 0), texture.texel_alpha(1, 0)]
+    };
+    (transparency, transparency.texture.map(texels))
+}
+
+#[test]
+fn d_and_tr_and_map_d_are_alpha() {
+    let opacity = |text| alpha(text).0;
+    assert_eq!(opacity("d 1"), Transparency::default());
+    for text in ["d 0.25", "Tr 0.75", "d -halo 0.25", "d 0.25\nTr 0.1"] {
+        assert_eq!(opacity(text), Transparency::blend(0.25), "{text}");
+    }
+    for text in ["map_d grey.png", "map_d alpha.png", "map_Kd alpha.png\nmap_d alpha.png"] {
+        let (transparency, texels) = alpha(text);
+        assert_eq!((transparency.mode, transparency.alpha), (AlphaMode::Blend, 1.0), "{text}");
+        assert_eq!(texels, Some([0.2, 1.0]), "{text}");
+    }
+    let (transparency, texels) = alpha("d 0.5\nmap_d grey.png");
+    assert_eq!((transparency.alpha, texels), (0.5, Some([0.2, 1.0])));
+}
+
+#[test]
+fn the_alpha_of_a_colour_map_counts_where_the_material_is_transparent() {
+    assert_eq!(alpha("map_Kd alpha.png"), (Transparency::default(), None));
+    assert_eq!(alpha("d 0.5\nmap_Kd alpha.png").1, Some([0.2, 1.0]));
+    assert_eq!(alpha("d 0.5\nmap_Kd grey.png"), (Transparency::blend(0.5), None));
+}
+
+#[test]
+fn glass_lets_through_what_it_does_not_absorb() {
+    let glass = |text: &str| {
+        let material = material(&format!("illum 7\n{text}"));
+        (material.albedo, material.transparency.transmission)
+    };
+    assert_eq!(glass("Kd 0.5 0.25 0.125"), (Vec3::ZERO, Vec3::new(0.5, 0.25, 0.125)));
+    assert_eq!(glass("Kd 0.1 0.1 0.1\nTf 0.5 1 1"), (Vec3::ZERO, Vec3::new(0.5, 1.0, 1.0)));
+    assert_eq!(glass("Kd 0 0 0\nTf 1 1 1"), (Vec3::ZERO, Vec3::ONE));
+    assert_eq!(glass("Kd 0.5 0.5 0.5\nKe 1 1 1"), (Vec3::splat(0.5), Vec3::ZERO), "a light is no glass");
+    assert_eq!(glass("Kd 0.5 0.5 0.5\nd 0.5"), (Vec3::splat(0.5), Vec3::ZERO), "d says it");
 }
 
 #[test]
@@ -229,7 +288,9 @@ proptest! {
             bytes.truncate(cut.index(bytes.len()));
         }
         let red = png([255, 0, 0, 255]);
-        let imported = try_load(&[("test.obj", TRIANGLE), ("test.mtl", &bytes), ("red.png", &red)]);
+        // What is fully transparent is dropped; the other triangle stays.
+        let obj = [TRIANGLE, b"usemtl none\nf 1 2 3\n"].concat();
+        let imported = try_load(&[("test.obj", &obj), ("test.mtl", &bytes), ("red.png", &red)]);
         prop_assert!(imported.unwrap().scene.build().is_ok(), "a library never stops a scene");
     }
 }

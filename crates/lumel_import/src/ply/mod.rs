@@ -238,6 +238,7 @@ impl PlyFile {
                 path,
                 warnings,
             ),
+            alphas: Vec::new(),
             faces,
             rounding: self.rounding(),
         }

@@ -27,7 +27,7 @@ fn transport<R: Receivers>(
     plan: Plan,
 ) -> CpuTransport<VertexBasis, R> {
     let scene = Arc::clone(basis.scene());
-    let tracer = Arc::new(lumel_testkit::tracer(&scene));
+    let tracer = lumel_testkit::tracer(&scene);
     CpuTransport::new(scene, tracer, Arc::clone(basis), Arc::new(receivers), plan)
 }
 

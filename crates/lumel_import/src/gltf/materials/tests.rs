@@ -165,18 +165,19 @@ fn other_coordinates_than_the_base_colours_are_warned_about() {
 
 #[test]
 fn what_diffuse_light_cannot_do_is_said_once_for_each_material() {
-    let transmission = json!({ "KHR_materials_transmission": { "transmissionFactor": 1 } });
+    let transmission = json!({ "KHR_materials_transmission":
+        { "transmissionFactor": 1, "transmissionTexture": { "index": 0 } } });
+    let diffuse = json!({ "KHR_materials_diffuse_transmission": { "diffuseTransmissionFactor": 1 } });
     let cases = [
         (json!({ "pbrMetallicRoughness": { "metallicFactor": 1 } }), "M\": metal is treated as diffuse"),
         (
             json!({ "pbrMetallicRoughness": { "metallicFactor": 1, "metallicRoughnessTexture": { "index": 0 } } }),
             "metal in its texture is treated as diffuse",
         ),
-        (json!({ "alphaMode": "MASK" }), "alphaMode MASK is not supported: it is treated as opaque"),
-        (json!({ "alphaMode": "BLEND" }), "alphaMode BLEND"),
         (json!({ "normalTexture": { "index": 1, "scale": 0.5 } }), "scale of its normal texture"),
         (json!({ "extensions": { "KHR_materials_unlit": {} } }), "KHR_materials_unlit: its base colour"),
-        (json!({ "extensions": transmission }), "light that passes through"),
+        (json!({ "extensions": transmission }), "its transmission texture is ignored"),
+        (json!({ "extensions": diffuse }), "light that passes through it diffusely is not computed"),
     ];
     for (more, message) in cases {
         let mut model = model(matte(more));
@@ -184,6 +185,46 @@ fn what_diffuse_light_cannot_do_is_said_once_for_each_material() {
         let warnings = text(&model.read().unwrap().warnings);
         assert_eq!((warnings.matches(message).count(), warnings.lines().count()), (1, 1), "{warnings}");
     }
+}
+
+#[test]
+fn alpha_counts_as_its_mode_says() {
+    let transparency = |more: Value| {
+        let base = json!({ "baseColorFactor": [0.5, 0.5, 0.5, 0.25], "baseColorTexture": { "index": 0 } });
+        let mut material = matte(json!({ "pbrMetallicRoughness": base }));
+        material.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let (scene, warnings) = read(material);
+        assert_eq!(warnings, "");
+        let material = &scene.materials[0];
+        assert_eq!(material.albedo, Vec3::splat(0.5));
+        (material.transparency, material.albedo_texture)
+    };
+    let (opaque, _) = transparency(json!({}));
+    assert_eq!((opaque.mode, opaque.texture), (AlphaMode::Opaque, None));
+    for (more, mode) in [
+        (json!({ "alphaMode": "MASK" }), AlphaMode::Mask { cutoff: 0.5 }),
+        (json!({ "alphaMode": "MASK", "alphaCutoff": 0.75 }), AlphaMode::Mask { cutoff: 0.75 }),
+        (json!({ "alphaMode": "BLEND" }), AlphaMode::Blend),
+    ] {
+        let (found, albedo_texture) = transparency(more);
+        assert_eq!((found.mode, found.alpha, found.texture), (mode, 0.25, albedo_texture));
+        assert!(albedo_texture.is_some());
+    }
+}
+
+#[test]
+fn what_transmits_is_not_reflected_and_tinted_by_the_base_colour() {
+    let extension = json!({ "KHR_materials_transmission": { "transmissionFactor": 0.75 } });
+    let (scene, warnings) = read(matte(json!({
+        "pbrMetallicRoughness": { "baseColorFactor": [0.8, 0.4, 0.2, 1] },
+        "extensions": extension,
+    })));
+    let material = &scene.materials[0];
+    assert!((material.transparency.transmission - Vec3::new(0.6, 0.3, 0.15)).length() < 1e-6);
+    assert!((material.albedo - Vec3::new(0.2, 0.1, 0.05)).length() < 1e-6);
+    assert_eq!(warnings, "");
+    let (scene, _) = read(json!({ "extensions": extension }));
+    assert_eq!(scene.materials[0].transparency.transmission, Vec3::ZERO, "metal lets nothing through");
 }
 
 #[test]
