@@ -8,6 +8,9 @@ use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 pub(super) const UV_NAMES: [[&str; 2]; 4] =
     [["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 
+/// Names of alpha.
+pub(super) const ALPHA_NAMES: [&str; 3] = ["alpha", "diffuse_alpha", "a"];
+
 /// Names of lists of indices.
 pub(super) const INDEX_NAMES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
@@ -18,6 +21,8 @@ pub(super) struct PlyVertex {
     pub(super) position: DVec3,
     pub(super) normal: Vec3,
     pub(super) color: PlyColor,
+    /// 0..=1.
+    pub(super) alpha: f32,
     uv: Vec2,
 }
 
@@ -38,17 +43,7 @@ impl PlyColor {
     /// Sets a channel; `None` if the property is none, `Some(false)` if it is not a number.
     fn set(&mut self, name: &str, property: &Property) -> Option<bool> {
         let channel = Self::NAMES.iter().find_map(|names| names.iter().position(|n| *n == name))?;
-        let (value, white) = match *property {
-            // Bytes, also where the header calls them signed.
-            Property::Char(value) => (f32::from(value.cast_unsigned()), 255.0),
-            Property::UShort(value) => (f32::from(value), 65_535.0),
-            Property::Float(_) | Property::Double(_) => (scalar(property)? as f32, 1.0),
-            // Wider integers hold bytes too.
-            _ => match scalar(property) {
-                Some(value) => (value as f32, 255.0),
-                None => return Some(false),
-            },
-        };
+        let Some((value, white)) = channel_value(property) else { return Some(false) };
         self.value[channel] = value / white;
         self.is_integer |= white > 1.0;
         Some(true)
@@ -87,6 +82,13 @@ impl PropertyAccess for PlyVertex {
         if let Some(is_number) = self.color.set(name, &property) {
             return if is_number { PropertyAccessResult::Set } else { PropertyAccessResult::UnsupportedType };
         }
+        if ALPHA_NAMES.contains(&name) {
+            let Some((value, whole)) = channel_value(&property) else {
+                return PropertyAccessResult::UnsupportedType;
+            };
+            self.alpha = value / whole;
+            return PropertyAccessResult::Set;
+        }
         let coordinate = match name {
             "x" => Some(&mut self.position.x),
             "y" => Some(&mut self.position.y),
@@ -110,6 +112,18 @@ impl PropertyAccess for PlyVertex {
         *slot = value as f32;
         PropertyAccessResult::Set
     }
+}
+
+/// The value of a channel, and that of white.
+fn channel_value(property: &Property) -> Option<(f32, f32)> {
+    Some(match *property {
+        // Bytes, also where the header calls them signed.
+        Property::Char(value) => (f32::from(value.cast_unsigned()), 255.0),
+        Property::UShort(value) => (f32::from(value), 65_535.0),
+        Property::Float(_) | Property::Double(_) => (scalar(property)? as f32, 1.0),
+        // Wider integers hold bytes too.
+        _ => (scalar(property)? as f32, 255.0),
+    })
 }
 
 fn scalar(property: &Property) -> Option<f64> {

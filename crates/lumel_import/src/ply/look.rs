@@ -86,6 +86,24 @@ pub(super) fn linear(what: &str, colors: Vec<PlyColor>, path: &Path, warnings: &
     colors.iter().map(|color| if bytes { color.of_bytes().linear() } else { color.linear() }).collect()
 }
 
+/// Alphas that say anything: none where all are 1, or where all are 0, which hides the whole file.
+pub(super) fn alphas(found: Vec<f32>, path: &Path, warnings: &mut Warnings) -> Vec<f32> {
+    // Floating-point alphas that run to 255 are bytes.
+    let largest = found.iter().copied().fold(0.0, f32::max);
+    let whole = if largest > 2.0 { 255.0 } else { 1.0 };
+    if largest <= 0.0 && !found.is_empty() {
+        let message = "alpha is 0 at all vertices: it is left out, and the surface is opaque";
+        warnings.push(path.display().to_string(), message);
+        return Vec::new();
+    }
+    let says_nothing = found.iter().all(|&alpha| alpha >= whole);
+    if says_nothing {
+        Vec::new()
+    } else {
+        found.iter().map(|alpha| (alpha / whole).clamp(0.0, 1.0)).collect()
+    }
+}
+
 /// The material of each face and all materials: one for each colour, the same for all if there are no colours.
 pub(super) fn by_color(
     colors: &[Vec3],

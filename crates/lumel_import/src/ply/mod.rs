@@ -15,8 +15,8 @@ use elements::{IndexList, PlyColor, PlyVertex, Skipped};
 use glam::{DVec3, Vec3};
 use look::Comments;
 use lumel_scene::{
-    Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, TextureRef, Warnings, origin_for,
-    rounding_of,
+    Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, TextureRef, Transparency, Warnings,
+    origin_for, rounding_of,
 };
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use source::Source;
@@ -27,7 +27,7 @@ const RESTART: u32 = u32::MAX;
 
 /// Reads a PLY file as one object.
 ///
-/// Vertices keep their order. Colours of vertices and faces are the albedo: integers are sRGB, floating-point numbers
+/// Vertices keep their order; their alpha is that of the surface. Colours of vertices and faces are the albedo: integers are sRGB, floating-point numbers
 /// linear. Without any, the albedo is 0.5. Vertex colours of files that lumel has written are light and left out. The
 /// file that a comment `TextureFile` names multiplies them where vertices have texture coordinates; these are flipped,
 /// because lumel's have `v` down.
@@ -41,6 +41,7 @@ pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     let comments = Comments::of(&header);
     let mut file = PlyFile::read(path, &header, source)?;
     file.has_colors &= !(file.has_colors && comments.colors_are_baked(path, &mut warnings));
+    file.alphas = look::alphas(file.alphas, path, &mut warnings);
     let (albedo_texture, textures) = comments.texture(path, &resolver, file.has_uvs, &mut warnings);
     let (ids, materials) = file.materials(path, albedo_texture, &mut warnings);
     let mut dropped = Tally::default();
@@ -66,6 +67,8 @@ struct PlyFile {
     has_colors: bool,
     has_face_colors: bool,
     has_uvs: bool,
+    /// Of vertices; empty where they are all opaque.
+    alphas: Vec<f32>,
     /// Whether coordinates are stored in single precision.
     is_single: bool,
     /// Where the coordinates of the mesh have their zero.
@@ -87,6 +90,9 @@ impl PlyFile {
                     file.note_attributes(path, element)?;
                     file.is_single &= header.encoding != Encoding::Ascii;
                     file.vertices = source.elements(element)?;
+                    if elements::ALPHA_NAMES.iter().any(|&name| element.properties.contains_key(name)) {
+                        file.alphas = file.vertices.iter().map(|vertex| vertex.alpha).collect();
+                    }
                 }
                 "face" | "tristrips" => {
                     header::check_indices(path, element)?;
@@ -126,7 +132,9 @@ impl PlyFile {
         let colored = self.has_colors || self.has_face_colors || albedo_texture.is_some();
         let plain = Material::default();
         let albedo = if colored { Vec3::ONE } else { plain.albedo };
-        let common = Material { albedo, albedo_texture, ..plain };
+        let transparency =
+            if self.alphas.is_empty() { Transparency::default() } else { Transparency::blend(1.0) };
+        let common = Material { albedo, albedo_texture, transparency, ..plain };
         if !self.has_face_colors || self.faces.is_empty() {
             return (Vec::new(), vec![common]);
         }
@@ -238,7 +246,7 @@ impl PlyFile {
                 path,
                 warnings,
             ),
-            alphas: Vec::new(),
+            alphas: self.alphas.clone(),
             faces,
             rounding: self.rounding(),
         }

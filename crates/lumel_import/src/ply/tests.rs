@@ -1,7 +1,7 @@
 use crate::testing::{load_error, load_with_warnings, png, try_load};
 use crate::{ImportError, Imported};
 use glam::{Vec2, Vec3};
-use lumel_scene::ObjectMesh;
+use lumel_scene::{AlphaMode, ObjectMesh};
 use proptest::prelude::*;
 
 const HEADER: &str = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
@@ -209,6 +209,33 @@ fn colours_of_vertices_are_the_albedo_whatever_their_type() {
     let (albedo, warnings) = colored("float", "1.5 0.5 0");
     assert_eq!(albedo, Vec3::new(1.0, 0.5, 0.0));
     assert_eq!(warnings, ["test.ply: colours of vertices reach 1.5: they are clamped to 1"]);
+}
+
+/// The square with these alphas of its vertices: what is read, and warnings.
+fn with_alpha(kind: &str, alphas: [&str; 4]) -> (Vec<f32>, AlphaMode, Vec<String>) {
+    let header = HEADER.replace("element face", &format!("property {kind} alpha\nelement face"));
+    let row = |([x, y, z], alpha): ([f32; 3], &str)| format!("{x} {y} {z} {alpha}\n");
+    let rows: String = VERTICES.into_iter().zip(alphas).map(row).collect();
+    let (imported, warnings) =
+        load_with_warnings(&[("test.ply", &ascii(&format!("{header}{rows}4 0 1 2 3\n")))]);
+    let scene = imported.scene;
+    (scene.objects[0].alphas.clone(), scene.materials[0].transparency.mode, warnings)
+}
+
+#[test]
+fn alpha_of_vertices_is_that_of_the_surface_whatever_its_type() {
+    let expected = vec![0.0, 0.2, 0.4, 1.0];
+    for (kind, alphas) in [
+        ("uchar", ["0", "51", "102", "255"]),
+        ("ushort", ["0", "13107", "26214", "65535"]),
+        ("float", ["0", "0.2", "0.4", "1"]),
+        ("double", ["0", "51", "102", "255"]),
+    ] {
+        assert_eq!(with_alpha(kind, alphas), (expected.clone(), AlphaMode::Blend, vec![]), "{kind}");
+    }
+    assert_eq!(with_alpha("uchar", ["255"; 4]), (vec![], AlphaMode::Opaque, vec![]));
+    let message = "test.ply: alpha is 0 at all vertices: it is left out, and the surface is opaque";
+    assert_eq!(with_alpha("uchar", ["0"; 4]), (vec![], AlphaMode::Opaque, vec![message.to_owned()]));
 }
 
 #[test]

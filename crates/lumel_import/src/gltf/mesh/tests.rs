@@ -178,14 +178,28 @@ fn parts_with_and_without_an_attribute_share_an_object() {
     assert_eq!(smoothing, [Smoothing::Flat, Smoothing::Crease, Smoothing::Flat]);
 }
 
+/// A triangle with a `COLOR_0`.
+fn colored(component: u32, kind: &str, normalized: bool, bytes: &[u8]) -> Model {
+    let mut model = Model::triangle();
+    let colors = model.accessor(component, kind, 3, bytes);
+    model.json["accessors"][colors]["normalized"] = json!(normalized);
+    model.primitive()["attributes"]["COLOR_0"] = json!(colors);
+    model
+}
+
+#[test]
+fn the_fourth_component_of_vertex_colours_is_alpha() {
+    let alphas = |component, kind: &str, bytes: &[u8]| colored(component, kind, true, bytes).object().alphas;
+    assert_eq!(alphas(U8, "VEC4", &[9, 9, 9, 51, 9, 9, 9, 255, 9, 9, 9, 0]), [0.2, 1.0, 0.0]);
+    let floats: Vec<u8> = [0.5_f32, 0.5, 0.5, 1.5].repeat(3).iter().flat_map(|v| v.to_le_bytes()).collect();
+    assert_eq!(alphas(5126, "VEC4", &floats), [1.0; 3], "at most 1");
+    assert_eq!(alphas(U8, "VEC3", &[51; 9]), [0.0; 0]);
+}
+
 #[test]
 fn vertex_colours_of_every_type_are_linear_tints() {
     let tint = |component: u32, kind: &str, normalized: bool, bytes: &[u8]| {
-        let mut model = Model::triangle();
-        let colors = model.accessor(component, kind, 3, bytes);
-        model.json["accessors"][colors]["normalized"] = json!(normalized);
-        model.primitive()["attributes"]["COLOR_0"] = json!(colors);
-        model.object().tints[0]
+        colored(component, kind, normalized, bytes).object().tints[0]
     };
     let floats: Vec<u8> = [0.25_f32, 0.5, 1.5, 0.1].repeat(3).iter().flat_map(|v| v.to_le_bytes()).collect();
     assert_eq!(tint(5126, "VEC4", false, &floats), Vec3::new(0.25, 0.5, 1.0), "at most 1");
