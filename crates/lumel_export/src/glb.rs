@@ -24,7 +24,8 @@ const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 ///
 /// Every object is a mesh with one primitive per material, at a node that moves it where a scene is far from the origin. Its vertices carry
 /// - `_IRRADIANCE`: irradiance, W·m⁻² (lux if the lights are photometric), linear Rec. 709, exact;
-/// - `COLOR_0`: radiance of a white surface under that irradiance, times the exposure, clamped to 0..=1.
+/// - `COLOR_0`: radiance of a white surface under that irradiance, times the exposure, clamped to 0..=1; its fourth
+///   component, in scenes that have any, is the alpha of vertices.
 ///
 /// Materials are one-sided, with the albedo as base colour and the radiance as emission, each with its own texture.
 /// They are unlit, so that any viewer shows base colour times `COLOR_0`: radiance times exposure. Base colour can only

@@ -71,19 +71,22 @@ impl Streams<'_> {
         let n_vertices: u64 = self.primitives.iter().map(|p| p.corners.len() as u64).sum();
         let n_textured: u64 = self.textured().map(|p| p.corners.len() as u64).sum();
         let indices = binary.add_view(4 * n_indices, json!({ "target": INDICES }));
-        let vectors = || json!({ "target": VERTICES, "byteStride": 12 });
+        let mut vectors = |stride: u64| {
+            binary.add_view(stride * n_vertices, json!({ "target": VERTICES, "byteStride": stride }))
+        };
+        let color = if self.has_alpha() { 16 } else { 12 };
         let [positions, normals, irradiance, colors] =
-            std::array::from_fn(|_| binary.add_view(12 * n_vertices, vectors()));
+            [12, 12, 12, color].map(|stride| (vectors(stride), stride));
         let uvs = (n_textured > 0)
             .then(|| binary.add_view(8 * n_textured, json!({ "target": VERTICES, "byteStride": 8 })));
         let (mut first_index, mut first_vertex, mut first_uv) = (0, 0, 0);
         let mut described = Vec::with_capacity(self.primitives.len());
         for primitive in self.primitives {
             let n = primitive.corners.len() as u64;
-            let mut vector = |view: usize| {
+            let mut vector = |(view, stride): (usize, u64)| {
                 binary.add_accessor(json!({
-                    "bufferView": view, "byteOffset": 12 * first_vertex,
-                    "componentType": F32, "type": "VEC3", "count": n,
+                    "bufferView": view, "byteOffset": stride * first_vertex,
+                    "componentType": F32, "type": format!("VEC{}", stride / 4), "count": n,
                 }))
             };
             let mut attributes = json!({
@@ -129,7 +132,11 @@ impl Streams<'_> {
         }
         for primitive in self.primitives {
             for &corner in &primitive.corners {
-                write_floats(out, &self.color(primitive.material, corner).to_array())?;
+                let color = self.color(primitive.material, corner);
+                match self.scene.alphas().get(vertex(self.scene, corner)) {
+                    Some(&alpha) => write_floats(out, &color.extend(alpha).to_array())?,
+                    None => write_floats(out, &color.to_array())?,
+                }
             }
         }
         for primitive in self.textured() {
@@ -138,6 +145,11 @@ impl Streams<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether `COLOR_0` has the alphas of vertices as a fourth component.
+    fn has_alpha(&self) -> bool {
+        !self.scene.alphas().is_empty()
     }
 
     /// `COLOR_0`: what times the base colour is seen.

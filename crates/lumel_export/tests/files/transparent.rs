@@ -78,3 +78,34 @@ fn alpha_comes_back_from_every_mesh_file() {
         read(&folder.path().join("a.glb")).materials().iter().map(|m| m.transparency.mode).collect();
     assert_eq!(modes, [AlphaMode::Blend, AlphaMode::Mask { cutoff: 0.5 }, AlphaMode::Blend]);
 }
+
+#[test]
+fn alpha_of_vertices_comes_back_from_glb() {
+    let card = ObjectMesh {
+        positions: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, y]| Vec3::new(x, y, 0.0))
+            .to_vec(),
+        alphas: vec![0.25, 0.75, 0.75, 0.25],
+        faces: [[0, 1, 2], [0, 2, 3]]
+            .map(|vertices| Face { vertices, material: MaterialId(0), smoothing: Smoothing::Flat })
+            .to_vec(),
+        ..ObjectMesh::default()
+    };
+    let sides = lumel_scene::Sides::Both;
+    let veil = Material { transparency: Transparency::blend(1.0), sides, ..Material::default() };
+    let builder = SceneBuilder { objects: vec![card], materials: vec![veil], ..SceneBuilder::new("veil") };
+    let scene = builder.build().unwrap().0;
+    let folder = tempfile::tempdir().unwrap();
+    let glb = folder.path().join("a.glb");
+    write_glb(&glb, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
+    let read = read(&glb);
+    let alphas = |scene: &Scene| -> Vec<(f32, f32)> {
+        let mut all: Vec<_> =
+            scene.positions().iter().map(|p| p.x).zip(scene.alphas().iter().copied()).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    };
+    assert_eq!(alphas(&read).len(), 8, "front and back");
+    assert_eq!(alphas(&read), alphas(&scene));
+    assert!(read.tints().iter().all(|&tint| tint == Vec3::ONE), "light is no albedo");
+}

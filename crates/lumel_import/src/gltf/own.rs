@@ -3,19 +3,31 @@
 use lumel_scene::Warnings;
 use serde_json::{Value, json};
 
+/// The attribute to which `COLOR_0` with alpha is moved: of it, alpha alone is the surface's.
+pub(super) const BAKED: &str = "LUMEL_BAKED";
+
 /// Turns a file of `lumel bake` back into the scene that was baked, as far as it holds it.
 ///
-/// `COLOR_0` is light and left out. Emissive surfaces that show it alone have white as base colour and no strength; their
+/// `COLOR_0` is light and left out, but for its alpha. Emissive surfaces that show it alone have white as base colour and no strength; their
 /// albedo and emission are in the extras.
 pub(super) fn restore(root: &mut Value, warnings: &mut Warnings) {
     if !is_own(root) {
         return;
     }
+    let accessors: Vec<Value> = items(root, "accessors").map(|accessor| accessor["type"].clone()).collect();
+    let has_alpha = |colors: &Value| {
+        colors.as_u64().and_then(|index| accessors.get(index as usize)).is_some_and(|kind| kind == "VEC4")
+    };
     let mut has_colors = false;
     for mesh in items(root, "meshes") {
         for primitive in items(mesh, "primitives") {
             let attributes = primitive.get_mut("attributes").and_then(Value::as_object_mut);
-            has_colors |= attributes.is_some_and(|attributes| attributes.remove("COLOR_0").is_some());
+            let Some(attributes) = attributes else { continue };
+            let Some(colors) = attributes.remove("COLOR_0") else { continue };
+            has_colors = true;
+            if has_alpha(&colors) {
+                attributes.insert(format!("_{BAKED}"), colors);
+            }
         }
     }
     items(root, "materials").for_each(restore_material);
@@ -92,6 +104,16 @@ mod tests {
         assert_eq!(imported.scene.materials[0].emission.0, Vec3::new(0.0, 3.0, 6.0));
         assert!(text(&imported.warnings).contains("lumel has baked these vertex colours"));
         assert_eq!(imported.warnings.len(), 1, "nothing is said about unlit");
+    }
+
+    #[test]
+    fn the_alpha_of_what_lumel_has_baked_is_the_surface_s() {
+        let mut model = baked("lumel 0.1.0");
+        let colors = model.floats("VEC4", &[0.25, 0.25, 0.25, 0.75].repeat(3));
+        model.primitive()["attributes"]["COLOR_0"] = json!(colors);
+        let object = model.object();
+        assert!(object.tints.is_empty());
+        assert_eq!(object.alphas, [0.75; 3]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::accessor::{Accessors, Elements};
 use super::fault::Fault;
 use super::materials::Used;
 use super::morph::{Morph, Morphed};
+use super::own::BAKED;
 use super::pose::Pose;
 use super::skin::Influences;
 use super::topology::{self, triangle_count};
@@ -37,6 +38,8 @@ pub(super) struct Part<'a> {
     normals: Option<Morphed<'a>>,
     uvs: Option<Morphed<'a>>,
     colors: Option<Morphed<'a>>,
+    /// Colours that are light: their alpha counts.
+    baked: Option<Morphed<'a>>,
 }
 
 /// A primitive and where messages say it is.
@@ -127,6 +130,7 @@ impl<'a> Source<'_, 'a> {
             positions: morphed(shape.positions, &Semantic::Positions)?,
             normals: attribute(&Semantic::Normals, &[3])?,
             uvs,
+            baked: attribute(&Semantic::Extras(BAKED.to_owned()), &[4])?,
             colors: colors.map(|base| morphed(base, &Semantic::Colors(0))).transpose()?,
             shape,
         })
@@ -209,7 +213,7 @@ impl Part<'_> {
         let tint = |color: [f32; 3]| Vec3::from(color).clamp(Vec3::ZERO, Vec3::ONE);
         let tints = self.colors.as_ref().map(|colors| vertices().map(move |v| tint(colors.vector(v))));
         fill(&mut object.tints, first, end, Vec3::ONE, tints);
-        let with_alpha = self.colors.as_ref().filter(|colors| colors.has_fourth());
+        let with_alpha = self.colors.as_ref().or(self.baked.as_ref()).filter(|colors| colors.has_fourth());
         let alphas = with_alpha.map(|colors| vertices().map(|v| colors.fourth(v).clamp(0.0, 1.0)));
         fill(&mut object.alphas, first, end, 1.0, alphas);
         object.faces.extend(self.shape.triangles.iter().map(|&[a, b, c]| {
