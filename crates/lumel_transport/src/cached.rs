@@ -1,6 +1,7 @@
 //! The operator on stored rows: rays are traced once, and every bounce after that is a sparse product.
 
 use crate::area_pattern::AreaPatterns;
+use crate::arrivals::Arrivals;
 use crate::ends::StoredEnd;
 use crate::group::Group;
 use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
@@ -11,7 +12,6 @@ use crate::plan::Plan;
 use crate::reflectance::{Reflectance, Reflected, unpacked};
 use crate::rows::{Rows, RowsKey};
 use crate::scatter::scattered;
-use crate::sky_rays::SkyRays;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
 use glam::{DVec3, Vec4};
@@ -233,16 +233,16 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         measure::add_direct_at_points(&self.inner, job, mask, &group, &mut values, control)?;
         let (lanes, mut reader) = (rows.elements.len(), Reader::new(&self.inner, job.source));
         let per_element = rows.per_element();
-        let mut sky = SkyRays::new(&self.inner, job.source);
-        if let Some(sky) = &mut sky {
+        let mut arrivals = Arrivals::new(&self.inner, job.source);
+        if let Some(arrivals) = &mut arrivals {
             let rays = Rays { per_element: per_element as u32, dim: Dim::Hemisphere };
-            sky.add_at_points(&self.inner, &group, rays, |element| self.rows.key.of(element));
+            arrivals.set_points(&self.inner, &group, rays, |element| self.rows.key.of(element));
         }
         for (i, (value, lane)) in values.iter_mut().zip(active).enumerate() {
             let row = rows.ends.iter().skip(lane).step_by(lanes);
             let mut sum: DVec3 = row.clone().filter_map(|end| end.end()).map(|end| reader.read(&end)).sum();
-            if let Some(sky) = &sky {
-                let arriving = |(k, end)| sky.arriving(i * per_element + k, &end);
+            if let Some(arrivals) = &arrivals {
+                let arriving = |(k, end)| arrivals.arriving(i * per_element + k, &end);
                 let ends = row.enumerate().filter_map(|(k, end)| Some((k, end.end()?)));
                 sum += ends.map(arriving).sum::<DVec3>();
             }

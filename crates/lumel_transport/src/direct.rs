@@ -1,11 +1,12 @@
 //! The area form: light that arrives from lights.
 
+use crate::balance::Balance;
 use crate::emitters::{Emitter, EmitterMask};
 use crate::job::{Control, TransportError};
 use crate::light_points::LightPoints;
 use crate::light_tree::LightTree;
 use crate::light_view::{LightView, beyond};
-use crate::lights::{AreaLight, DeltaLight, LightSet};
+use crate::lights::{DeltaLight, LightSet};
 use crate::plan::{LightSampling, Plan};
 use crate::shadow_rays::{ShadowRays, Tally, Visible};
 use glam::{DVec3, Vec3};
@@ -44,10 +45,8 @@ impl Direct<'_> {
             let sum = self.chosen(tree, site, points, tally)?;
             tally.sum += sum / f64::from(samples);
         }
-        for (l, light) in self.looped_lights() {
-            let Some(view) = LightView::new(self.scene, light, site, self.plan) else {
-                continue;
-            };
+        for l in self.looped_lights() {
+            let Some(view) = self.view(l, site, 1.0) else { continue };
             let stream = self.plan.stream(samples, key, Dim::Light(l as u32));
             match (self.plan.light_sampling, view.unblocked) {
                 (LightSampling::Analytic, Some(unblocked)) => {
@@ -71,10 +70,17 @@ impl Direct<'_> {
 
     /// The lights with an area that shine and are not chosen from a tree. Each keeps the sample points of its place among
     /// all.
-    pub(crate) fn looped_lights(&self) -> impl Iterator<Item = (usize, &AreaLight)> {
+    pub(crate) fn looped_lights(&self) -> impl Iterator<Item = usize> {
         let all = self.lights.area.iter().enumerate();
         let looped = all.filter(|(_, (_, light))| self.lights.tree.is_none() || light.is_far());
-        looped.filter(|(_, (emitter, _))| self.shines(*emitter)).map(|(l, (_, light))| (l, light))
+        looped.filter(|(_, (emitter, _))| self.shines(*emitter)).map(|(l, _)| l)
+    }
+
+    /// A light as a site sees it that samples it with this probability.
+    pub(crate) fn view<'a>(&'a self, l: usize, site: &'a Site, probability: f64) -> Option<LightView<'a>> {
+        let view = LightView::new(self.scene, &self.lights.area[l].1, site, self.plan.light_sampling)?;
+        let balance = || Balance::new(self.plan).when_chosen(probability);
+        Some(if self.lights.is_combined(l) { view.combined(balance()) } else { view })
     }
 
     /// The light of points of one light: in all, and what of it is seen.
@@ -127,9 +133,9 @@ impl Direct<'_> {
         for (u, select) in points {
             let Some(choice) = tree.choose(origin, normal, *select) else { continue };
             if view.as_ref().is_none_or(|(light, _)| *light != choice.light) {
-                let (emitter, light) = &self.lights.area[choice.light];
-                let new = || LightView::new(self.scene, light, site, self.plan);
-                view = Some((choice.light, self.shines(*emitter).then(new).flatten()));
+                let new = || self.view(choice.light, site, choice.probability);
+                view =
+                    Some((choice.light, self.shines(self.lights.area[choice.light].0).then(new).flatten()));
             }
             if let Some((_, Some(view))) = &view
                 && let Some(sample) = view.sample(*u)

@@ -5,7 +5,6 @@ use crate::job::TransportError;
 use crate::light_points::LightPoints;
 use crate::light_tree::LightTree;
 use crate::light_view::LightView;
-use crate::lights::AreaLight;
 use crate::plan::LightSampling;
 use crate::shadow_rays::share;
 use glam::{DVec3, Vec3};
@@ -90,9 +89,9 @@ impl Direct<'_> {
             self.choose_over_area(tree, area, points, batch);
         }
         n_rays += batch.trace(self.tracer, &mut add_lit);
-        for (l, light) in self.looped_lights() {
+        for l in self.looped_lights() {
             self.control.check()?;
-            n_rays += self.one_light_over_area((l as u32, light), area, (points, batch), values);
+            n_rays += self.one_light_over_area(l, area, (points, batch), values);
         }
         self.control.count(0, n_rays as u64);
         Ok(())
@@ -113,8 +112,8 @@ impl Direct<'_> {
             let Some(site) = &area.sites[number] else { continue };
             let (origin, normal) = (site.origin.as_dvec3(), site.frame.normal.as_dvec3());
             let Some(choice) = tree.choose(origin, normal, *select) else { continue };
-            let (emitter, light) = &self.lights.area[choice.light];
-            let view = self.shines(*emitter).then(|| self.view(light, site)).flatten();
+            let shines = self.shines(self.lights.area[choice.light].0);
+            let view = shines.then(|| self.view(choice.light, site, choice.probability)).flatten();
             if let Some(sample) = view.and_then(|view| view.sample(*u)) {
                 let value = sample.unblocked.0.as_dvec3() / choice.probability;
                 batch.add(site, sample.target, number, value);
@@ -125,7 +124,7 @@ impl Direct<'_> {
     /// The light of one light. Returns the number of rays.
     fn one_light_over_area<N: Fn(u32) -> u32>(
         &self,
-        (l, light): (u32, &AreaLight),
+        l: usize,
         area: &AreaSites<'_, N>,
         (points, batch): (&mut LightPoints, &mut Batch),
         values: &mut [DVec3],
@@ -134,7 +133,7 @@ impl Direct<'_> {
         let views: Vec<Option<(&Site, LightView<'_>)>> = area
             .sites
             .iter()
-            .map(|site| site.as_ref().and_then(|site| Some((site, self.view(light, site)?))))
+            .map(|site| site.as_ref().and_then(|site| Some((site, self.view(l, site, 1.0)?))))
             .collect();
         let Some((_, example)) = views.iter().flatten().next() else { return 0 };
         let mut n_rays = 0;
@@ -150,7 +149,7 @@ impl Direct<'_> {
         let mut beta = 0.0;
         if self.plan.light_sampling == LightSampling::Analytic && example.unblocked.is_some() {
             let pilot = self.plan.sampler.sample_count((samples / 4).clamp(1, MAX_PILOT)).min(samples);
-            let stream = self.plan.sampler.for_count(pilot).stream(area.key, Dim::LightPilot(l));
+            let stream = self.plan.sampler.for_count(pilot).stream(area.key, Dim::LightPilot(l as u32));
             for (slot, &u) in (0..).zip(points.fill(&stream, pilot)) {
                 add(batch, slot, u);
             }
@@ -164,7 +163,7 @@ impl Direct<'_> {
                 }
             }
         }
-        let stream = self.plan.stream(samples, area.key, Dim::Light(l));
+        let stream = self.plan.stream(samples, area.key, Dim::Light(l as u32));
         for (slot, &u) in (0..).zip(points.fill(&stream, samples)) {
             add(batch, (area.number)(slot), u);
         }
@@ -172,9 +171,5 @@ impl Direct<'_> {
             values[number] += value * (passed.as_dvec3() - beta);
         });
         n_rays
-    }
-
-    fn view<'a>(&'a self, light: &'a AreaLight, site: &'a Site) -> Option<LightView<'a>> {
-        LightView::new(self.scene, light, site, self.plan)
     }
 }

@@ -11,12 +11,15 @@
 
 mod accumulate;
 mod area_pattern;
+mod arrivals;
+mod balance;
 mod cached;
 mod cached_area;
 mod cap;
 mod cpu;
 mod direct;
 mod direct_area;
+mod emissive;
 mod emitters;
 mod ends;
 mod gather;
@@ -41,6 +44,9 @@ mod shadow_rays;
 mod sky_light;
 mod sky_rays;
 mod sums;
+mod surface_rays;
+mod texel_density;
+mod texel_sums;
 mod trace;
 
 pub use accumulate::{Measured, PartialField, accumulate};

@@ -117,11 +117,15 @@ fn less([cos_a, sin_a]: [f64; 2], [cos_b, sin_b]: [f64; 2]) -> [f64; 2] {
 pub(crate) struct LightTree {
     /// The root first; the first child of a node follows it.
     nodes: Vec<Node>,
+    /// The node of each light, by number; `None` for those that are not in the tree.
+    leaves: Vec<Option<usize>>,
 }
 
 #[derive(Clone, Debug)]
 struct Node {
     bound: Bound,
+    /// The root is its own.
+    parent: usize,
     below: Below,
 }
 
@@ -148,9 +152,10 @@ pub(crate) struct Choice {
 impl LightTree {
     /// The tree of lights by number; `None` without any.
     pub(crate) fn new(lights: Vec<(usize, Extent)>) -> Option<Self> {
-        let mut tree = Self { nodes: Vec::with_capacity(2 * lights.len()) };
+        let n = lights.iter().map(|(light, _)| light + 1).max()?;
+        let mut tree = Self { nodes: Vec::with_capacity(2 * lights.len()), leaves: vec![None; n] };
         let mut lights = lights;
-        (!lights.is_empty()).then(|| tree.add(&mut lights))?;
+        tree.add(&mut lights, 0);
         Some(tree)
     }
 
@@ -183,6 +188,24 @@ impl LightTree {
         }
     }
 
+    /// How likely it is that a receiver [chooses](Self::choose) a light.
+    pub(crate) fn probability(&self, light: usize, point: DVec3, normal: DVec3) -> f64 {
+        let Some(mut at) = self.leaves.get(light).copied().flatten() else { return 0.0 };
+        if self.nodes[0].bound.importance(point, normal) <= 0.0 {
+            return 0.0;
+        }
+        let mut probability = 1.0;
+        while at > 0 {
+            let parent = self.nodes[at].parent;
+            if let Below::Pair { second } = self.nodes[parent].below {
+                let first = self.share_of_first(parent + 1, second, point, normal);
+                probability *= if at == second { 1.0 - first } else { first };
+            }
+            at = parent;
+        }
+        probability
+    }
+
     /// The probability of the first of two siblings.
     ///
     /// Where their parent's loose bounds promised what neither can hold, power decides: the contribution is zero, and
@@ -195,19 +218,20 @@ impl LightTree {
         if i > 0.0 && j > 0.0 { share.clamp(f64::EPSILON, 1.0 - f64::EPSILON) } else { share }
     }
 
-    fn add(&mut self, lights: &mut [(usize, Extent)]) {
+    fn add(&mut self, lights: &mut [(usize, Extent)], parent: usize) {
         let Some(extent) = lights.iter().map(|(_, extent)| *extent).reduce(Extent::union) else { return };
         let at = self.nodes.len();
         if let [(light, _)] = *lights {
-            self.nodes.push(Node { bound: Bound::new(&extent), below: Below::Light(light) });
+            self.leaves[light] = Some(at);
+            self.nodes.push(Node { bound: Bound::new(&extent), parent, below: Below::Light(light) });
             return;
         }
-        self.nodes.push(Node { bound: Bound::new(&extent), below: Below::Pair { second: 0 } });
+        self.nodes.push(Node { bound: Bound::new(&extent), parent, below: Below::Pair { second: 0 } });
         let middle = split(lights, &extent);
         let (left, right) = lights.split_at_mut(middle);
-        self.add(left);
+        self.add(left, at);
         self.nodes[at].below = Below::Pair { second: self.nodes.len() };
-        self.add(right);
+        self.add(right, at);
     }
 }
 

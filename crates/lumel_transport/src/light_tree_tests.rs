@@ -89,6 +89,7 @@ fn a_choice_has_the_probability_that_it_says() {
     for i in 0..STEPS {
         let choice = tree.choose(at.0, at.1, (i as f32 + 0.5) / STEPS as f32).expect("a light in reach");
         assert!((choice.probability - chances[choice.light]).abs() < 1e-12);
+        assert!((tree.probability(choice.light, at.0, at.1) - choice.probability).abs() < 1e-12);
         assert!((0.0..1.0).contains(&choice.rest));
         counts[choice.light] += 1.0 / f64::from(STEPS);
     }

@@ -1,8 +1,9 @@
 //! An area light as one receiver sees it.
 
+use crate::balance::Balance;
 use crate::lights::AreaLight;
-use crate::plan::{LightSampling, Plan};
-use crate::sky_light::{SkyLight, combined_pdf};
+use crate::plan::LightSampling;
+use crate::sky_light::SkyLight;
 use crate::{cap, polygon};
 use glam::Vec3;
 use lumel_basis::Site;
@@ -26,7 +27,7 @@ pub(crate) struct LightView<'a> {
     scene: &'a Scene,
     site: &'a Site,
     light: &'a AreaLight,
-    plan: &'a Plan,
+    balance: Option<Balance>,
     density: Density,
     front: Front,
     /// Irradiance if nothing were in the way, when there is a closed form.
@@ -43,7 +44,7 @@ enum Density {
     SolidAngleTriangle(SphericalTriangle),
     /// Likewise, of what a sphere of this squared radius covers at this distance, or of a sun at none.
     Cap(SphericalCap, Option<[f64; 2]>),
-    /// Uniform over the area, or by brightness for textured rectangles.
+    /// Uniform over the area, or by brightness.
     Area,
 }
 
@@ -94,21 +95,40 @@ impl<'a> LightView<'a> {
         scene: &'a Scene,
         light: &'a AreaLight,
         site: &'a Site,
-        plan: &'a Plan,
+        sampling: LightSampling,
     ) -> Option<Self> {
         let (density, front, unblocked) = match light {
             AreaLight::Rect(rect) | AreaLight::TexturedRect(rect, _) => {
-                polygon_light(light, &rect.corners(), site, plan)?
+                polygon_light(light, &rect.corners(), site, sampling)?
             }
-            AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri) => {
-                polygon_light(light, &scene.triangle_positions(*tri), site, plan)?
+            AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri, _) => {
+                polygon_light(light, &scene.triangle_positions(*tri), site, sampling)?
             }
             AreaLight::Disk(disk) => (Density::Area, Front::of_disk(disk), None),
             AreaLight::Sphere(sphere) => sphere_light(sphere, site)?,
             AreaLight::Sun(sun) => sun_light(sun, site)?,
             AreaLight::Sky(_) => (Density::Area, Front::default(), None),
         };
-        Some(Self { scene, site, light, plan, density, front, unblocked })
+        Some(Self { scene, site, light, balance: None, density, front, unblocked })
+    }
+
+    /// Of a light that hemisphere rays find too.
+    pub(crate) fn combined(self, balance: Balance) -> Self {
+        Self { balance: Some(balance), ..self }
+    }
+
+    /// Density of sampling a point of a triangle that lies in this direction, sr⁻¹.
+    pub(crate) fn pdf(&self, at: SurfacePoint, direction: Vec3) -> f64 {
+        if let Density::SolidAngleTriangle(triangle) = &self.density {
+            return triangle.pdf();
+        }
+        let density = match self.light {
+            AreaLight::TexturedTriangle(_, texels) => texels.pdf(at.bary),
+            _ => 1.0,
+        };
+        let to_light = self.scene.position(at) - self.site.origin;
+        let cos_light = -self.scene.geometric_normal(at.tri).dot(direction);
+        per_solid_angle(density / self.scene.area(at.tri), to_light.length_squared(), cos_light)
     }
 
     /// The point of the light for `u` in the unit square; `None` if nothing of it arrives.
@@ -127,7 +147,8 @@ impl<'a> LightView<'a> {
                 let value = texture.sample(glam::Vec2::new(st[0], 1.0 - st[1]));
                 self.on_rect(rect, st, Radiance(rect.radiance.0 * value), pdf)
             }
-            AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri) => self.on_triangle(*tri, u),
+            AreaLight::Triangle(tri, _) => self.on_triangle(*tri, u, |u| (uniform_triangle(u).into(), 1.0)),
+            AreaLight::TexturedTriangle(tri, texels) => self.on_triangle(*tri, u, |u| texels.sample(u)),
             AreaLight::Disk(disk) => self.on_disk(disk, u),
             AreaLight::Sphere(SphereLight { radiance, .. }) => self.in_cap(*radiance, u),
             AreaLight::Sun(sun) => self.in_cap(sun.radiance(), u),
@@ -158,19 +179,23 @@ impl<'a> LightView<'a> {
         self.in_solid_angle(target, radiance, cap.pdf())
     }
 
-    /// Towards the sky; combined with hemisphere rays.
+    /// Towards the sky.
     fn in_sky(&self, sky: &SkyLight, u: [f32; 2]) -> Option<LightSample> {
         let sample = sky.sample(u);
-        let pdf = combined_pdf(self.plan, sample.pdf, self.site.frame.normal.dot(sample.direction));
         let target = beyond(self.scene, self.site.origin, sample.direction);
-        self.in_solid_angle(target, sample.radiance, pdf)
+        self.in_solid_angle(target, sample.radiance, sample.pdf)
     }
 
     fn on_rect(&self, rect: &RectLight, st: [f32; 2], radiance: Radiance, pdf: f32) -> Option<LightSample> {
         self.on_area(rect.point(st), rect.normal()?, radiance, pdf / rect.area())
     }
 
-    fn on_triangle(&self, tri: TriId, u: [f32; 2]) -> Option<LightSample> {
+    fn on_triangle(
+        &self,
+        tri: TriId,
+        u: [f32; 2],
+        place: impl Fn([f32; 2]) -> (Barycentrics, f32),
+    ) -> Option<LightSample> {
         let corners = self.scene.triangle_positions(tri);
         if let Density::SolidAngleTriangle(triangle) = &self.density {
             let direction = triangle.sample(u);
@@ -178,8 +203,9 @@ impl<'a> LightView<'a> {
             let radiance = emitted(self.scene, SurfacePoint { tri, bary });
             return self.in_solid_angle(target, radiance, triangle.pdf());
         }
-        let at = SurfacePoint { tri, bary: uniform_triangle(u).into() };
-        let pdf_area = 1.0 / self.scene.area(tri);
+        let (bary, pdf) = place(u);
+        let at = SurfacePoint { tri, bary };
+        let pdf_area = pdf / self.scene.area(tri);
         self.on_area(
             self.scene.position(at),
             self.scene.geometric_normal(tri),
@@ -191,6 +217,8 @@ impl<'a> LightView<'a> {
     /// A point chosen with a density per solid angle: `L cos θ / p`.
     fn in_solid_angle(&self, target: Vec3, radiance: Radiance, pdf_solid_angle: f64) -> Option<LightSample> {
         let cos = self.site.frame.normal.dot((target - self.site.origin).try_normalize()?);
+        let pdf_solid_angle =
+            self.balance.map_or(pdf_solid_angle, |balance| balance.combined_pdf(pdf_solid_angle, cos));
         let unblocked = Irradiance(radiance.0 * (cos / pdf_solid_angle as f32));
         (cos > 0.0).then_some(LightSample { target: self.front.before(target), unblocked })
     }
@@ -205,12 +233,26 @@ impl<'a> LightView<'a> {
         let distance_squared = to_light.length_squared();
         let direction = to_light.try_normalize()?;
         let (cos, cos_light) = (self.site.frame.normal.dot(direction), -normal.dot(direction));
+        if self.balance.is_some() {
+            let pdf = per_solid_angle(pdf_area, distance_squared, cos_light);
+            return (cos_light > 0.0).then(|| self.in_solid_angle(target, radiance, pdf)).flatten();
+        }
         let unblocked = Irradiance(radiance.0 * (cos * cos_light / (distance_squared * pdf_area)));
         (cos > 0.0 && cos_light > 0.0).then_some(LightSample { target: self.front.before(target), unblocked })
     }
 }
 
-fn polygon_light(light: &AreaLight, corners: &[Vec3], site: &Site, plan: &Plan) -> Option<Prepared> {
+/// A density per area, seen from this squared distance at this cosine: sr⁻¹.
+fn per_solid_angle(pdf_area: f32, distance_squared: f32, cos_light: f32) -> f64 {
+    f64::from(pdf_area) * f64::from(distance_squared) / f64::from(cos_light.max(f32::MIN_POSITIVE))
+}
+
+fn polygon_light(
+    light: &AreaLight,
+    corners: &[Vec3],
+    site: &Site,
+    sampling: LightSampling,
+) -> Option<Prepared> {
     let per_radiance = polygon::unit_irradiance(corners, site.origin, site.frame.normal);
     if per_radiance <= 0.0 {
         return None;
@@ -221,7 +263,7 @@ fn polygon_light(light: &AreaLight, corners: &[Vec3], site: &Site, plan: &Plan) 
         }
         _ => None,
     };
-    let density = match plan.light_sampling {
+    let density = match sampling {
         LightSampling::Area => Density::Area,
         LightSampling::Analytic => Density::by_solid_angle(light, corners, site.origin),
     };
@@ -254,11 +296,12 @@ impl Density {
         match light {
             AreaLight::Rect(rect) => SphericalRectangle::new(rect.center, rect.u, rect.v, from)
                 .map_or(Self::Area, Self::SolidAngleRect),
-            AreaLight::Triangle(..) | AreaLight::TexturedTriangle(_) => {
+            // Brightness that varies matters more than the solid angle.
+            AreaLight::TexturedTriangle(_, texels) if !texels.is_even() => Self::Area,
+            AreaLight::Triangle(..) | AreaLight::TexturedTriangle(..) => {
                 SphericalTriangle::new(corners[0], corners[1], corners[2], from)
                     .map_or(Self::Area, Self::SolidAngleTriangle)
             }
-            // Brightness matters more than the solid angle.
             _ => Self::Area,
         }
     }

@@ -1,20 +1,25 @@
 //! The lights of a scene, ready to be sampled.
 
+use crate::emissive::{EmissiveTriangle, emissive_triangles, even_share};
 use crate::emitters::Emitter;
 use crate::light_tree::{Extent, LightTree};
-use crate::plan::EmitterSampling;
+use crate::plan::{EmitterSampling, LightSampling, Plan};
 use crate::sky_light::SkyLight;
+use crate::texel_density::TexelDensity;
+use lumel_basis::Site;
 use lumel_sample::PiecewiseConstant2D;
 use lumel_scene::{
-    Barycentrics, DirectionalLight, DiskLight, Light, PointLight, Radiance, RectLight, Scene, SphereLight,
-    SpotLight, SunLight, SurfacePoint, Texture, TriId, luminance,
+    DirectionalLight, DiskLight, Light, PointLight, Radiance, RectLight, Scene, SphereLight, SpotLight,
+    SunLight, Texture, TriId, luminance,
 };
+use std::ops::Range;
 
 /// Up to this many lights with an area are all sampled at every receiver; of more, some are chosen.
 const MAX_LOOPED: usize = 8;
 
-/// Emissive surfaces up to this share of the total area are worth sampling as lights.
-const MAX_SAMPLED_SHARE: f64 = 0.1;
+/// Emission that is spread over this share of all surface or more is what most hemisphere rays meet: shadow rays would add
+/// noise alone.
+const MIN_EVEN_SHARE: f64 = 0.9;
 
 /// Share of the samples of a textured light that ignore the texture, so that bilinear fringes of black texels are
 /// sampled too.
@@ -29,8 +34,8 @@ pub(crate) enum AreaLight {
     TexturedRect(RectLight, PiecewiseConstant2D),
     /// A triangle of constant radiance.
     Triangle(TriId, Radiance),
-    /// A triangle whose radiance is looked up.
-    TexturedTriangle(TriId),
+    /// A triangle whose radiance is looked up, and the density of its brightness.
+    TexturedTriangle(TriId, TexelDensity),
     /// A disk of constant radiance.
     Disk(DiskLight),
     /// A sphere of constant radiance.
@@ -56,20 +61,35 @@ pub(crate) struct LightSet {
     pub(crate) delta: Vec<(Emitter, DeltaLight)>,
     /// Chooses among the area lights when they are too many to loop over.
     pub(crate) tree: Option<LightTree>,
-    /// Whether hemisphere rays collect the emission of the surfaces they meet.
+    /// Whether hemisphere rays collect the emission of the surfaces they meet, which nothing else does.
     pub(crate) emission_by_rays: bool,
+    /// Where emissive triangles are among the area lights, in the order of triangles.
+    emissive: Range<usize>,
+    /// Which of them are sampled by shadow rays and hemisphere rays together.
+    combined: Combined,
     /// Whether hemisphere rays collect the sky.
     pub(crate) sky: bool,
 }
 
+/// Which emissive triangles are sampled by shadow rays and hemisphere rays [together](crate::balance).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Combined {
+    None,
+    /// Textured ones: others have a closed form, which has less noise than both.
+    Textured,
+    All,
+}
+
 impl LightSet {
     /// The lights of a scene.
-    pub(crate) fn new(scene: &Scene, emitters: EmitterSampling) -> Self {
+    pub(crate) fn new(scene: &Scene, plan: &Plan) -> Self {
         let mut set = Self {
             area: Vec::new(),
             delta: Vec::new(),
             tree: None,
             emission_by_rays: false,
+            emissive: 0..0,
+            combined: Combined::None,
             sky: !scene.sky().is_zero(),
         };
         for (emitter, light) in (0..).map(Emitter::Light).zip(scene.lights()) {
@@ -85,7 +105,7 @@ impl LightSet {
                 }
             }
         }
-        set.add_emissive_surfaces(scene, emitters);
+        set.add_emissive_surfaces(scene, plan.emitters);
         let sky = scene.sky().image().and_then(SkyLight::new);
         set.area.extend(sky.map(|sky| (Emitter::Sky, AreaLight::Sky(sky))));
         if set.area.iter().filter(|(_, light)| !light.is_far()).count() > MAX_LOOPED {
@@ -93,6 +113,10 @@ impl LightSet {
             set.tree = LightTree::new(
                 extents.filter_map(|(i, (_, light))| Some((i, light.extent(scene)?))).collect(),
             );
+        }
+        if plan.emitters == EmitterSampling::Auto {
+            let has_closed_form = set.tree.is_none() && plan.light_sampling == LightSampling::Analytic;
+            set.combined = if has_closed_form { Combined::Textured } else { Combined::All };
         }
         set
     }
@@ -110,36 +134,57 @@ impl LightSet {
 
     /// Whether direct light needs hemisphere rays.
     pub(crate) fn needs_hemisphere(&self) -> bool {
-        self.sky || self.emission_by_rays
+        self.sky || self.emission_by_rays || self.combines()
+    }
+
+    /// Whether any light is sampled by shadow rays and hemisphere rays together, beside the sky.
+    pub(crate) fn combines(&self) -> bool {
+        self.combined != Combined::None && self.emissive.clone().any(|l| self.is_combined(l))
+    }
+
+    /// Whether an area light is sampled by shadow rays and hemisphere rays together.
+    pub(crate) fn is_combined(&self, l: usize) -> bool {
+        match self.combined {
+            _ if matches!(self.area[l].1, AreaLight::Sky(_)) => true,
+            Combined::None => false,
+            Combined::Textured => matches!(self.area[l].1, AreaLight::TexturedTriangle(..)),
+            Combined::All => self.emissive.contains(&l),
+        }
+    }
+
+    /// The place of an emissive triangle among the area lights.
+    pub(crate) fn emissive_light(&self, tri: TriId) -> Option<usize> {
+        let emissive = &self.area[self.emissive.clone()];
+        let place = emissive.binary_search_by_key(&Some(tri), |(_, light)| light.triangle()).ok()?;
+        Some(self.emissive.start + place)
+    }
+
+    /// How likely it is that a shadow ray of a site chooses an area light; 1 where all are sampled.
+    pub(crate) fn probability(&self, l: usize, site: &Site) -> f64 {
+        let (origin, normal) = (site.origin.as_dvec3(), site.frame.normal.as_dvec3());
+        self.tree.as_ref().map_or(1.0, |tree| tree.probability(l, origin, normal))
     }
 
     fn add_emissive_surfaces(&mut self, scene: &Scene, emitters: EmitterSampling) {
-        let all = || (0..scene.triangle_count() as u32).map(TriId);
-        let emissive: Vec<TriId> = all().filter(|&tri| scene.material(tri).emits()).collect();
-        let area =
-            |tris: &mut dyn Iterator<Item = TriId>| tris.map(|t| f64::from(scene.area(t))).sum::<f64>();
-        let as_lights = match emitters {
-            _ if emissive.is_empty() => return,
-            EmitterSampling::Off => return,
-            EmitterSampling::Lights => true,
-            EmitterSampling::Rays => false,
-            EmitterSampling::Auto => {
-                area(&mut emissive.iter().copied()) <= MAX_SAMPLED_SHARE * area(&mut all())
-            }
+        if emitters == EmitterSampling::Off || !scene.materials().iter().any(|material| material.emits()) {
+            return;
+        }
+        let shining = match emitters {
+            EmitterSampling::Rays => Vec::new(),
+            _ => emissive_triangles(scene),
         };
-        if !as_lights {
+        let is_even = || even_share(scene, &shining) >= MIN_EVEN_SHARE;
+        if emitters == EmitterSampling::Rays || emitters == EmitterSampling::Auto && is_even() {
             self.emission_by_rays = true;
             return;
         }
-        self.area.extend(emissive.into_iter().map(|tri| {
-            let material = scene.material(tri);
-            // What is not there everywhere emits as unevenly as a texture.
-            let light = match material.emission_texture {
-                None if !scene.is_transparent(tri) => AreaLight::Triangle(tri, material.emission),
-                _ => AreaLight::TexturedTriangle(tri),
-            };
+        let begin = self.area.len();
+        self.area.extend(shining.into_iter().map(|EmissiveTriangle { tri, density }| {
+            let plain = || AreaLight::Triangle(tri, scene.material(tri).emission);
+            let light = density.map_or_else(plain, |density| AreaLight::TexturedTriangle(tri, density));
             (Emitter::Surfaces(scene.material_id(tri)), light)
         }));
+        self.emissive = begin..self.area.len();
     }
 }
 
@@ -172,6 +217,14 @@ fn brightness(texture: &Texture) -> Option<PiecewiseConstant2D> {
 }
 
 impl AreaLight {
+    /// The emissive triangle that it is.
+    fn triangle(&self) -> Option<TriId> {
+        match self {
+            Self::Triangle(tri, _) | Self::TexturedTriangle(tri, _) => Some(*tri),
+            _ => None,
+        }
+    }
+
     /// Whether it is infinitely far away: such lights are all sampled at every receiver.
     pub(crate) fn is_far(&self) -> bool {
         matches!(self, Self::Sun(_) | Self::Sky(_))
@@ -184,7 +237,7 @@ impl AreaLight {
             Self::Rect(rect) | Self::TexturedRect(rect, _) => {
                 Extent::flat(&rect.corners().map(|p| p.as_dvec3()), power)
             }
-            Self::Triangle(tri, _) | Self::TexturedTriangle(tri) => {
+            Self::Triangle(tri, _) | Self::TexturedTriangle(tri, _) => {
                 Extent::flat(&scene.triangle_positions(*tri).map(|p| p.as_dvec3()), power)
             }
             Self::Disk(disk) => {
@@ -197,7 +250,6 @@ impl AreaLight {
 
     /// Power up to a common factor, for choosing lights.
     fn relative_power(&self, scene: &Scene) -> f64 {
-        let middle = |tri| SurfacePoint { tri, bary: Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 } };
         let (radiance, area) = match self {
             Self::Rect(rect) => (rect.radiance.0, rect.area()),
             Self::TexturedRect(rect, _) => (rect.radiance.0, rect.area()),
@@ -205,13 +257,7 @@ impl AreaLight {
             Self::Sphere(sphere) => (sphere.radiance.0, sphere.area()),
             Self::Sun(_) | Self::Sky(_) => return 0.0,
             Self::Triangle(tri, radiance) => (radiance.0, scene.area(*tri)),
-            // Corners and middle, and a little of the brightest possible so that no light is forgotten.
-            Self::TexturedTriangle(tri) => {
-                let corners =
-                    Barycentrics::CORNERS.map(|bary| scene.emission(SurfacePoint { tri: *tri, bary }).0);
-                let seen = corners.into_iter().sum::<glam::Vec3>() + scene.emission(middle(*tri)).0;
-                (seen * 0.25 + scene.material(*tri).emission.0 * 0.05, scene.area(*tri))
-            }
+            Self::TexturedTriangle(tri, density) => return density.mean() * f64::from(scene.area(*tri)),
         };
         // In f64: the area of a small light times a small radiance leaves the range of f32.
         f64::from(luminance(radiance)) * f64::from(area)

@@ -5,6 +5,7 @@
 //! site for all of its rays, an area has a site for each.
 
 use crate::area_pattern::{AreaChunk, AreaPatterns};
+use crate::arrivals::Arrivals;
 use crate::direct::Direct;
 use crate::direct_area::{AreaSites, Batch};
 use crate::ends::RayEnd;
@@ -15,7 +16,6 @@ use crate::light_points::LightPoints;
 use crate::operator::CpuTransport;
 use crate::order::CHUNK;
 use crate::shadow_rays::Tally;
-use crate::sky_rays::SkyRays;
 use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{EmitterMask, Sums};
@@ -51,12 +51,12 @@ impl<'a, B: Basis, R: Receivers> Reader<'a, B, R> {
         }
     }
 
-    /// The same of ray number `at` of an area, with what it brings from a sky that varies, and 1 as fourth component.
+    /// The same of ray number `at` of an area, with what depends on where it comes from, and 1 as fourth component.
     #[inline]
-    pub(crate) fn read_with(&mut self, sky: Option<&SkyRays<'_>>, at: usize, end: &RayEnd) -> Vec4 {
+    pub(crate) fn read_with(&mut self, arrivals: Option<&Arrivals<'_>>, at: usize, end: &RayEnd) -> Vec4 {
         let mut value = self.read(end);
-        if let Some(sky) = sky {
-            value += sky.arriving(at, end);
+        if let Some(arrivals) = arrivals {
+            value += arrivals.arriving(at, end);
         }
         value.as_vec3().extend(1.0)
     }
@@ -89,14 +89,14 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
         let per_element = plan.samples(plan.indirect_samples, Sampling::Point, 0);
         let (mut sums, mut reader) = (vec![DVec3::ZERO; group.len()], Reader::new(op, job.source));
         let rays = Rays { per_element, dim: Dim::Hemisphere };
-        let mut sky = SkyRays::new(op, job.source).map(|sky| (sky, vec![0; group.len()]));
-        if let Some((sky, _)) = &mut sky {
-            sky.add_at_points(op, group, rays, key);
+        let mut arrivals = Arrivals::new(op, job.source).map(|arrivals| (arrivals, vec![0; group.len()]));
+        if let Some((arrivals, _)) = &mut arrivals {
+            arrivals.set_points(op, group, rays, key);
         }
         trace::at_points(op, group, rays, key, control, |i, end| {
             sums[i] += reader.read(&end);
-            if let Some((sky, next)) = &mut sky {
-                sums[i] += sky.arriving(i * per_element as usize + next[i], &end);
+            if let Some((arrivals, next)) = &mut arrivals {
+                sums[i] += arrivals.arriving(i * per_element as usize + next[i], &end);
                 next[i] += 1;
             }
         })?;
@@ -217,13 +217,13 @@ pub(crate) fn add_arrivals<B: Basis, R: Receivers>(
     sums: &mut [ElementSums],
     end: impl Fn(usize, u32) -> Option<RayEnd>,
 ) {
-    let (mut reader, mut sky) = (Reader::new(op, source), SkyRays::new(op, source));
-    for elements in elements.chunks(SkyRays::side_by_side(sky.as_ref())) {
-        if let Some(sky) = &mut sky {
-            sky.set_area(op, area, elements[0]);
+    let (mut reader, mut arrivals) = (Reader::new(op, source), Arrivals::new(op, source));
+    for elements in elements.chunks(Arrivals::side_by_side(arrivals.as_ref())) {
+        if let Some(arrivals) = &mut arrivals {
+            arrivals.set_area(op, area, elements[0]);
         }
         add_samples(op, area, elements, sums, |i, slot, _| {
-            let read = |end| reader.read_with(sky.as_ref(), slot as usize, &end);
+            let read = |end| reader.read_with(arrivals.as_ref(), slot as usize, &end);
             end(i, slot).map_or(Vec4::ZERO, read)
         });
     }

@@ -49,7 +49,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         (receivers, order): (Arc<R>, Order),
         plan: Plan,
     ) -> Self {
-        let lights = Arc::new(LightSet::new(&scene, plan.emitters));
+        let lights = Arc::new(LightSet::new(&scene, &plan));
         let elements = receivers.identity();
         Self { scene, tracer, basis, receivers, lights, plan, order, elements }
     }

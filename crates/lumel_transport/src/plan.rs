@@ -20,10 +20,12 @@ pub enum LightSampling {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EmitterSampling {
-    /// As lights while they are a tenth of all surfaces or less, else by rays.
+    /// Shadow rays go to triangles and texels by the light that they send. Where that has no closed form, hemisphere rays
+    /// find it too, and both are weighted so that neither is noisy. By hemisphere rays alone if nearly all surfaces emit the
+    /// same.
     #[default]
     Auto,
-    /// Every emissive triangle is a light that is sampled.
+    /// By shadow rays alone.
     Lights,
     /// Hemisphere rays find them. Free of noise when all surfaces emit, very noisy when few do.
     Rays,

@@ -1,14 +1,10 @@
-//! An image of the sky as a light: directions where it is bright, and how they go together with hemisphere rays.
+//! An image of the sky as a light: directions where it is bright.
 //!
-//! Direct light of an image is estimated by two sets of samples, shadow rays to bright texels and hemisphere rays that meet
-//! nothing. Each counts by its share of the density of both, so that neither a sun of a few texels nor a dim sky around it is
-//! noisy.
-//!
-//! Veach and Guibas, *Optimally Combining Sampling Techniques for Monte Carlo Rendering*, 1995: the balance heuristic.
+//! Direct light of an image is estimated by shadow rays to bright texels and hemisphere rays that meet nothing, in
+//! [balance](crate::balance), so that neither a sun of a few texels nor a dim sky around it is noisy.
 
-use crate::plan::Plan;
 use glam::Vec3;
-use lumel_sample::{PiecewiseConstant2D, cosine_hemisphere_pdf};
+use lumel_sample::PiecewiseConstant2D;
 use lumel_scene::{Radiance, SkyImage, luminance};
 use std::sync::Arc;
 
@@ -64,22 +60,6 @@ impl SkyLight {
     }
 }
 
-/// What a shadow ray to the sky counts by: the density of both sets of samples in its direction, per shadow ray, sr⁻¹.
-pub(crate) fn combined_pdf(plan: &Plan, pdf: f64, cos: f32) -> f64 {
-    pdf + f64::from(cosine_hemisphere_pdf(cos)) * hemisphere_rays_per_shadow_ray(plan)
-}
-
-/// The share that a hemisphere ray keeps of what it brings from the sky.
-pub(crate) fn hemisphere_share(plan: &Plan, pdf: f64, cos: f32) -> f32 {
-    let by_rays = f64::from(cosine_hemisphere_pdf(cos)) * hemisphere_rays_per_shadow_ray(plan);
-    (by_rays / (by_rays + pdf)) as f32
-}
-
-/// As requested: any number is unbiased, as long as both sets use the same.
-fn hemisphere_rays_per_shadow_ray(plan: &Plan) -> f64 {
-    f64::from(plan.indirect_samples) / f64::from(plan.direct_samples.max(1))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,15 +91,6 @@ mod tests {
             * std::f64::consts::PI
             * f64::from(luminance(lumel_scene::Sky::Image(sky.image.clone()).mean().0));
         assert!((sum / integral - 1.0).abs() < 1e-5, "{sum} {integral}");
-    }
-
-    #[test]
-    fn both_shares_of_a_direction_sum_to_one() {
-        let plan = Plan { direct_samples: 16, indirect_samples: 256, ..Plan::default() };
-        for (pdf, cos) in [(0.1, 0.5), (1e5, 0.9), (1e-6, 0.01)] {
-            let by_shadow_rays = pdf / combined_pdf(&plan, pdf, cos);
-            assert!((by_shadow_rays + f64::from(hemisphere_share(&plan, pdf, cos)) - 1.0).abs() < 1e-6);
-        }
     }
 
     #[test]

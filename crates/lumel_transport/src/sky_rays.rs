@@ -3,13 +3,13 @@
 //! Where rays end is stored without their directions; these follow from the sample points.
 
 use crate::area_pattern::AreaChunk;
+use crate::balance::Balance;
 use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::job::Source;
 use crate::operator::CpuTransport;
-use crate::order::CHUNK;
 use crate::plan::Plan;
-use crate::sky_light::{SkyLight, hemisphere_share};
+use crate::sky_light::SkyLight;
 use crate::trace::Rays;
 use crate::{Emitter, hemisphere};
 use glam::{DVec3, Vec3};
@@ -56,26 +56,20 @@ impl<'a> SkyRays<'a> {
         }
     }
 
-    /// How many elements of a chunk are read at once: one where its rays have to be known, else all.
-    pub(crate) fn side_by_side(sky: Option<&Self>) -> usize {
-        if sky.is_some() { 1 } else { CHUNK }
-    }
-
-    /// Takes the rays of [`trace::over_areas`](crate::trace::over_areas) of element `i` instead of those before, slot by slot.
-    pub(crate) fn set_area<B: Basis, R: Receivers>(
+    /// Takes the rays of [`trace::over_areas`](crate::trace::over_areas) of element `i`, from these sites, instead of those
+    /// before, slot by slot.
+    pub(crate) fn set_area<'s, B: Basis, R: Receivers>(
         &mut self,
         op: &CpuTransport<B, R>,
         chunk: &AreaChunk<'_>,
         i: usize,
+        sites: impl Iterator<Item = &'s Site>,
     ) {
-        let (samples, (key, turn)) = (chunk.pattern.len(), chunk.keys[i]);
-        let mut sites = Vec::with_capacity(samples as usize);
-        op.receivers.sites(chunk.elements[i], chunk.pattern.places(), &mut sites);
-        let stream = op.plan.stream(samples, key, Dim::Hemisphere);
-        let in_slot = |slot: u32| &sites[chunk.pattern.number(slot, turn) as usize];
+        let samples = chunk.pattern.len();
+        let stream = op.plan.stream(samples, chunk.keys[i].0, Dim::Hemisphere);
         let mut cells = CellOrder::default();
         self.rays.clear();
-        self.add((0..samples).map(in_slot), cells.points(&stream, samples));
+        self.add(sites, cells.points(&stream, samples));
     }
 
     fn add<'s>(&mut self, sites: impl Iterator<Item = &'s Site>, points: &[[f32; 2]]) {
@@ -92,7 +86,8 @@ impl<'a> SkyRays<'a> {
         }
         let Outgoing { direction, cos } = self.rays[at];
         let whole = self.sky.radiance(direction).cosine_sample();
-        let share = self.light.map_or(1.0, |light| hemisphere_share(self.plan, light.pdf(direction), cos));
+        let share =
+            self.light.map_or(1.0, |light| Balance::new(self.plan).ray_share(light.pdf(direction), cos));
         (whole.0 * share).as_dvec3()
     }
 }

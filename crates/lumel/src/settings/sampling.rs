@@ -24,8 +24,8 @@ choices! {
 
 choices! {
     EmitterSampling {
-        Auto = "auto", "Automatic", "as lights while they are a tenth of all surfaces or less, else by rays";
-        Lights = "lights", "As lights", "every emissive triangle is sampled as a light";
+        Auto = "auto", "Automatic", "by shadow rays to bright triangles and texels, and by hemisphere rays, weighted together";
+        Lights = "lights", "As lights", "by shadow rays alone";
         Rays = "rays", "By rays", "hemisphere rays find them: no noise if everything emits, much if little does";
         Off = "off", "Off", "not at all: only lights and sky emit";
     }

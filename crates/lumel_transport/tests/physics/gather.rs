@@ -73,7 +73,7 @@ fn reflected_light_of_a_cube_with_constant_walls_is_the_sum_over_its_walls() {
 fn emissive_walls_light_the_same_by_rays_and_as_lights() {
     let glow = |w: usize| grey(0.0, (RADIANCES[w] * PI) as f32);
     let stage = Stage::new(cube(1, [glow(0), glow(1), glow(2), glow(3), grey(0.0, 0.0), glow(4)]));
-    for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
+    for emitters in [EmitterSampling::Auto, EmitterSampling::Rays, EmitterSampling::Lights] {
         for combination in AtPoints::all() {
             let plan = Plan { emitters, ..combination.estimator.plan(64, 64) };
             let transport = stage.points(combination.solver, &[POINT], plan);

@@ -224,7 +224,7 @@ fn a_textured_mesh_light_equals_the_textured_rectangle() {
     let stage = Stage::new(SceneBuilder { textures: vec![picture()], ..builder });
     let point = (Vec3::new(0.2, 0.1, 0.0), Vec3::Z);
     let truth = picture_truth(&rect, &picture(), point.0.as_dvec3(), DVec3::Z);
-    for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
+    for emitters in [EmitterSampling::Auto, EmitterSampling::Rays, EmitterSampling::Lights] {
         for combination in AtPoints::all() {
             let plan = Plan { emitters, ..combination.estimator.plan(256, 256) };
             let transport = stage.points(combination.solver, &[point], plan);

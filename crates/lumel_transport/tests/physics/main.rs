@@ -3,6 +3,7 @@
 mod classic_bugs;
 mod convergence;
 mod elements;
+mod emissive;
 mod gather;
 mod lamps;
 mod patches;

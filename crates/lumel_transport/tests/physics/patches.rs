@@ -139,7 +139,7 @@ fn a_sphere_around_another_receives_all_its_light() {
     let outer = sphere(Vec3::ZERO, radius(1.0), level, Facing::Inward, 0);
     let stage = Stage::new(scene(vec![inner, outer], vec![grey(0.0, 0.0), grey(0.0, 1.0)], vec![]));
     for combination in Combination::all().filter(|c| c.method.storage == Storage::VertexArea) {
-        for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
+        for emitters in [EmitterSampling::Auto, EmitterSampling::Rays, EmitterSampling::Lights] {
             let plan = Plan { emitters, ..combination.estimator.plan(32, 32) };
             let operator = stage.operator(combination.method, plan);
             let areas = operator.basis.node_areas();
@@ -206,7 +206,7 @@ fn a_mesh_light_equals_the_rectangle_it_fills() {
     ));
     let corners = rect.corners().map(|p| p.as_dvec3());
     for combination in Combination::all() {
-        for emitters in [EmitterSampling::Rays, EmitterSampling::Lights] {
+        for emitters in [EmitterSampling::Auto, EmitterSampling::Rays, EmitterSampling::Lights] {
             let plan = Plan { emitters, ..combination.estimator.plan(64, 64) };
             let operator = stage.operator(combination.method, plan);
             let expected = stage.expected(&operator, &|p, n| {
