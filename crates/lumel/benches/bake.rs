@@ -103,7 +103,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Millions of rays per second on one core: hemisphere gathers and shadow rays to the first rectangle light.
 fn ray_rates(scene: &Arc<Scene>, bvh: &Bvh) -> (f64, f64) {
-    let receivers = PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene)));
+    let receivers = PointReceivers::at_vertices(&Arc::new(VertexBasis::new(Arc::clone(scene))));
     let n = receivers.element_count();
     let step = (n / RECEIVERS).max(1);
     let sites: Vec<(u32, Site)> =

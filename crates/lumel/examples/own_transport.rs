@@ -74,7 +74,7 @@ impl<T: Transport> Transport for Matrix<T> {
                 match (&other, job.source) {
                     (None, Source::Field(field)) => sums.push(node, 1.0, self.row(node.index(), field)),
                     (Some(measured), Source::Nothing) => {
-                        sums.push_back_faces(node, 1.0, measured.back_faces[node.index()].into());
+                        sums.push_hidden(node, 1.0, measured.hidden[node.index()].into());
                     }
                     (Some(measured), _) if measured.known[node.index()] => {
                         sums.push(node, 1.0, measured.field.node(node).0.as_dvec3());

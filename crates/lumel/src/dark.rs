@@ -1,48 +1,45 @@
 //! Faces that stay dark although they can be seen.
 
 use crate::Baker;
-use lumel_accel::Ray;
-use lumel_basis::{Basis, Field};
-use lumel_sample::{Dim, Frame, SamplerKind, StreamKey, cosine_hemisphere};
-use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use lumel_basis::{Basis, Field, NodeId};
 use lumel_solve::SolveState;
-
-/// Rays from the middle of a face that decide whether it can be seen.
-const RAYS: u32 = 16;
+use lumel_transport::{Control, CpuTransport, Job, Plan, Source, TransportError, accumulate};
+use std::sync::Arc;
 
 impl Baker {
     /// Triangles that can be seen but stay dark, because all vertices they hang together with lie inside geometry.
     ///
-    /// A beam whose ends stick in two posts is one: only more vertices on it help. Faces that are hidden themselves,
-    /// such as the underside of a box on a floor, do not count.
-    pub fn dark_faces(&self, state: &SolveState) -> usize {
-        if !state.valid.contains(&false) {
-            return 0;
-        }
+    /// A beam whose ends stick in two posts is one: it has to be measured over its [area](crate::Projection::Area), or needs
+    /// more vertices. Faces that are hidden themselves, such as the underside of a box on a floor, do not count.
+    ///
+    /// # Errors
+    /// When it is cancelled.
+    pub fn dark_faces(&self, state: &SolveState, control: &Control) -> Result<usize, TransportError> {
         let basis = self.basis();
         let mut nothing = Field::zeros(state.valid.len());
         let reached = basis.adjacency().extrapolate(&mut nothing, &state.valid);
-        let corner_nodes = basis.corner_nodes().unwrap_or_default();
-        let faces = (0..).map(TriId).zip(corner_nodes);
-        let dark = faces.filter(|(_, nodes)| nodes.iter().all(|node| !reached[node.index()]));
-        dark.filter(|(tri, _)| self.is_seen(*tri)).count()
+        let dark = |nodes: &&[NodeId; 3]| nodes.iter().all(|node| !reached[node.index()]);
+        let faces: Vec<[NodeId; 3]> =
+            basis.corner_nodes().unwrap_or_default().iter().filter(dark).copied().collect();
+        if faces.is_empty() {
+            return Ok(0);
+        }
+        let mut nodes = vec![false; state.valid.len()];
+        faces.iter().flatten().for_each(|node| nodes[node.index()] = true);
+        let visible = self.visible_over_areas(&nodes, control)?;
+        Ok(faces.iter().filter(|face| face.iter().any(|node| visible[node.index()])).count())
     }
 
-    /// Whether most rays from the middle of a triangle do not meet the back of a surface.
-    fn is_seen(&self, tri: TriId) -> bool {
-        let scene: &Scene = self.scene();
-        let middle = SurfacePoint { tri, bary: Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 } };
-        let normal = scene.geometric_normal(tri);
-        let frame = Frame::from_normal(normal);
-        let origin = scene.ray_origin(middle);
-        let stream =
-            SamplerKind::Sobol.for_count(RAYS).stream(StreamKey::new(0).element(tri.0), Dim::Validity);
-        let meets_back = |i: &u32| {
-            let direction = frame.to_world(cosine_hemisphere(stream.sample_2d(*i)));
-            let ray = Ray::new(origin, direction).skipping(scene.traced(tri));
-            self.tracer().closest_hit(&ray).is_some_and(|hit| scene.seen_side(hit.at, hit.side).is_none())
-        };
-        2 * (0..RAYS).filter(meets_back).count() < RAYS as usize
+    /// Whether most of the surface around each node of some can be seen.
+    fn visible_over_areas(&self, nodes: &[bool], control: &Control) -> Result<Vec<bool>, TransportError> {
+        let over_areas = self.surfaces().over_areas();
+        let measured = (Arc::clone(&over_areas.receivers), over_areas.order.clone());
+        let (scene, tracer) = (Arc::clone(self.scene()), Arc::clone(self.tracer()));
+        let basis = Arc::clone(&self.surfaces().basis);
+        let transport = CpuTransport::in_order(scene, tracer, basis, measured, Plan::default());
+        let transport = transport.with_samples(Plan::default(), nodes);
+        let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };
+        Ok(accumulate(&transport, &job, control, None)?.visible().collect())
     }
 }
 
@@ -86,7 +83,7 @@ mod tests {
         let baker = Baker::new(Arc::new(builder.build().unwrap().0), settings);
         let mut state = SolveState::new();
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
-        baker.dark_faces(&state)
+        baker.dark_faces(&state, &Control::default()).unwrap()
     }
 
     #[test]

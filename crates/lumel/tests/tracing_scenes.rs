@@ -20,7 +20,7 @@ fn sites(receivers: &PointReceivers, first: u32) -> Vec<Site> {
 
 fn assert_all_ways(scene: &Arc<Scene>, groups: u32) {
     let brute = BruteForce::new(scene);
-    let receivers = PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene)));
+    let receivers = PointReceivers::at_vertices(&Arc::new(VertexBasis::new(Arc::clone(scene))));
     let tree = Bvh::build(scene);
     let trees: Vec<Bvh> = InstructionSet::available()
         .into_iter()

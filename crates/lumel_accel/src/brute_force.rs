@@ -16,9 +16,7 @@ pub struct BruteForce {
 impl BruteForce {
     /// A tracer over the traced triangles of a scene.
     pub fn new(scene: &Scene) -> Self {
-        Self::from_corners(
-            (0..scene.traced_count() as u32).map(|t| scene.triangle_positions(TriId(t))).collect(),
-        )
+        Self::from_corners(scene.traced_corners())
     }
 
     /// A tracer over triangles given by their corners.

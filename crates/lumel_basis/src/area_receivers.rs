@@ -1,6 +1,7 @@
 //! Light measured over the triangles around vertices.
 
 use crate::{Basis, ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site, VertexBasis};
+use glam::Vec3;
 use lumel_sample::{Frame, uniform_triangle};
 use lumel_scene::{Barycentrics, TriId};
 use std::sync::Arc;
@@ -46,6 +47,14 @@ impl AreaReceivers {
             Site { origin: origins.at(bary.weights()), frame, skip }
         }
     }
+}
+
+/// What is closer above a triangle than this share of the edges of one of its area almost touches it.
+const REACH: f32 = 0.125;
+
+/// [`Receivers::reach`] of triangles of this area, m².
+pub(crate) fn reach_over(area: f32) -> f32 {
+    REACH * (2.0 * area).sqrt()
 }
 
 /// The mean number of samples may become this many times what was asked for: powers of two cannot keep it.
@@ -109,6 +118,20 @@ impl Receivers for AreaReceivers {
         for (node, weight) in self.basis.nodes_of(TriId(element.0)).into_iter().zip([a, b, 1.0 - a - b]) {
             nodes.push(node, weight * area);
         }
+    }
+
+    fn reach(&self, element: ElementId) -> f32 {
+        reach_over(self.areas[element.index()])
+    }
+
+    fn touches(&self, element: ElementId, tri: TriId) -> bool {
+        let [own, other] = [TriId(element.0), tri].map(|tri| self.basis.scene().triangle_positions(tri));
+        other.iter().any(|corner| own.contains(corner))
+    }
+
+    fn beside(&self, element: ElementId, beside: &mut Vec<Vec3>) {
+        let origins = self.basis.scene().ray_origins(TriId(element.0));
+        beside.extend([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|corner| origins.at(corner)));
     }
 
     #[inline]

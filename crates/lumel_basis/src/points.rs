@@ -1,9 +1,10 @@
 //! Light measured at points.
 
+use crate::vertex_receivers::Vertices;
 use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
 use glam::{DVec3, Vec3};
 use lumel_sample::Frame;
-use lumel_scene::{Scene, SurfacePoint};
+use lumel_scene::{Scene, SurfacePoint, TriId};
 
 /// Points at which light is measured; each is a node of its own.
 ///
@@ -13,6 +14,8 @@ use lumel_scene::{Scene, SurfacePoint};
 pub struct PointReceivers {
     identity: Identity,
     sites: Vec<Site>,
+    /// If they lie at vertices.
+    vertices: Option<Vertices>,
 }
 
 impl PointReceivers {
@@ -53,12 +56,12 @@ impl PointReceivers {
         let sites: Vec<Site> = points.into_iter().enumerate().map(site).collect::<Result<_, usize>>()?;
         let vectors = sites.iter().flat_map(|site| [site.origin, site.frame.normal]);
         let bytes: Vec<u8> = vectors.flat_map(|v| v.to_array().map(f32::to_le_bytes)).flatten().collect();
-        Ok(Self::from_sites(Identity::new("points", [bytes.as_slice()]), sites))
+        Ok(Self::from_sites(Identity::new("points", [bytes.as_slice()]), sites, None))
     }
 
     /// Receivers at sites that `identity` tells from others.
-    pub(crate) fn from_sites(identity: Identity, sites: Vec<Site>) -> Self {
-        Self { identity, sites }
+    pub(crate) fn from_sites(identity: Identity, sites: Vec<Site>, vertices: Option<Vertices>) -> Self {
+        Self { identity, sites, vertices }
     }
 }
 
@@ -89,5 +92,18 @@ impl Receivers for PointReceivers {
 
     fn towards(&self, element: ElementId, _: [f32; 2], nodes: &mut NodeWeights) {
         nodes.push(NodeId(element.0), 1.0);
+    }
+
+    fn reach(&self, element: ElementId) -> f32 {
+        self.vertices.as_ref().map_or(0.0, |vertices| vertices.reaches[element.index()])
+    }
+
+    fn touches(&self, element: ElementId, tri: TriId) -> bool {
+        self.vertices.as_ref().is_some_and(|vertices| vertices.touches(element.index(), tri))
+    }
+
+    fn beside(&self, element: ElementId, origins: &mut Vec<Vec3>) {
+        let beside = self.vertices.iter().flat_map(|vertices| vertices.beside(element.index()));
+        origins.extend(beside.map(|neighbour| self.sites[neighbour].origin));
     }
 }

@@ -94,6 +94,20 @@ pub trait Receivers: Send + Sync {
         None
     }
 
+    /// How near above an element another surface almost touches it, metres: a small part of its size. Zero where elements
+    /// have none.
+    fn reach(&self, _element: ElementId) -> f32 {
+        0.0
+    }
+
+    /// Whether a triangle has a corner in common with an element.
+    fn touches(&self, _element: ElementId, _tri: TriId) -> bool {
+        false
+    }
+
+    /// Adds where rays start at the places next to an element's sites, on the same surface: what lies in between cuts it.
+    fn beside(&self, _element: ElementId, _origins: &mut Vec<Vec3>) {}
+
     /// A place that stands for all of an element: its own, or about the middle of its area.
     fn central_site(&self, element: ElementId) -> Site {
         self.site(element, CENTER)

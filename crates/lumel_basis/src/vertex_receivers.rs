@@ -1,9 +1,11 @@
 //! Light measured at vertices.
 
-use crate::{Basis, PointReceivers, Site, VertexBasis};
+use crate::area_receivers::reach_over;
+use crate::{Basis, NodeId, PointReceivers, Site, VertexBasis};
 use glam::DVec3;
 use lumel_sample::Frame;
 use lumel_scene::{Margins, Scene, TriId};
+use std::sync::Arc;
 
 /// How far a vertex's rays start inside its ring of triangles, as a share of the way to the ring's centre.
 ///
@@ -23,9 +25,12 @@ impl PointReceivers {
     ///
     /// The error falls with the square of the edge length where light is smooth. A vertex inside other geometry sees
     /// back faces and is found invalid.
-    pub fn at_vertices(basis: &VertexBasis) -> Self {
-        let sites = rings(basis).iter().map(|ring| ring.site(basis.scene())).collect();
-        Self::from_sites(basis.identity().derived("vertices"), sites)
+    pub fn at_vertices(basis: &Arc<VertexBasis>) -> Self {
+        let rings = rings(basis);
+        let sites = rings.iter().map(|ring| ring.site(basis.scene())).collect();
+        let reaches = rings.iter().map(Ring::reach).collect();
+        let vertices = Vertices { basis: Arc::clone(basis), reaches };
+        Self::from_sites(basis.identity().derived("vertices"), sites, Some(vertices))
     }
 }
 
@@ -33,6 +38,7 @@ impl PointReceivers {
 #[derive(Clone, Copy)]
 struct Ring {
     vertex: u32,
+    triangles: u32,
     area: f64,
     /// The largest offset and clearance of its triangles, metres.
     offset: f64,
@@ -46,6 +52,7 @@ struct Ring {
 fn rings(basis: &VertexBasis) -> Vec<Ring> {
     let zero = |&vertex: &u32| Ring {
         vertex,
+        triangles: 0,
         area: 0.0,
         offset: 0.0,
         clearance: 0.0,
@@ -63,6 +70,7 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
         let height = scene.least_height(tri);
         for node in basis.nodes_of(tri) {
             let ring = &mut rings[node.index()];
+            ring.triangles += 1;
             ring.area += area;
             ring.offset = ring.offset.max(offset);
             ring.clearance = ring.clearance.max(clearance);
@@ -74,7 +82,32 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
     rings
 }
 
+/// The vertices that points lie at.
+#[derive(Clone, Debug)]
+pub(crate) struct Vertices {
+    basis: Arc<VertexBasis>,
+    /// [`Receivers::reach`](crate::Receivers::reach) of each.
+    pub(crate) reaches: Vec<f32>,
+}
+
+impl Vertices {
+    /// Whether a triangle has a corner at a vertex.
+    pub(crate) fn touches(&self, node: usize, tri: TriId) -> bool {
+        let scene = self.basis.scene();
+        scene.triangle_positions(tri).contains(&scene.positions()[self.basis.first_vertices()[node] as usize])
+    }
+
+    /// The vertices next to one.
+    pub(crate) fn beside(&self, node: usize) -> impl Iterator<Item = usize> {
+        self.basis.adjacency().neighbours(NodeId(node as u32)).map(|(neighbour, _)| neighbour.index())
+    }
+}
+
 impl Ring {
+    fn reach(&self) -> f32 {
+        reach_over((self.area / f64::from(self.triangles.max(1))) as f32)
+    }
+
     fn site(&self, scene: &Scene) -> Site {
         let vertex = scene.positions()[self.vertex as usize].as_dvec3();
         let shading = scene.normals()[self.vertex as usize];

@@ -5,15 +5,16 @@ use crate::error::{MAX_TRIANGLES, SceneError};
 use crate::face_list::{FaceList, Given};
 use crate::scene::Scene;
 use crate::transparency::Looks;
-use crate::{SceneBuilder, Sides, Warnings, check, normals, resolution, sanitize};
+use crate::{SceneBuilder, Sides, Warnings, check, coincident, normals, resolution, sanitize};
 
 impl SceneBuilder {
     /// Checks, cleans and freezes the scene. What had to be left out is in the warnings.
     ///
     /// A scene far from its origin is [recentred](Self::recenter). Triangles that are fully transparent, have positions
-    /// that are not finite or an area below 1e-12 of the squared diagonal are dropped. Missing normals are made; vertices
-    /// are split where neighbouring faces turn sharply. Faces of
-    /// two-sided materials get a second face for the back, with vertices of its own. The order of vertices is kept,
+    /// that are not finite or an area below 1e-12 of the squared diagonal are dropped, and so are all but one of those in
+    /// the same place that face the same way; two that face opposite ways become the sides of one surface. Missing normals
+    /// are made; vertices are split where neighbouring faces turn sharply. Faces of two-sided materials get a second face
+    /// for the back, with vertices of its own. The order of vertices is kept,
     /// split-off ones follow those of their object, and those of back sides come last. [`Scene::input_mesh`] leads
     /// back to the vertices and faces as they were given here.
     ///
@@ -33,11 +34,15 @@ impl SceneBuilder {
             .collect();
         let smallest = 1e-12 * self.diagonal_squared();
         let mut faces = FaceList::default();
-        let objects = std::mem::take(&mut self.objects);
-        for ((mut object, face_count), present) in objects.into_iter().zip(face_counts).zip(present) {
+        let mut objects = std::mem::take(&mut self.objects);
+        let mut kept = Vec::with_capacity(objects.len());
+        for (object, present) in objects.iter_mut().zip(present) {
+            resolution::check(object, &mut warnings)?;
+            kept.push(sanitize::object(object, present, smallest, &mut warnings));
+        }
+        let pairs = coincident::resolve(&mut objects, &mut kept, &self.materials, &mut warnings);
+        for ((mut object, kept), face_count) in objects.into_iter().zip(kept).zip(face_counts) {
             let vertex_count = object.positions.len() as u32;
-            resolution::check(&object, &mut warnings)?;
-            let kept = sanitize::object(&mut object, present, smallest, &mut warnings);
             let mut vertices: Vec<u32> = (0..vertex_count).collect();
             let mut note_copies = |copies: Vec<u32>| {
                 copies.into_iter().for_each(|vertex| vertices.push(vertices[vertex as usize]));
@@ -50,7 +55,7 @@ impl SceneBuilder {
             return Err(SceneError::Empty { scene: self.name });
         }
         let two_sided: Vec<bool> = self.materials.iter().map(|m| m.sides == Sides::Both).collect();
-        faces.add_back_sides(&two_sided);
+        faces.add_back_sides(&two_sided, &pairs);
         if looks.vary() {
             faces.note_transparent(&looks);
         }

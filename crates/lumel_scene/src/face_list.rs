@@ -1,5 +1,6 @@
 //! Triangles and vertices as the scene stores them.
 
+use crate::coincident::FaceRef;
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
 use crate::transparency::{Look, Looks};
@@ -18,7 +19,7 @@ pub(crate) struct FaceList {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) materials: Vec<MaterialId>,
     pub(crate) objects: Vec<ObjectId>,
-    /// Triangles up to here are met by rays.
+    /// Triangles up to here are met by rays, but for those that are the back of another one before them.
     pub(crate) traced: usize,
     /// The triangle on the other side, or itself if there is none.
     pub(crate) other_side: Vec<TriId>,
@@ -64,13 +65,18 @@ impl FaceList {
         self.origins.push(origin);
     }
 
-    /// Gives every triangle of a two-sided material a partner for its back.
-    pub(crate) fn add_back_sides(&mut self, two_sided: &[bool]) {
+    /// Makes pairs of triangles in one place the two sides of one surface, and gives every other triangle of a two-sided
+    /// material a partner for its back.
+    pub(crate) fn add_back_sides(&mut self, two_sided: &[bool], pairs: &[[FaceRef; 2]]) {
         self.traced = self.triangles.len();
         self.other_side = (0..self.traced as u32).map(TriId).collect();
+        for pair in pairs {
+            let [front, back] = pair.map(|at| self.origins[at.object].first_triangle as usize + at.face);
+            self.pair(front, back);
+        }
         let mut back_vertex = vec![u32::MAX; self.positions.len()];
         for tri in 0..self.traced {
-            if !two_sided[self.materials[tri].index()] {
+            if !two_sided[self.materials[tri].index()] || self.other_side[tri].index() != tri {
                 continue;
             }
             let [a, b, c] = self.triangles[tri].map(|front| {
@@ -108,6 +114,17 @@ impl FaceList {
             |tri: usize| looks.of(self.materials[tri].index(), self.corner_alphas(tri)) == Look::Transparent;
         let transparent: Vec<bool> = (0..self.triangles.len()).map(is_transparent).collect();
         self.transparent = if transparent.contains(&true) { transparent } else { Vec::new() };
+    }
+
+    /// Makes two triangles with the same corners and opposite windings the sides of one surface.
+    fn pair(&mut self, front: usize, back: usize) {
+        self.other_side[front] = TriId(back as u32);
+        self.other_side[back] = TriId(front as u32);
+        // As a back has them: barycentrics on the one side are those on the other with the first two exchanged.
+        let last = self.positions[self.triangles[front][2] as usize];
+        while self.positions[self.triangles[back][2] as usize] != last {
+            self.triangles[back].rotate_left(1);
+        }
     }
 
     fn copy_vertex_for_back(&mut self, front: usize) {

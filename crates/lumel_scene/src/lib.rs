@@ -11,6 +11,7 @@ mod build;
 mod builder;
 mod camera;
 mod check;
+mod coincident;
 mod corners;
 mod creases;
 mod edge_length;
@@ -29,6 +30,7 @@ mod resolution;
 mod runs;
 mod sanitize;
 mod scene;
+mod shells;
 mod sky;
 mod tessellate;
 #[cfg(test)]
@@ -39,6 +41,7 @@ mod triangle;
 mod units;
 mod vertex_map;
 mod warning;
+mod weld;
 
 pub use address::{Barycentrics, FaceSide, MaterialId, ObjectId, SurfacePoint, TextureId, TriId};
 pub use bounds::Bounds;

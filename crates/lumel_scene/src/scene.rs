@@ -9,7 +9,7 @@ use crate::material::sound;
 use crate::transparency::mean;
 use crate::{
     Albedo, AlphaMode, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId,
-    Radiance, SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
+    Radiance, SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, shells, triangle,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
@@ -18,7 +18,8 @@ use std::sync::{Arc, OnceLock};
 ///
 /// The first [`Scene::traced_count`] triangles are what rays meet. Two-sided ones among them have a second triangle
 /// for their back, after those, with reversed corners and vertices of its own: light on the two sides of a thin wall
-/// never mixes, and every triangle is lit from its front only.
+/// never mixes, and every triangle is lit from its front only. Where two triangles were given in one place, back to back, the
+/// second is the back of the first.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Shared by all scenes that differ in their lights only.
@@ -44,6 +45,8 @@ struct Unlit {
     sky: Sky,
     bounds: Bounds,
     usual_size: OnceLock<f64>,
+    /// Whether each triangle belongs to a closed shell; made when a ray first meets a back.
+    solids: OnceLock<Vec<bool>>,
     geometry_hash: OnceLock<blake3::Hash>,
     surfaces_hash: OnceLock<SurfacesHash>,
 }
@@ -66,6 +69,7 @@ impl Scene {
             cameras: builder.cameras,
             sky: builder.sky,
             usual_size: OnceLock::new(),
+            solids: OnceLock::new(),
             geometry_hash: OnceLock::new(),
             surfaces_hash: OnceLock::new(),
         };
@@ -232,6 +236,10 @@ impl Scene {
         let area = |tri: u32| triangle::area(self.triangle_positions(TriId(tri)));
         let n = self.traced_count();
         *self.unlit.usual_size.get_or_init(|| ((0..n as u32).map(area).sum::<f64>() / n as f64).sqrt())
+    }
+
+    pub(crate) fn solids(&self) -> &[bool] {
+        self.unlit.solids.get_or_init(|| shells::closed(&self.unlit.faces))
     }
 
     /// Hashes that tell this scene from others.
@@ -418,7 +426,18 @@ impl Scene {
     /// The triangle that rays meet for this one: itself, or the front whose back it is.
     #[inline]
     pub fn traced(&self, tri: TriId) -> TriId {
-        if tri.index() < self.unlit.faces.traced { tri } else { self.unlit.faces.other_side[tri.index()] }
+        tri.min(self.unlit.faces.other_side[tri.index()])
+    }
+
+    /// The corners of the triangles that rays meet, by [`TriId`].
+    ///
+    /// A triangle that is the back of another one has no area here, so that nothing meets it.
+    pub fn traced_corners(&self) -> Vec<[Vec3; 3]> {
+        let corners = |tri| match self.triangle_positions(tri) {
+            [a, ..] if self.traced(tri) != tri => [a; 3],
+            corners => corners,
+        };
+        (0..self.traced_count() as u32).map(|tri| corners(TriId(tri))).collect()
     }
 
     /// The lit surface point that a ray sees when it meets the traced triangle of `at` on `side`.

@@ -3,7 +3,7 @@
 use crate::edge_length::EdgeLength;
 use crate::mesh::{Face, ObjectMesh};
 use crate::triangle::{area, least_height, longest_edge};
-use crate::{SceneBuilder, SceneError, Warnings, normals};
+use crate::{SceneBuilder, SceneError, Warnings, coincident, normals};
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -37,6 +37,7 @@ impl SceneBuilder {
             return Err(SceneError::BadEdgeLength(max_edge));
         }
         self.recenter();
+        coincident::unify_diagonals(&mut self.objects);
         let rule = self.rule(EdgeLength::Uniform(f64::from(max_edge)));
         // Nothing is made before it is known that it fits.
         let bound: f64 = self.objects.iter().map(|o| rule.fewest_triangles(o, f64::from(max_edge))).sum();
@@ -55,6 +56,7 @@ impl SceneBuilder {
     /// already stay as they are. Returns the length too, `None` if nothing was split.
     pub fn tessellate_to_suit(&mut self) -> (Option<f32>, Warnings) {
         self.recenter();
+        coincident::unify_diagonals(&mut self.objects);
         let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
         let given = self.face_count();
         let limit = given.saturating_add(MAX_ADDED);

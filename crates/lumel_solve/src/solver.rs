@@ -8,9 +8,6 @@ use lumel_basis::{Basis, Field, Identity, Sampling};
 use lumel_transport::{Control, Job, Measured, PartialField, Source, Transport, TransportError, accumulate};
 use std::sync::Arc;
 
-/// Nodes that meet back faces with more than a quarter of their rays lie inside geometry.
-const MAX_BACK_FACES: f32 = 0.25;
-
 /// Why a solve ended early.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -179,8 +176,7 @@ pub(crate) fn find_valid(
     let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };
     let measured = accumulate(transport, &job, control, None)?;
     observer.step_done(Step::Validity, state);
-    let is_valid = |(back_faces, known): (&f32, &bool)| *known && *back_faces <= MAX_BACK_FACES;
-    Ok(measured.back_faces.iter().zip(&measured.known).map(is_valid).collect())
+    Ok(measured.visible().collect())
 }
 
 /// Makes snapshots of a bounce under way.

@@ -7,9 +7,6 @@ use lumel_basis::{Basis, Field, FieldLighting, Lighting, PointReceivers};
 use lumel_scene::{Scene, SurfacePoint};
 use lumel_transport::{Control, Job, Source, Transport, accumulate};
 
-/// Points that meet back faces with more than this share of their rays lie inside geometry; the same as for nodes.
-const MAX_BACK_FACES: f32 = 0.25;
-
 /// Light at random points of the surfaces, to compare other light with.
 ///
 /// Points are uniform by area over all surfaces, so that the errors found are means over the surfaces. The normals are the
@@ -90,9 +87,9 @@ impl<'a> Reference<'a> {
                 Field::sum(points.len(), [&direct].into_iter().chain(&reflected))
             })
             .collect();
-        let back_faces = measure(Source::Nothing, 0, 0).back_faces;
+        let visible: Vec<bool> = measure(Source::Nothing, 0, 0).visible().collect();
         let mut reference = Self { scene, points: vec![], values: vec![], variances: vec![] };
-        for (i, at) in points.into_iter().enumerate().filter(|(i, _)| back_faces[*i] <= MAX_BACK_FACES) {
+        for (i, at) in points.into_iter().enumerate().filter(|(i, _)| visible[*i]) {
             let channel = |k: usize| Estimate::new(fields.iter().map(|f| f64::from(f.values()[i][k])));
             let channels = [0, 1, 2].map(channel);
             reference.points.push(at);

@@ -17,7 +17,7 @@ type MakeReceivers = fn(Arc<Scene>) -> Box<dyn Receivers>;
 const BASES: [(&str, MakeBasis); 1] = [("vertices", |scene| Box::new(VertexBasis::new(scene)))];
 
 const RECEIVERS: [(&str, MakeReceivers); 3] = [
-    ("at vertices", |scene| Box::new(PointReceivers::at_vertices(&VertexBasis::new(scene)))),
+    ("at vertices", |scene| Box::new(PointReceivers::at_vertices(&Arc::new(VertexBasis::new(scene))))),
     ("over areas", |scene| Box::new(AreaReceivers::new(Arc::new(VertexBasis::new(scene))))),
     ("at points", |scene| Box::new(centres(&scene))),
 ];

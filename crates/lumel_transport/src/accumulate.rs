@@ -13,9 +13,8 @@ pub struct Measured {
     pub field: Field,
     /// Whether a node was measured.
     pub known: Vec<bool>,
-    /// Share of hemisphere rays that met back faces, from 0 to 1; zero unless the source was
-    /// [nothing](crate::Source::Nothing).
-    pub back_faces: Vec<f32>,
+    /// Share of the sites that nobody can see, from 0 to 1; zero unless the source was [nothing](crate::Source::Nothing).
+    pub hidden: Vec<f32>,
 }
 
 /// Looks at a measurement that is still under way.
@@ -83,12 +82,20 @@ impl Slots<'_> {
     }
 }
 
+/// A node of whose sites more than this share is hidden is not measured.
+const MAX_HIDDEN: f32 = 0.5;
+
 impl Measured {
+    /// Which nodes can be measured, as a measurement of [nothing](crate::Source::Nothing) says: some of their sites are seen.
+    pub fn visible(&self) -> impl Iterator<Item = bool> {
+        self.hidden.iter().zip(&self.known).map(|(hidden, known)| *known && *hidden <= MAX_HIDDEN)
+    }
+
     /// Merges sums in the order they come in and divides by the weights.
     pub fn merge<'a>(nodes: usize, channels: usize, sums: impl IntoIterator<Item = &'a Sums>) -> Self {
         let mut weights = vec![0.0f64; nodes];
         let mut values = vec![DVec3::ZERO; nodes * channels];
-        let mut back_faces = vec![0.0f64; nodes];
+        let mut hidden = vec![0.0f64; nodes];
         for sums in sums {
             let entries = sums.nodes.iter().zip(&sums.weights).zip(sums.values.chunks_exact(channels));
             for ((node, weight), new) in entries {
@@ -96,8 +103,8 @@ impl Measured {
                 let sum = &mut values[node.index() * channels..][..channels];
                 sum.iter_mut().zip(new).for_each(|(sum, new)| *sum += *new);
             }
-            for (node, share) in sums.nodes.iter().zip(&sums.back_faces) {
-                back_faces[node.index()] += share;
+            for (node, share) in sums.nodes.iter().zip(&sums.hidden) {
+                hidden[node.index()] += share;
             }
         }
         let mean = |(value, weight): (&DVec3, f64)| {
@@ -110,7 +117,7 @@ impl Measured {
         Self {
             field: Field::with_channels(channels, values),
             known: weights.iter().map(|weight| *weight > 0.0).collect(),
-            back_faces: back_faces.iter().zip(&weights).map(share).collect(),
+            hidden: hidden.iter().zip(&weights).map(share).collect(),
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::area_pattern::AreaPatterns;
 use crate::arrivals::Arrivals;
 use crate::ends::StoredEnd;
 use crate::group::Group;
+use crate::hidden;
 use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
 use crate::measure::{self, Reader, VALIDITY_RAYS};
 use crate::operator::CpuTransport;
@@ -185,7 +186,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                 }
                 _ => self.direct_at_points(job, mask, rows, control)?,
             },
-            (None, _) => self.back_faces_at_points(job, rows),
+            (None, _) => self.hidden_at_points(job, rows, control)?,
         };
         control.count(rows.elements.len() as u64, 0);
         Ok(sums)
@@ -251,14 +252,19 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         Ok(group.irradiance(&values))
     }
 
-    fn back_faces_at_points(&self, job: &Job<'_>, rows: ChunkRows<'_>) -> Sums {
+    fn hidden_at_points(
+        &self,
+        job: &Job<'_>,
+        rows: ChunkRows<'_>,
+        control: &Control,
+    ) -> Result<Sums, TransportError> {
         let (active, group) = self.active(job, rows.elements);
         let lanes = rows.elements.len();
-        let share = |lane: usize| {
-            let row = rows.ends.iter().skip(lane).step_by(lanes);
+        let share = |i: usize| {
+            let row = rows.ends.iter().skip(active[i]).step_by(lanes);
             row.filter(|end| **end == StoredEnd::BACK_FACE).count() as f64 / rows.per_element() as f64
         };
-        group.back_faces(&active.into_iter().map(share).collect::<Vec<_>>())
+        hidden::at_points(&self.inner, &group, |element| self.inner.key(job, element), control, share)
     }
 }
 

@@ -35,9 +35,9 @@ impl Group {
         self.sums(|sums, i, node, weight| sums.push(node, weight, values[i]))
     }
 
-    /// The sums of the group, from the share of rays that met back faces at each site.
-    pub(crate) fn back_faces(&self, shares: &[f64]) -> Sums {
-        self.sums(|sums, i, node, weight| sums.push_back_faces(node, weight, shares[i]))
+    /// The sums of the group, from how much of each site is hidden.
+    pub(crate) fn hidden(&self, shares: &[f64]) -> Sums {
+        self.sums(|sums, i, node, weight| sums.push_hidden(node, weight, shares[i]))
     }
 
     fn sums(&self, mut push: impl FnMut(&mut Sums, usize, lumel_basis::NodeId, f64)) -> Sums {

@@ -15,7 +15,7 @@ pub enum Source<'a> {
     Emitters(Option<&'a EmitterMask>),
     /// The surfaces, with this irradiance on them: one bounce.
     Field(&'a Field),
-    /// Nothing: only [back faces](Sums::back_faces) are counted, which tell whether an element is valid.
+    /// Nothing: it is only found out what is [hidden](Sums::hidden).
     Nothing,
 }
 

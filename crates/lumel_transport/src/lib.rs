@@ -25,6 +25,7 @@ mod ends;
 mod gather;
 mod group;
 mod hemisphere;
+mod hidden;
 mod job;
 mod light_cone;
 mod light_points;

@@ -11,6 +11,7 @@ use crate::direct_area::{AreaSites, Batch};
 use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::hemisphere;
+use crate::hidden;
 use crate::job::{Control, Job, Source, TransportError};
 use crate::light_points::LightPoints;
 use crate::operator::CpuTransport;
@@ -78,8 +79,8 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
         trace::at_points(op, group, rays, key, control, |i, end| {
             back_faces[i] += u32::from(end == RayEnd::BackFace);
         })?;
-        let share = |&n: &u32| f64::from(n) / f64::from(per_element);
-        return Ok(group.back_faces(&back_faces.iter().map(share).collect::<Vec<_>>()));
+        let share = |i: usize| f64::from(back_faces[i]) / f64::from(per_element);
+        return hidden::at_points(op, group, key, control, share);
     }
     let mut values = vec![DVec3::ZERO; group.len()];
     if let Source::Emitters(mask) = job.source {
@@ -187,7 +188,7 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
     Ok(Sums::of_elements(sums, matches!(job.source, Source::Nothing)))
 }
 
-/// Adds what arrives along the rays of each element; of [nothing](Source::Nothing), whether they met back faces.
+/// Adds what arrives along the rays of each element; of [nothing](Source::Nothing), whether their sites are hidden.
 fn add_rays<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     source: Source<'_>,
@@ -200,8 +201,7 @@ fn add_rays<B: Basis, R: Receivers>(
     let end = |i: usize, slot: u32| ends[slot as usize * lanes + i];
     if matches!(source, Source::Nothing) {
         return add_samples(op, area, &all, sums, |i, slot, _| {
-            let met_back_face = end(i, slot).is_none_or(|end| end == RayEnd::BackFace);
-            Vec3::splat(f32::from(u8::from(met_back_face))).extend(1.0)
+            Vec3::splat(f32::from(u8::from(end(i, slot).is_none()))).extend(1.0)
         });
     }
     add_arrivals(op, source, area, &all, sums, end);

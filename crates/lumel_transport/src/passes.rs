@@ -35,7 +35,7 @@ impl Pass {
                 let means = measured.field.coefficients(node).iter();
                 sums.values.extend(means.map(|mean| mean.as_dvec3() * self.samples));
                 if matches!(job.source, Source::Nothing) {
-                    sums.back_faces.push(f64::from(measured.back_faces[node.index()]) * self.samples);
+                    sums.hidden.push(f64::from(measured.hidden[node.index()]) * self.samples);
                 }
             }
         }

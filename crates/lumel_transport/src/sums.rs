@@ -17,16 +17,16 @@ pub struct Sums {
     pub weights: Vec<f64>,
     /// Weighted sum of what was measured, W·m⁻²: as many values per entry as the operator has channels, side by side.
     pub values: Vec<DVec3>,
-    /// Weighted share of hemisphere rays that met the back of a surface; empty unless the source was
+    /// Weighted share of sites that nobody can see, inside geometry for example; empty unless the source was
     /// [nothing](crate::Source::Nothing).
-    pub back_faces: Vec<f64>,
+    pub hidden: Vec<f64>,
 }
 
 impl Sums {
     /// No entries yet, with room for some of one channel.
     pub fn with_capacity(entries: usize) -> Self {
         let (nodes, weights) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
-        Self { nodes, weights, values: Vec::with_capacity(entries), back_faces: Vec::new() }
+        Self { nodes, weights, values: Vec::with_capacity(entries), hidden: Vec::new() }
     }
 
     /// Number of entries.
@@ -46,23 +46,23 @@ impl Sums {
         self.values.push(value * weight);
     }
 
-    /// Adds an entry for a measurement of validity alone: the share of rays that met back faces.
-    pub fn push_back_faces(&mut self, node: NodeId, weight: f64, share: f64) {
+    /// Adds an entry for a measurement of validity alone: the share of sites that nobody can see.
+    pub fn push_hidden(&mut self, node: NodeId, weight: f64, share: f64) {
         self.push(node, weight, DVec3::ZERO);
-        self.back_faces.push(share * weight);
+        self.hidden.push(share * weight);
     }
 
-    /// An entry for each node of each element. Where only back faces were counted, the values are the shares of rays
-    /// that met them.
-    pub(crate) fn of_elements(elements: Vec<ElementSums>, are_back_faces: bool) -> Self {
+    /// An entry for each node of each element. Where it was only found out what is hidden, the values are the
+    /// shares of it.
+    pub(crate) fn of_elements(elements: Vec<ElementSums>, are_hidden: bool) -> Self {
         let mut sums = Self::with_capacity(elements.iter().map(|element| element.0.len()).sum());
         for (node, weight, value) in elements.into_iter().flat_map(|element| element.0) {
             sums.nodes.push(node);
             sums.weights.push(weight);
-            if are_back_faces {
-                sums.back_faces.push(value.x);
+            if are_hidden {
+                sums.hidden.push(value.x);
             }
-            sums.values.push(if are_back_faces { DVec3::ZERO } else { value });
+            sums.values.push(if are_hidden { DVec3::ZERO } else { value });
         }
         sums
     }

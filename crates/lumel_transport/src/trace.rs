@@ -4,16 +4,11 @@ use crate::area_pattern::AreaChunk;
 use crate::ends::RayEnd;
 use crate::gather::Gather;
 use crate::group::Group;
-use crate::hemisphere;
+use crate::hidden::Lookout;
 use crate::job::{Control, TransportError};
 use crate::operator::CpuTransport;
-use lumel_basis::{Basis, ElementId, Receivers, Site};
-use lumel_sample::{CellOrder, Dim, Sampler, StreamKey};
-
-/// Rays that decide whether an origin on an area lies inside geometry, and how many must meet the back of a surface:
-/// three quarters, which an origin that sees back faces in a third of its hemisphere reaches once in fifty times.
-const INSIDE_RAYS: u32 = 8;
-const INSIDE_BACK_FACES: usize = 6;
+use lumel_basis::{Basis, ElementId, Receivers};
+use lumel_sample::{CellOrder, Dim, StreamKey};
 
 /// The hemisphere rays of an element.
 #[derive(Clone, Copy)]
@@ -48,7 +43,8 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
 
 /// Traces the ray of every sample of a chunk of areas; where each ends, slot by slot, with the elements side by side.
 ///
-/// `None` for samples inside geometry: they are left out, so that what is hidden does not darken what is not.
+/// `None` for samples that nobody can see: they are left out, so that what is [hidden](crate::hidden) does not darken what is
+/// not.
 pub(crate) fn over_areas<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     chunk: &AreaChunk<'_>,
@@ -68,40 +64,31 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
         sites.push(op.receivers.central_site(element));
     }
     let mut ends = vec![None; lanes * samples as usize];
-    let mut next = vec![0; lanes];
+    let (mut next, mut doubtful) = (vec![0; lanes], Vec::new());
+    let mut lookout = Lookout::new(op);
+    let reach: Vec<f32> = chunk.elements.iter().map(|&element| op.receivers.reach(element)).collect();
     gather.trace(&*op.tracer, &sites, samples as usize, control, |i, hit| {
-        ends[next[i] * lanes + i] = Some(RayEnd::new(&op.scene, hit));
+        let (at, end) = (next[i] * lanes + i, RayEnd::new(&op.scene, hit));
+        let is_near = hit.is_some_and(|hit| hit.t < reach[i]);
+        if is_near || end == RayEnd::BackFace {
+            doubtful.push((at, is_near));
+        }
+        ends[at] = Some(end);
         next[i] += 1;
     })?;
-    let mut n_rays = ends.len() as u64;
-    for (at, end) in ends.iter_mut().enumerate().filter(|(_, end)| **end == Some(RayEnd::BackFace)) {
+    for (at, is_near) in doubtful {
         control.check()?;
         let (slot, i) = ((at / lanes) as u32, at % lanes);
-        let (key, turn) = chunk.keys[i];
-        n_rays += u64::from(INSIDE_RAYS);
+        let (element, (key, turn)) = (chunk.elements[i], chunk.keys[i]);
         let number = chunk.pattern.number(slot, turn);
-        let site = op.receivers.site(chunk.elements[i], chunk.pattern.place(number).0);
-        if is_inside(op, &site, key.pass(number)) {
-            *end = None;
+        let site = op.receivers.site(element, chunk.pattern.place(number).0);
+        let sees_back = ends[at] == Some(RayEnd::BackFace);
+        if sees_back && lookout.is_behind(element, &site, key.pass(number))
+            || is_near && lookout.is_covered(element, &site)
+        {
+            ends[at] = None;
         }
     }
-    control.count(0, n_rays);
+    control.count(0, ends.len() as u64 + lookout.n_rays());
     Ok(ends)
-}
-
-/// Where the ray from a site in the direction of `u` ends.
-#[inline]
-fn in_direction<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, site: &Site, u: [f32; 2]) -> RayEnd {
-    let ray = hemisphere::ray(site, hemisphere::direction(site, u));
-    RayEnd::new(&op.scene, op.tracer.closest_hit(&ray))
-}
-
-/// Whether a site of which one ray has met the back of a surface lies inside geometry; traces [`INSIDE_RAYS`].
-///
-/// Inside a closed solid all rays do. One ray alone must not decide: in front of a one-sided wall that shows its
-/// back, leaving out what is dark would make the rest too bright.
-fn is_inside<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, site: &Site, key: StreamKey) -> bool {
-    let stream = Sampler::Sobol.stream(key, Dim::Validity);
-    let met_back_face = |i: &u32| in_direction(op, site, stream.sample_2d(*i)) == RayEnd::BackFace;
-    (0..INSIDE_RAYS).filter(met_back_face).count() >= INSIDE_BACK_FACES
 }

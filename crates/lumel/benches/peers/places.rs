@@ -11,8 +11,6 @@ use std::sync::Arc;
 
 /// Random points of the surfaces that are compared, but for those inside geometry.
 const SURFACE_POINTS: u32 = 2000;
-/// Points that meet back faces with more than this share of their rays lie inside geometry; the same as for nodes.
-const MAX_BACK_FACES: f32 = 0.25;
 
 /// Where renderers are compared.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +42,7 @@ impl Places {
     /// Where light is measured by whoever measures at points.
     pub(crate) fn receivers(self, scene: &Arc<Scene>) -> PointReceivers {
         match self {
-            Self::Nodes => PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene))),
+            Self::Nodes => PointReceivers::at_vertices(&Arc::new(VertexBasis::new(Arc::clone(scene)))),
             Self::Surfaces => at_points(scene, &surface_points(scene)),
         }
     }
@@ -78,9 +76,8 @@ fn surface_points(scene: &Arc<Scene>) -> Vec<SurfacePoint> {
     let tracer: Arc<dyn RayTracer> = Arc::new(Bvh::build(scene));
     let transport = CpuTransport::new(Arc::clone(scene), tracer, basis, receivers, Plan::default());
     let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };
-    let back_faces = accumulate(&transport, &job, &Control::default(), None).unwrap().back_faces;
-    let lit = points.into_iter().zip(back_faces).filter(|(_, share)| *share <= MAX_BACK_FACES);
-    lit.map(|(at, _)| at).collect()
+    let measured = accumulate(&transport, &job, &Control::default(), None).unwrap();
+    points.into_iter().zip(measured.visible()).filter(|(_, visible)| *visible).map(|(at, _)| at).collect()
 }
 
 fn at_points(scene: &Scene, points: &[SurfacePoint]) -> PointReceivers {

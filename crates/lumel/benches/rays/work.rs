@@ -68,7 +68,7 @@ fn morton(i: u32) -> [u32; 2] {
 /// Runs of 256 vertices that follow each other in the order of a bake: by the axis they face, then along a Morton
 /// curve through space.
 pub(crate) fn vertices(scene: &Arc<Scene>, runs: usize) -> Vec<Receiver> {
-    let receivers = PointReceivers::at_vertices(&VertexBasis::new(Arc::clone(scene)));
+    let receivers = PointReceivers::at_vertices(&Arc::new(VertexBasis::new(Arc::clone(scene))));
     let bounds = scene.bounds();
     let site = |e: u32| receivers.central_site(ElementId(e));
     let mut sorted: Vec<(u64, Receiver)> = (0..receivers.element_count() as u32)

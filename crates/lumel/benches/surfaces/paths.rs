@@ -1,6 +1,6 @@
 //! Exact light transport, along paths from random points of the surfaces.
 
-use crate::place::{MAX_BACK_FACES, Place};
+use crate::place::Place;
 use glam::Vec3;
 use lumel::Control;
 use lumel_accel::Ray;
@@ -8,7 +8,7 @@ use lumel_basis::{Lighting, PointReceivers};
 use lumel_sample::{Dim, Frame, Sampler, StreamKey, cosine_hemisphere};
 use lumel_scene::SurfacePoint;
 use lumel_testkit::{Ratio, random_surface_points};
-use lumel_transport::{Job, Plan, Source, accumulate};
+use lumel_transport::{Job, Measured, Plan, Source, accumulate};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
@@ -55,13 +55,9 @@ impl Paths {
         let starts = random_surface_points(&place.scene, BATCH, u64::from(batch));
         // Each batch and bounce has samples of its own.
         let seed = |bounce: usize| (u64::from(batch) << 8) + bounce as u64 + 1;
-        let inside = place.measured(&starts, Source::Nothing, seed(0)).1;
-        let starts: Vec<SurfacePoint> = starts
-            .into_iter()
-            .zip(inside)
-            .filter(|(_, share)| *share <= MAX_BACK_FACES)
-            .map(|(at, _)| at)
-            .collect();
+        let visible: Vec<bool> = place.measured(&starts, Source::Nothing, seed(0)).visible().collect();
+        let starts: Vec<SurfacePoint> =
+            starts.into_iter().zip(visible).filter(|(_, visible)| *visible).map(|(at, _)| at).collect();
         let mut ends: Vec<Option<End>> =
             starts.iter().map(|&at| Some(End { at, weight: Vec3::ONE })).collect();
         for bounce in 0..=BOUNCES {
@@ -126,7 +122,8 @@ impl Place {
     /// Direct light at the ends, weighted; zero for paths that have left the scene.
     fn direct_light(&self, ends: &[Option<End>], seed: u64) -> Vec<f64> {
         let points: Vec<SurfacePoint> = ends.iter().flatten().map(|end| end.at).collect();
-        let mut light = self.measured(&points, Source::Emitters(None), seed).0.into_iter();
+        let measured = self.measured(&points, Source::Emitters(None), seed).field;
+        let mut light = measured.values().iter().copied();
         let weighted = |end: &Option<End>| match end {
             Some(end) => mean(end.weight * light.next().unwrap_or_default()),
             None => 0.0,
@@ -135,15 +132,14 @@ impl Place {
     }
 
     /// Irradiance at points, and the share of their rays that meet back faces if the source is nothing.
-    fn measured(&self, points: &[SurfacePoint], source: Source<'_>, seed: u64) -> (Vec<Vec3>, Vec<f32>) {
+    fn measured(&self, points: &[SurfacePoint], source: Source<'_>, seed: u64) -> Measured {
         let site = |at: &SurfacePoint| (*at, self.scene.geometric_normal(at.tri));
         let receivers = PointReceivers::on_surfaces(&self.scene, points.iter().map(site))
             .expect("triangles have normals");
         let plan = Plan { direct_samples: DIRECT_SAMPLES, seed, ..Plan::default() };
         let transport = self.towards(receivers, plan);
         let job = Job { source, bounce: 0, pass: 0, active: None };
-        let measured = accumulate(&transport, &job, &Control::default(), None).expect("nobody cancels");
-        (measured.field.values().to_vec(), measured.back_faces)
+        accumulate(&transport, &job, &Control::default(), None).expect("nobody cancels")
     }
 }
 

@@ -5,9 +5,6 @@ use lumel_basis::{PointReceivers, VertexBasis};
 use lumel_transport::{CpuTransport, Plan};
 use std::sync::Arc;
 
-/// Points that meet back faces with more than this share of their rays lie inside geometry; the same as for nodes.
-pub(crate) const MAX_BACK_FACES: f32 = 0.25;
-
 /// A scene with its ray tracer and basis.
 pub(crate) struct Place {
     pub(crate) scene: Arc<Scene>,

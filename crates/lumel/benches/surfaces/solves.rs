@@ -1,6 +1,6 @@
 //! Solves with each projection.
 
-use crate::place::{MAX_BACK_FACES, Place};
+use crate::place::Place;
 use cpu_time::ProcessTime;
 use glam::Vec3;
 use lumel::{Baker, Control, Projection, Settings, Silent, SolveState};
@@ -83,8 +83,7 @@ fn gathered(place: &Place, baker: &Baker, state: &SolveState, control: &Control)
         let job = Job { source, bounce, pass: 0, active };
         accumulate(&transport, &job, control, None).unwrap()
     };
-    let back_faces = measure(Source::Nothing, 0, None).back_faces;
-    let visible: Vec<bool> = back_faces.iter().map(|share| *share <= MAX_BACK_FACES).collect();
+    let visible: Vec<bool> = measure(Source::Nothing, 0, None).visible().collect();
     let measured = |source, bounce| {
         let mut measured = measure(source, bounce, Some(&visible));
         place.basis.adjacency().complete(&mut measured.field, &measured.known);

@@ -11,7 +11,7 @@ pub(crate) use node::{Block, Child, Node};
 
 use crate::simd::InstructionSet;
 use glam::Vec3;
-use lumel_scene::{Scene, TriId};
+use lumel_scene::Scene;
 
 /// A tree of boxes in one flat array; immutable after it is built.
 ///
@@ -33,9 +33,7 @@ impl Bvh {
     ///
     /// The result does not depend on their number.
     pub fn build(scene: &Scene) -> Self {
-        Self::from_corners(
-            (0..scene.traced_count() as u32).map(|t| scene.triangle_positions(TriId(t))).collect(),
-        )
+        Self::from_corners(scene.traced_corners())
     }
 
     /// Builds the tree over those of the traced triangles that are `wanted`.

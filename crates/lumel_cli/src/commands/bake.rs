@@ -10,7 +10,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
 use anyhow::bail;
-use lumel::{Baker, Ended, ResumeError, Saved, Solution, SolveState};
+use lumel::{Baker, Control, Ended, ResumeError, Saved, Solution, SolveState};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -129,11 +129,13 @@ fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
 }
 
 fn warn_of_dark_faces(baker: &Baker, state: &SolveState, run: &CommandRun) {
-    let n = baker.dark_faces(state);
+    // Nothing cancels it: it takes a moment.
+    let n = baker.dark_faces(state, &Control::default()).unwrap_or(0);
     if n > 0 {
         let faces = crate::report::counted(n, "visible triangle stays", "visible triangles stay");
         run.console.warning(&format!(
-            "{faces} dark because all vertices lie inside geometry; split edges with a smaller --max-edge"
+            "{faces} dark because all vertices lie inside geometry; use --projection least-squares, or split edges with a \
+             smaller --max-edge"
         ));
     }
 }

@@ -137,11 +137,11 @@ impl Session {
 
     fn warn_of_dark_faces(&mut self) {
         let Some(solved) = self.computed.as_ref().and_then(|c| c.solved.clone()) else { return };
-        let dark = solved.baker.dark_faces(&solved.state);
+        let dark = solved.baker.dark_faces(&solved.state, &Control::default()).unwrap_or(0);
         if dark > 0 {
             let text = format!(
-                "{dark} visible triangles stay dark because all their vertices lie inside geometry: reopen the \
-                 scene with a smaller longest edge"
+                "{dark} visible triangles stay dark because all their vertices lie inside geometry: solve by \
+                 least squares, or reopen the scene with a smaller longest edge"
             );
             self.notices.push(Level::Warning, text);
         }

@@ -1,0 +1,162 @@
+//! Which sites nobody can see: inside geometry, behind a sheet that cuts the surface they lie on, or under something that
+//! almost touches it.
+//!
+//! A site from which much of the hemisphere meets backs is not hidden for that alone: a floor under a one-sided awning is
+//! in its shade. What tells the two apart:
+//!
+//! - the backs of a [closed shell](Scene::bounds_solid) are seen from inside a solid;
+//! - open shells that stand on a floor, such as a box without bottom, show their backs at the horizon all around;
+//! - a sheet that cuts through the site's own surface hides what is behind it.
+
+use crate::Sums;
+use crate::group::Group;
+use crate::hemisphere;
+use crate::job::{Control, TransportError};
+use crate::operator::CpuTransport;
+use glam::Vec3;
+use lumel_accel::{Hit, Ray};
+use lumel_basis::{Basis, ElementId, Receivers, Site};
+use lumel_sample::{Dim, Sampler, StreamKey};
+use lumel_scene::{FaceSide, Scene};
+use std::f32::consts::{FRAC_PI_4, FRAC_PI_8};
+
+/// Rays of a circle around the normal.
+const CIRCLE: u32 = 8;
+
+/// Sine of the height of the circle that looks for a way out under an awning (3°), and of the one that looks for something
+/// close above (30°).
+const HORIZON: f32 = 0.05;
+const ABOVE: f32 = 0.5;
+
+/// Rays over the hemisphere that decide about a site on an area, and how many must meet backs: three quarters, which an
+/// origin that sees them in a third of its hemisphere reaches once in fifty times; fewer suffice behind a sheet that cuts the
+/// surface, of which half the hemisphere is seen at most.
+const AREA: Rule = Rule { rays: 8, inside: 6, behind: 3 };
+
+/// At points, which have the same neighbours all around: a quarter of them.
+const POINT: Rule = Rule { rays: 64, inside: 16, behind: 16 };
+
+/// A point of which no more rays than these meet backs is not looked at again.
+const MAX_BACK_FACES: f64 = 0.25;
+
+struct Rule {
+    rays: u32,
+    inside: u32,
+    behind: u32,
+}
+
+/// Looks around from sites of an operator's elements.
+pub(crate) struct Lookout<'a, B, R> {
+    op: &'a CpuTransport<B, R>,
+    n_rays: u64,
+    beside: Vec<Vec3>,
+}
+
+impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
+    pub(crate) fn new(op: &'a CpuTransport<B, R>) -> Self {
+        Self { op, n_rays: 0, beside: Vec::new() }
+    }
+
+    /// How many rays it has traced.
+    pub(crate) fn n_rays(&self) -> u64 {
+        self.n_rays
+    }
+
+    fn hit(&mut self, ray: &Ray) -> Option<Hit> {
+        self.n_rays += 1;
+        self.op.tracer.closest_hit(ray)
+    }
+
+    fn meets_back(&mut self, ray: &Ray) -> bool {
+        self.hit(ray).is_some_and(|hit| is_back(&self.op.scene, &hit))
+    }
+
+    /// Whether a site on an area, from which a ray has met a back, lies behind what it has met.
+    pub(crate) fn is_behind(&mut self, element: ElementId, site: &Site, key: StreamKey) -> bool {
+        self.is_behind_by(&AREA, element, site, key)
+    }
+
+    fn is_behind_by(&mut self, rule: &Rule, element: ElementId, site: &Site, key: StreamKey) -> bool {
+        let stream = Sampler::Sobol.stream(key, Dim::Validity);
+        let (mut of_solids, mut of_sheets) = (0, 0);
+        for i in 0..rule.rays {
+            let direction = hemisphere::direction(site, stream.sample_2d(i));
+            let hit = self.hit(&hemisphere::ray(site, direction));
+            match hit.filter(|hit| is_back(&self.op.scene, hit)) {
+                Some(hit) if self.op.scene.bounds_solid(hit.at.tri) => of_solids += 1,
+                Some(_) => of_sheets += 1,
+                None => {}
+            }
+        }
+        of_solids >= rule.inside
+            || of_solids + of_sheets >= rule.inside && self.is_enclosed(site)
+            || of_sheets >= rule.behind && self.is_cut_off(element, site)
+    }
+
+    /// Whether backs are all there is at the horizon.
+    fn is_enclosed(&mut self, site: &Site) -> bool {
+        circle(HORIZON).all(|local| self.meets_back(&hemisphere::ray(site, site.frame.to_world(local))))
+    }
+
+    /// Whether a sheet shows its back on the way to another place of the surface.
+    fn is_cut_off(&mut self, element: ElementId, site: &Site) -> bool {
+        let mut beside = std::mem::take(&mut self.beside);
+        beside.clear();
+        self.op.receivers.beside(element, &mut beside);
+        let way = |place| Ray { skip: site.skip, ..Ray::between(site.origin, place) };
+        let is_cut_off = beside.iter().any(|&place| self.meets_back(&way(place)));
+        self.beside = beside;
+        is_cut_off
+    }
+
+    /// Whether other surfaces almost touch the one that a site lies on: within its [reach](Receivers::reach)
+    /// they are all that is seen.
+    ///
+    /// Neighbours that rise from its own corners do not count: they make a groove, not a gap.
+    pub(crate) fn is_covered(&mut self, element: ElementId, site: &Site) -> bool {
+        let t_max = self.op.receivers.reach(element);
+        t_max > 0.0
+            && std::iter::once(Vec3::Z).chain(circle(ABOVE)).all(|local| {
+                let ray = Ray { t_max, ..hemisphere::ray(site, site.frame.to_world(local)) };
+                self.hit(&ray).is_some_and(|hit| !self.op.receivers.touches(element, hit.at.tri))
+            })
+    }
+}
+
+/// Finds the elements of a group that are measured at points which nobody can see: 1 for those, 0 for others.
+///
+/// `back_faces` is the share of an element's rays that have met backs.
+pub(crate) fn at_points<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    group: &Group,
+    key: impl Fn(ElementId) -> StreamKey,
+    control: &Control,
+    back_faces: impl Fn(usize) -> f64,
+) -> Result<Sums, TransportError> {
+    let mut lookout = Lookout::new(op);
+    let mut hidden = Vec::with_capacity(group.len());
+    for (i, (&element, site)) in group.elements.iter().zip(&group.sites).enumerate() {
+        control.check()?;
+        let is_hidden = back_faces(i) > MAX_BACK_FACES
+            && lookout.is_behind_by(&POINT, element, site, key(element))
+            || lookout.is_covered(element, site);
+        hidden.push(f64::from(u8::from(is_hidden)));
+    }
+    control.count(0, lookout.n_rays());
+    Ok(group.hidden(&hidden))
+}
+
+/// Whether a ray has met the back of a one-sided surface.
+fn is_back(scene: &Scene, hit: &Hit) -> bool {
+    hit.side == FaceSide::Back && scene.seen_side(hit.at, hit.side).is_none()
+}
+
+/// Directions all around the normal whose height has this sine. Opposite ones come one after the other: most sites have a
+/// way out, which is soon found.
+fn circle(sine: f32) -> impl Iterator<Item = Vec3> {
+    let cosine = (1.0 - sine * sine).sqrt();
+    (0..CIRCLE).map(move |i| {
+        let angle = FRAC_PI_8 + FRAC_PI_4 * ((3 * i) % CIRCLE) as f32;
+        Vec3::new(cosine * angle.cos(), cosine * angle.sin(), sine)
+    })
+}
