@@ -5,7 +5,7 @@ use glam::Vec3;
 use lumel_accel::Ray;
 use lumel_basis::PointReceivers;
 use lumel_sample::{Dim, Sampler, Stream, StreamKey, uniform_sphere, uniform_triangle};
-use lumel_scene::{Light, Scene, Sides, SurfacePoint, TriId, luminance};
+use lumel_scene::{Light, Scene, SurfacePoint, TriId, luminance};
 use lumel_transport::{
     Control, CpuTransport, Emitter, EmitterMask, Job, LightSampling, Plan, Source, TransportError, accumulate,
 };
@@ -174,7 +174,7 @@ impl Baker {
                 let [a, b] = uniform_triangle(u).map(|weight| weight + INSET * (1.0 / 3.0 - weight));
                 let at = scene.position(SurfacePoint { tri, bary: [a, b].into() });
                 let normal = scene.geometric_normal(tri);
-                let is_black = scene.material(tri).sides == Sides::Front;
+                let is_black = !scene.is_two_sided(tri);
                 [Place { at, normal, tri, is_black: false }, Place { at, normal: -normal, tri, is_black }]
             })
             .collect()

@@ -4,8 +4,14 @@ use lumel_scene::{MaterialId, SceneBuilder, Sides};
 
 /// Makes the materials or objects of a name two-sided; all for "all" and "*". Whether there were any.
 ///
+/// "none" leaves those one-sided of which the file does not say it.
 /// Objects get two-sided copies of their materials, so that others that share these stay as they are.
 pub(crate) fn make_two_sided(scene: &mut SceneBuilder, name: &str) -> bool {
+    if name == "none" {
+        let of_shape = scene.materials.iter_mut().filter(|material| material.sides == Sides::Shape);
+        of_shape.for_each(|material| material.sides = Sides::Front);
+        return true;
+    }
     let all = name == "all" || name == "*";
     let mut found = false;
     for material in scene.materials.iter_mut().filter(|material| all || material.name == name) {

@@ -3,7 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
 use glam::{EulerRot, Quat, Vec3};
-use lumel::{Baker, BounceLimit, Control, Preset, Scene, SceneBuilder, Settings, Silent, SolveState};
+use lumel::{
+    Baker, BounceLimit, Control, ErrorCause, ErrorEstimate, LightSampling, Preset, Scene, SceneBuilder,
+    Settings, Silent, SolveState,
+};
 use lumel_basis::{Field, PointReceivers, VertexLighting};
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::scene::{ceiling_light, grey, placed, reordered, scene};
@@ -20,6 +23,12 @@ fn room() -> SceneBuilder {
 }
 
 fn error(builder: SceneBuilder, settings: &Settings) -> (SurfaceError, Arc<Scene>) {
+    let (error, _, scene) = errors(builder, settings);
+    (error, scene)
+}
+
+/// The error as it is and as it is estimated.
+fn errors(builder: SceneBuilder, settings: &Settings) -> (SurfaceError, ErrorEstimate, Arc<Scene>) {
     let scene = Arc::new(builder.build().unwrap().0);
     let baker = Baker::new(Arc::clone(&scene), settings.clone());
     let mut state = SolveState::new();
@@ -34,7 +43,8 @@ fn error(builder: SceneBuilder, settings: &Settings) -> (SurfaceError, Arc<Scene
     let reflecting = Field::sum(state.valid.len(), &state.bounces[..state.bounces.len() - 1]);
     let reference = Reference::measured(&scene, 600, 3, towards, Some(&reflecting), 4);
     println!("noise of the reference {:.4}", reference.noise());
-    (reference.error_of(&VertexLighting::new(&scene, &values).unwrap()), scene)
+    let error = reference.error_of(&VertexLighting::new(&scene, &values).unwrap());
+    (error, baker.error_estimate(&state).unwrap(), scene)
 }
 
 #[test]
@@ -50,5 +60,31 @@ fn a_room_of_few_triangles_is_right_over_its_surface() {
         println!("{place}: {edge:?}, {} vertices: {error:?}, before {as_it_is:?}", scene.vertex_count());
         assert!(as_it_is.trimmed > 0.1, "{place}: {as_it_is:?}");
         assert!(error.trimmed < 0.03 && error.bias.abs() < 0.01, "{place}: {error:?}");
+    }
+}
+
+#[test]
+fn estimates_of_the_error_are_about_right_and_name_its_cause() {
+    let cases = [
+        ("few shadow rays", 0.05, 2, 512, ErrorCause::DirectNoise),
+        ("few hemisphere rays", 0.05, 64, 8, ErrorCause::IndirectNoise),
+        ("few vertices", 0.3, 64, 512, ErrorCause::CoarseMesh),
+    ];
+    for (what, max_edge, direct_samples, indirect_samples, cause) in cases {
+        let mut builder = room();
+        builder.tessellate(max_edge).unwrap();
+        let settings = Settings {
+            bounces: BounceLimit::Count(3),
+            direct_samples,
+            indirect_samples,
+            // Without closed forms, light varies wherever one stands.
+            light_sampling: LightSampling::Area,
+            ..Preset::Draft.settings()
+        };
+        let (error, estimate, _) = errors(builder, &settings);
+        println!("{what}: {estimate:?} for {error:?}");
+        let ratio = estimate.error / error.rms;
+        assert!((0.5..2.0).contains(&ratio), "{what}: {estimate:?} for {error:?}");
+        assert_eq!(estimate.cause, cause, "{what}");
     }
 }

@@ -52,7 +52,10 @@ struct MaterialReport {
     albedo: [f32; 3],
     /// Radiance before textures.
     emission: [f32; 3],
-    two_sided: bool,
+    /// "front", "both", or "shape": what it is used for has one side or two by its shape.
+    sides: &'static str,
+    /// How many of the triangles are back faces.
+    back_sides: usize,
     /// What lets light through: "mask", "blend", "transmission".
     transparency: Vec<&'static str>,
     textures: Vec<TextureReport>,
@@ -116,7 +119,7 @@ impl SceneReport {
     pub(crate) fn new(scene: &Scene, warnings: Vec<String>) -> Self {
         let tris = || (0..scene.triangle_count() as u32).map(TriId);
         let bounds = scene.bounds();
-        let traced = scene.traced_count();
+        let traced = tris().filter(|&tri| scene.traced(tri) == tri).count();
         Self {
             name: scene.name().to_owned(),
             triangles: Triangles {
@@ -175,7 +178,12 @@ fn materials(scene: &Scene) -> Vec<MaterialReport> {
                 name: material.name.clone(),
                 albedo: material.albedo.to_array(),
                 emission: material.emission.0.to_array(),
-                two_sided: material.sides == Sides::Both,
+                sides: match material.sides {
+                    Sides::Front => "front",
+                    Sides::Both => "both",
+                    Sides::Shape => "shape",
+                },
+                back_sides: 0,
                 transparency: transparency(material),
                 textures: textures.into_iter().flatten().collect(),
                 triangles: 0,
@@ -187,6 +195,7 @@ fn materials(scene: &Scene) -> Vec<MaterialReport> {
         let MaterialId(id) = scene.material_id(tri);
         let report = &mut reports[id as usize];
         report.triangles += 1;
+        report.back_sides += usize::from(scene.traced(tri) != tri);
         report.area += f64::from(scene.area(tri));
     }
     reports

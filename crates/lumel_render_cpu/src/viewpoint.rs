@@ -4,7 +4,7 @@ use crate::Lens;
 use glam::{Vec2, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_sample::uniform_sphere;
-use lumel_scene::{Camera, Scene, Sides};
+use lumel_scene::{Camera, Scene};
 
 /// A camera for a scene: its first, or one that shows the inside of a room or the outside of an object.
 ///
@@ -73,7 +73,7 @@ impl Eye<'_> {
             let Some(hit) = self.tracer.closest_hit(&Ray::new(self.middle(), *direction)) else {
                 return false;
             };
-            let counts = self.scene.material(hit.at.tri).sides == Sides::Front || !outside;
+            let counts = !self.scene.is_two_sided(hit.at.tri) || !outside;
             counts && self.scene.seen_side(hit.at, hit.side).is_some()
         };
         let n = grid(SIDE).map(|u| uniform_sphere(u.to_array())).filter(sees_a_wall).count();

@@ -5,7 +5,7 @@ use crate::error::{MAX_TRIANGLES, SceneError};
 use crate::face_list::{FaceList, Given};
 use crate::scene::Scene;
 use crate::transparency::Looks;
-use crate::{SceneBuilder, Sides, Warnings, check, coincident, normals, resolution, sanitize};
+use crate::{SceneBuilder, Warnings, check, coincident, normals, resolution, sanitize};
 
 impl SceneBuilder {
     /// Checks, cleans and freezes the scene. What had to be left out is in the warnings.
@@ -54,8 +54,7 @@ impl SceneBuilder {
         if faces.triangles.is_empty() {
             return Err(SceneError::Empty { scene: self.name });
         }
-        let two_sided: Vec<bool> = self.materials.iter().map(|m| m.sides == Sides::Both).collect();
-        faces.add_back_sides(&two_sided, &pairs);
+        faces.add_back_sides(&self.materials, &pairs);
         if looks.vary() {
             faces.note_transparent(&looks);
         }
@@ -71,8 +70,8 @@ mod tests {
     use super::*;
     use crate::testing::quad;
     use crate::{
-        Face, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectMesh, Radiance, RectLight, Smoothing,
-        TextureId, TriId,
+        Face, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectMesh, Radiance, RectLight, Sides,
+        Smoothing, TextureId, TriId,
     };
     use glam::{Vec2, Vec3};
 

@@ -4,7 +4,7 @@ use crate::coincident::FaceRef;
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
 use crate::transparency::{Look, Looks};
-use crate::{MaterialId, ObjectId, TriId};
+use crate::{Material, MaterialId, ObjectId, Sides, TriId, shells};
 use glam::{Vec2, Vec3};
 
 /// Triangles and vertices of all objects in one list.
@@ -65,18 +65,26 @@ impl FaceList {
         self.origins.push(origin);
     }
 
-    /// Makes pairs of triangles in one place the two sides of one surface, and gives every other triangle of a two-sided
-    /// material a partner for its back.
-    pub(crate) fn add_back_sides(&mut self, two_sided: &[bool], pairs: &[[FaceRef; 2]]) {
+    /// Makes pairs of triangles in one place the two sides of one surface, and gives every other triangle with two
+    /// [sides](Sides) a partner for its back.
+    pub(crate) fn add_back_sides(&mut self, materials: &[Material], pairs: &[[FaceRef; 2]]) {
         self.traced = self.triangles.len();
         self.other_side = (0..self.traced as u32).map(TriId).collect();
         for pair in pairs {
             let [front, back] = pair.map(|at| self.origins[at.object].first_triangle as usize + at.face);
             self.pair(front, back);
         }
+        let by_shape = materials.iter().any(|material| material.sides == Sides::Shape);
+        let has_inside = if by_shape { shells::with_inside(self) } else { Vec::new() };
         let mut back_vertex = vec![u32::MAX; self.positions.len()];
         for tri in 0..self.traced {
-            if !two_sided[self.materials[tri].index()] || self.other_side[tri].index() != tri {
+            let material = &materials[self.materials[tri].index()];
+            let has_back = match material.sides {
+                Sides::Front => false,
+                Sides::Both => true,
+                Sides::Shape => !material.emits() && !has_inside[tri],
+            };
+            if !has_back || self.other_side[tri].index() != tri {
                 continue;
             }
             let [a, b, c] = self.triangles[tri].map(|front| {

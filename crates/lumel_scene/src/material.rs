@@ -62,6 +62,11 @@ pub enum Sides {
     Front,
     /// Both, each with its own light.
     Both,
+    /// As the shape tells: the front of what emits and of shells with an inside, such as boxes and rooms, even if they lack a
+    /// side; both sides of everything else, such as sheets and pieces whose faces face different ways.
+    ///
+    /// For files that do not say it. Programs that show them light both sides, but of a solid only one can be seen.
+    Shape,
 }
 
 /// A colour without what is no number or negative.

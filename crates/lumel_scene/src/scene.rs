@@ -440,6 +440,11 @@ impl Scene {
         (0..self.traced_count() as u32).map(|tri| corners(TriId(tri))).collect()
     }
 
+    /// Whether the back of a triangle is lit, too.
+    pub fn is_two_sided(&self, tri: TriId) -> bool {
+        self.unlit.faces.other_side[tri.index()] != tri
+    }
+
     /// The lit surface point that a ray sees when it meets the traced triangle of `at` on `side`.
     ///
     /// `None` for the back of a one-sided triangle: it neither emits nor reflects.

@@ -2,10 +2,14 @@
 
 use crate::face_list::FaceList;
 use crate::weld::Weld;
-use crate::{Scene, TriId, triangle};
+use crate::{Scene, TriId};
+use glam::DVec3;
 
 /// A shell whose volume is less than this share of what its area could enclose is a sheet with two sides.
 const LEAST_VOLUME: f64 = 1e-4;
+
+/// A cube without one face lacks a fifth of its area; half a sphere, half; a sheet, all of it.
+const MAX_OPENING: f64 = 0.5;
 
 impl Scene {
     /// Whether a triangle belongs to a closed shell: who sees its back is inside a solid, or outside a room.
@@ -19,64 +23,90 @@ impl Scene {
 
 /// Whether each triangle belongs to a closed shell.
 pub(crate) fn closed(faces: &FaceList) -> Vec<bool> {
+    of_each_triangle(faces, Shell::is_closed)
+}
+
+/// Whether each triangle belongs to a shell of which one side is inside: a closed one, or one of one piece that lacks only as
+/// much as a box without bottom or a room without a wall.
+pub(crate) fn with_inside(faces: &FaceList) -> Vec<bool> {
+    of_each_triangle(faces, Shell::has_inside)
+}
+
+fn of_each_triangle(faces: &FaceList, holds: impl Fn(&Shell) -> bool) -> Vec<bool> {
     let mut weld = Weld::default();
     let points: Vec<u32> = faces.positions.iter().map(|p| weld.number(*p)).collect();
     let is_one_sided = |tri: &usize| faces.other_side[*tri].index() == *tri;
-    let mut edges: Vec<Edge> = (0..faces.triangles.len())
-        .filter(is_one_sided)
-        .flat_map(|tri| {
-            let [a, b, c] = faces.triangles[tri].map(|vertex| points[vertex as usize]);
-            [(a, b), (b, c), (c, a)].map(|(from, to)| Edge {
-                ends: (from.min(to), from.max(to)),
-                forward: from < to,
-                tri,
-            })
-        })
-        .collect();
-    edges.sort_unstable_by_key(|edge| edge.ends);
-    let mut shells = Shells::new(faces.triangles.len());
-    for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
-        edge.windows(2).for_each(|pair| shells.join(pair[0].tri, pair[1].tri));
+    let n = faces.triangles.len();
+    let mut edges = Vec::with_capacity(3 * n);
+    for tri in (0..n).filter(is_one_sided) {
+        let [a, b, c] = faces.triangles[tri].map(|vertex| points[vertex as usize]);
+        let edge =
+            |(from, to): (u32, u32)| Edge { ends: (from.min(to), from.max(to)), forward: from < to, tri };
+        edges.extend([(a, b), (b, c), (c, a)].map(edge));
     }
-    let mut enclosed = vec![Enclosed { is_closed: true, volume: 0.0, area: 0.0 }; faces.triangles.len()];
+    edges.sort_unstable_by_key(|edge| edge.ends);
+    let mut forest = Forest::new(n);
+    for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
+        edge.windows(2).for_each(|pair| forest.join(pair[0].tri, pair[1].tri));
+    }
+    let mut shells = vec![Shell::default(); n];
     for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
         let forward = edge.iter().filter(|edge| edge.forward).count();
-        enclosed[shells.of(edge[0].tri)].is_closed &= 2 * forward == edge.len();
+        let shell = &mut shells[forest.of(edge[0].tri)];
+        shell.is_open |= 2 * forward != edge.len();
+        shell.is_twisted |= (2 * forward).abs_diff(edge.len()) > 1;
     }
-    for tri in (0..faces.triangles.len()).filter(is_one_sided) {
+    for tri in (0..n).filter(is_one_sided) {
         let corners = faces.triangles[tri].map(|vertex| faces.positions[vertex as usize]);
-        let shell = &mut enclosed[shells.of(tri)];
-        let [a, b, c] = corners.map(|p| p.as_dvec3());
-        shell.volume += a.dot(b.cross(c)) / 6.0;
-        shell.area += triangle::area(corners);
+        shells[forest.of(tri)].add(corners.map(|p| p.as_dvec3()));
     }
-    (0..faces.triangles.len()).map(|tri| is_one_sided(&tri) && enclosed[shells.of(tri)].is_solid()).collect()
+    (0..n).map(|tri| is_one_sided(&tri) && holds(&shells[forest.of(tri)])).collect()
 }
 
+/// A side of a triangle between two points.
 struct Edge {
     ends: (u32, u32),
     forward: bool,
     tri: usize,
 }
 
-#[derive(Clone, Copy)]
-struct Enclosed {
-    is_closed: bool,
+/// Triangles that hang together.
+#[derive(Clone, Copy, Default)]
+struct Shell {
+    /// Whether some edge is passed more often in one direction than in the other.
+    is_open: bool,
+    /// Whether neighbours face different ways somewhere.
+    is_twisted: bool,
     /// Negative where the lit side is inside, m³.
     volume: f64,
+    /// m².
     area: f64,
+    /// The sum of all areas times normals, m²: what the faces that lack would have to cancel.
+    opening: DVec3,
 }
 
-impl Enclosed {
-    fn is_solid(&self) -> bool {
-        self.is_closed && self.volume.abs() > LEAST_VOLUME * self.area.powf(1.5)
+impl Shell {
+    fn add(&mut self, [a, b, c]: [DVec3; 3]) {
+        let area = 0.5 * (b - a).cross(c - a);
+        self.volume += a.dot(b.cross(c)) / 6.0;
+        self.area += area.length();
+        self.opening += area;
+    }
+
+    fn is_closed(&self) -> bool {
+        !self.is_open && self.volume.abs() > LEAST_VOLUME * self.area.powf(1.5)
+    }
+
+    fn has_inside(&self) -> bool {
+        self.is_closed()
+            || self.is_open && !self.is_twisted && self.opening.length() < MAX_OPENING * self.area
     }
 }
 
 /// Triangles that hang together: a forest in which each points towards the one that stands for all.
-struct Shells(Vec<u32>);
+struct Forest(Vec<u32>);
 
-impl Shells {
+impl Forest {
     fn new(n: usize) -> Self {
         Self((0..n as u32).collect())
     }
@@ -97,7 +127,7 @@ impl Shells {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Material, MaterialId, Scene, SceneBuilder, TriId};
+    use crate::{Material, MaterialId, Radiance, Scene, SceneBuilder, Sides, TriId};
     use glam::{EulerRot, Quat, Vec3};
 
     const FACES: [[u32; 4]; 6] =
@@ -143,6 +173,32 @@ mod tests {
                 builder.add_mesh("lidless", corners(Vec3::X * 5.0), lidless, material);
             });
             assert_eq!(solid(&scene), [[true; 10].as_slice(), &[true; 2], &[false; 10]].concat());
+        }
+    }
+
+    #[test]
+    fn where_the_file_does_not_say_it_sheets_have_two_sides_and_boxes_one() {
+        let mut builder = SceneBuilder::new("shapes");
+        let shape = |name| Material { sides: Sides::Shape, ..Material::diffuse(name, Vec3::splat(0.5)) };
+        let grey = builder.add_material(shape("grey"));
+        let lamp = builder.add_material(Material { emission: Radiance::splat(1.0), ..shape("lamp") });
+        let mut mixed = triangles(&FACES[..5]);
+        mixed[3].swap(0, 1);
+        let objects = [
+            ("box", triangles(&FACES), grey, false),
+            ("lidless box", triangles(&FACES[..5]), grey, false),
+            ("corner", triangles(&[FACES[0], FACES[2]]), grey, true),
+            ("sheet", triangles(&FACES[..1]), grey, true),
+            ("lamp", triangles(&FACES[..1]), lamp, false),
+            ("mixed up", mixed, grey, true),
+        ];
+        for (n, (name, triangles, material, _)) in objects.iter().enumerate() {
+            builder.add_mesh(*name, corners(Vec3::X * 5.0 * n as f32), triangles.clone(), *material);
+        }
+        let (scene, _) = builder.build().unwrap();
+        for tri in (0..scene.traced_count() as u32).map(TriId) {
+            let (name, .., two_sided) = &objects[scene.object_id(tri).index()];
+            assert_eq!(scene.is_two_sided(tri), *two_sided, "{name}");
         }
     }
 

@@ -245,7 +245,7 @@ settings! {
 
     /// Number of bounces after the direct light, or all: until the rest is negligible.
     BOUNCES = bounces: BounceLimit {
-        presets: [BounceLimit::Count(2), BounceLimit::Count(4), BounceLimit::All],
+        presets: [BounceLimit::Count(2), BounceLimit::All, BounceLimit::All],
         label: "Bounces",
         placeholder: "N|all",
         influence: Influence::Extent,

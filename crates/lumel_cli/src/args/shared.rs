@@ -36,8 +36,9 @@ pub(crate) struct SceneArgs {
 
     /// Light both sides of the faces of the material or object NAME; "all" for all. May be repeated.
     ///
-    /// Faces are black from behind unless their file says that they have two sides. Use this where faces are wound the wrong
-    /// way round, or for thin walls and leaves. In project files: two_sided.
+    /// Faces are black from behind unless their file says that they have two sides. OBJ and PLY cannot say it: there, sheets
+    /// have two sides, and boxes, rooms and whatever emits one; "none" leaves them all with one. Use this where faces are
+    /// wound the wrong way round, or for thin walls and leaves. In project files: two_sided.
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub(crate) two_sided: Vec<String>,
 

@@ -2,7 +2,7 @@
 
 use crate::command_run::SolveLog;
 use crate::report::{self, counted};
-use lumel::{Accuracy, Baker, Ended, Solution, SolveState};
+use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, Solution, SolveState};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -26,6 +26,8 @@ pub(crate) struct Summary {
     remainder: Option<f64>,
     /// Whether an estimate of the remainder was added.
     tail: bool,
+    /// What the error is about, where it was not measured.
+    estimate: Option<EstimateReport>,
     /// The accuracy of a bake with a target error.
     error: Option<ErrorReport>,
     rays: u64,
@@ -131,6 +133,37 @@ impl ErrorReport {
     }
 }
 
+/// An estimated error, relative.
+#[derive(Debug, Serialize)]
+struct EstimateReport {
+    error: f64,
+    cause: &'static str,
+    /// The option that lowers it.
+    remedy: &'static str,
+}
+
+impl From<ErrorEstimate> for EstimateReport {
+    fn from(ErrorEstimate { error, cause }: ErrorEstimate) -> Self {
+        let (cause, remedy) = match cause {
+            ErrorCause::DirectNoise => ("noise of direct light", "--direct-samples"),
+            ErrorCause::IndirectNoise => ("noise of bounces", "--indirect-samples"),
+            ErrorCause::CoarseMesh => ("edges of light between vertices", "--max-edge"),
+        };
+        Self { error, cause, remedy }
+    }
+}
+
+impl EstimateReport {
+    fn text(&self) -> String {
+        let more = if self.remedy == "--max-edge" { "a shorter" } else { "more" };
+        let error = report::percent(self.error);
+        format!(
+            "error about {error} of the light, most of it {}: {more} {} lowers it",
+            self.cause, self.remedy
+        )
+    }
+}
+
 impl From<lumel::Step> for Step {
     fn from(step: lumel::Step) -> Self {
         match step {
@@ -191,6 +224,10 @@ impl Summary {
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),
+            estimate: baker
+                .error_estimate(state)
+                .filter(|_| state.errors.is_none())
+                .map(EstimateReport::from),
             error: state.errors.as_ref().map(|errors| ErrorReport::new(&errors.accuracy)),
             rays,
             mrays_per_second: 1e-6 * rays as f64 / log.seconds.max(1e-9),
@@ -239,6 +276,7 @@ impl Summary {
             lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
         }
         lines.push(self.remainder_text());
+        lines.extend(self.estimate.as_ref().map(EstimateReport::text));
         lines.extend(self.error.iter().flat_map(ErrorReport::text));
         for Written { path, bytes } in &self.files {
             lines.push(format!("wrote {}, {}", path.display(), report::bytes(*bytes)));

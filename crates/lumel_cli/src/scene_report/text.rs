@@ -68,9 +68,13 @@ impl MaterialReport {
         if self.emission != [0.0; 3] {
             line += &format!(", emits {} W/(m² sr)", triple(self.emission));
         }
-        if self.two_sided {
-            line += ", two-sided";
-        }
+        line += match (self.sides, self.back_sides) {
+            ("both", _) => ", two-sided",
+            ("shape", 1..) if 2 * self.back_sides == self.triangles => ", two-sided by its shape",
+            ("shape", 1..) => ", two-sided in part by its shape",
+            ("shape", 0) => ", one-sided by its shape",
+            _ => "",
+        };
         for transparency in &self.transparency {
             line += &format!(", {transparency}");
         }

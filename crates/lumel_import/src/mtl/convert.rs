@@ -7,7 +7,7 @@ use crate::paths::Resolver;
 use crate::text::name_list;
 use glam::Vec3;
 use lumel_scene::{
-    Encoding, Filter, Material, Radiance, Texture, TextureId, TextureRef, Transparency, Warnings,
+    Encoding, Filter, Material, Radiance, Sides, Texture, TextureId, TextureRef, Transparency, Warnings,
 };
 use std::path::Path;
 
@@ -52,7 +52,7 @@ impl<'a> Converter<'a> {
     /// exporters write zero beside a map. Without either, the albedo is 0.5 and there is no emission.
     pub(super) fn material(&mut self, mtl: &MtlMaterial, resolver: &Resolver) -> Material {
         let name = &mtl.name;
-        let mut material = Material { name: name.clone(), ..Material::default() };
+        let mut material = Material { name: name.clone(), sides: Sides::Shape, ..Material::default() };
         material.albedo_texture = self.texture(name, mtl.albedo_map.as_ref(), Encoding::Srgb, resolver);
         let albedo = self.factor(name, "Kd", mtl.albedo, material.albedo_texture);
         // A black that stood beside a map which cannot be had was not meant.

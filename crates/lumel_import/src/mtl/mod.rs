@@ -9,7 +9,7 @@ mod statements;
 use crate::image::TextureCache;
 use crate::paths::{PathError, Resolver};
 use crate::text::{decode, name_list};
-use lumel_scene::{Material, Texture, Warnings};
+use lumel_scene::{Material, Sides, Texture, Warnings};
 use statements::MtlMaterial;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ pub(crate) fn palette(
             Some((material, resolver)) => converter.material(material, resolver),
             None => {
                 unknown.push(name.clone());
-                Material { name, ..Material::default() }
+                Material { name, sides: Sides::Shape, ..Material::default() }
             }
         });
     }

@@ -10,7 +10,7 @@ use crate::imported::{BAKED_COLORS, scene_name};
 use crate::mtl::{self, Palette};
 use crate::paths::Resolver;
 use crate::{ImportError, ImportOptions, Imported};
-use lumel_scene::{Material, SceneBuilder, Warnings};
+use lumel_scene::{Material, SceneBuilder, Sides, Warnings};
 use std::path::Path;
 
 /// Reads an OBJ file with its material libraries and textures.
@@ -38,7 +38,7 @@ pub(crate) fn load(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     let Palette { mut materials, textures } =
         mtl::palette(path, &resolver, &file.libraries, file.materials.into_names(), &mut warnings);
     if file.sections.iter().any(|section| section.material.is_none()) {
-        materials.push(Material::default());
+        materials.push(Material { sides: Sides::Shape, ..Material::default() });
     }
     let scene = SceneBuilder { name, origin, objects, materials, textures, ..SceneBuilder::default() };
     Ok(Imported { scene, warnings })

@@ -15,8 +15,8 @@ use elements::{IndexList, PlyColor, PlyVertex, Skipped};
 use glam::{DVec3, Vec3};
 use look::Comments;
 use lumel_scene::{
-    Face, Material, MaterialId, ObjectMesh, SceneBuilder, Smoothing, TextureRef, Transparency, Warnings,
-    origin_for, rounding_of,
+    Face, Material, MaterialId, ObjectMesh, SceneBuilder, Sides, Smoothing, TextureRef, Transparency,
+    Warnings, origin_for, rounding_of,
 };
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use source::Source;
@@ -130,7 +130,7 @@ impl PlyFile {
         warnings: &mut Warnings,
     ) -> (Vec<MaterialId>, Vec<Material>) {
         let colored = self.has_colors || self.has_face_colors || albedo_texture.is_some();
-        let plain = Material::default();
+        let plain = Material { sides: Sides::Shape, ..Material::default() };
         let albedo = if colored { Vec3::ONE } else { plain.albedo };
         let transparency =
             if self.alphas.is_empty() { Transparency::default() } else { Transparency::blend(1.0) };
