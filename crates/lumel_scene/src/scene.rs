@@ -429,14 +429,15 @@ impl Scene {
         tri.min(self.unlit.faces.other_side[tri.index()])
     }
 
+    /// Corners of a triangle that no ray meets: they are not finite. Others keep their numbers beside it.
+    pub const UNTRACED: [Vec3; 3] = [Vec3::NAN; 3];
+
     /// The corners of the triangles that rays meet, by [`TriId`].
     ///
-    /// A triangle that is the back of another one has no area here, so that nothing meets it.
+    /// Those of a triangle that is the back of another one are [`UNTRACED`](Self::UNTRACED).
     pub fn traced_corners(&self) -> Vec<[Vec3; 3]> {
-        let corners = |tri| match self.triangle_positions(tri) {
-            [a, ..] if self.traced(tri) != tri => [a; 3],
-            corners => corners,
-        };
+        let corners =
+            |tri| if self.traced(tri) == tri { self.triangle_positions(tri) } else { Self::UNTRACED };
         (0..self.traced_count() as u32).map(|tri| corners(TriId(tri))).collect()
     }
 

@@ -11,7 +11,7 @@ pub(crate) use node::{Block, Child, Node};
 
 use crate::simd::InstructionSet;
 use glam::Vec3;
-use lumel_scene::Scene;
+use lumel_scene::{Scene, TriId};
 
 /// A tree of boxes in one flat array; immutable after it is built.
 ///
@@ -38,9 +38,11 @@ impl Bvh {
 
     /// Builds the tree over those of the traced triangles that are `wanted`.
     pub(crate) fn over(scene: &Scene, wanted: impl Fn(TriId) -> bool) -> Self {
-        // What is not finite is not met, and the others keep their numbers.
-        let corners = |tri| if wanted(tri) { scene.triangle_positions(tri) } else { [Vec3::NAN; 3] };
-        Self::from_corners((0..scene.traced_count() as u32).map(|t| corners(TriId(t))).collect())
+        let mut corners = scene.traced_corners();
+        for (_, corners) in (0..).map(TriId).zip(&mut corners).filter(|(tri, _)| !wanted(*tri)) {
+            *corners = Scene::UNTRACED;
+        }
+        Self::from_corners(corners)
     }
 
     /// Builds the tree over triangles given by their corners.
