@@ -89,7 +89,7 @@ fn cards_let_through_what_their_alpha_leaves() {
     assert_passes("one card", &over_floor(vec![card(1.0, 1.0, 1)], half()), share(0.5));
     let two = vec![card(1.0, 1.0, 1), card(0.5, 1.0, 1)];
     assert_passes("two in a row", &over_floor(two, half()), share(0.25));
-    assert_passes("doubled", &over_floor(vec![card(1.0, 1.0, 1); 2], half()), share(0.25));
+    assert_passes("given twice", &over_floor(vec![card(1.0, 1.0, 1); 2], half()), share(0.5));
     let mut turned = card(0.0, 1.5, 1);
     let turn = |p: &mut Vec3| *p = Quat::from_rotation_x(0.6) * *p + Vec3::Y;
     turned.positions.iter_mut().for_each(turn);

@@ -3,7 +3,7 @@
 //! Faces coincide if they have the same three corners, to the bit, or are the halves of quads with the same four corners that
 //! are split along the other diagonal. Of those that face the same way one is kept, and no more than its light is counted;
 //! those that face opposite ways become the two sides of one surface. Which one is kept depends on what the faces are, not
-//! on their order: the brightest emitter, then the lightest, then the first by name.
+//! on their order: the brightest emitter, then what is opaque, then the lightest, then the first by name.
 
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
@@ -75,6 +75,7 @@ fn prefer(objects: &[ObjectMesh], materials: &[Material], a: FaceRef, b: FaceRef
     let brightness = |m: &Material| luminance(m.emission.0);
     brightness(of_b)
         .total_cmp(&brightness(of_a))
+        .then_with(|| of_a.transparency.is_possible().cmp(&of_b.transparency.is_possible()))
         .then_with(|| luminance(of_b.albedo).total_cmp(&luminance(of_a.albedo)))
         .then_with(|| of_a.name.cmp(&of_b.name))
         .then_with(|| objects[a.object].name.cmp(&objects[b.object].name))
