@@ -124,9 +124,8 @@ impl Receivers for AreaReceivers {
         reach_over(self.areas[element.index()])
     }
 
-    fn touches(&self, element: ElementId, tri: TriId) -> bool {
-        let [own, other] = [TriId(element.0), tri].map(|tri| self.basis.scene().triangle_positions(tri));
-        other.iter().any(|corner| own.contains(corner))
+    fn surface(&self, element: ElementId) -> Option<TriId> {
+        Some(TriId(element.0))
     }
 
     fn beside(&self, element: ElementId, beside: &mut Vec<Vec3>) {

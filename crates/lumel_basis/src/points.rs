@@ -98,8 +98,8 @@ impl Receivers for PointReceivers {
         self.vertices.as_ref().map_or(0.0, |vertices| vertices.reaches[element.index()])
     }
 
-    fn touches(&self, element: ElementId, tri: TriId) -> bool {
-        self.vertices.as_ref().is_some_and(|vertices| vertices.touches(element.index(), tri))
+    fn surface(&self, element: ElementId) -> Option<TriId> {
+        self.vertices.as_ref().map(|vertices| vertices.surfaces[element.index()])
     }
 
     fn beside(&self, element: ElementId, origins: &mut Vec<Vec3>) {

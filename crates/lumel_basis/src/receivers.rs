@@ -100,9 +100,9 @@ pub trait Receivers: Send + Sync {
         0.0
     }
 
-    /// Whether a triangle has a corner in common with an element.
-    fn touches(&self, _element: ElementId, _tri: TriId) -> bool {
-        false
+    /// A triangle that an element lies on, where that is known.
+    fn surface(&self, _element: ElementId) -> Option<TriId> {
+        None
     }
 
     /// Adds where rays start at the places next to an element's sites, on the same surface: what lies in between cuts it.

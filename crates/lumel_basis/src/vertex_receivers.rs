@@ -29,7 +29,8 @@ impl PointReceivers {
         let rings = rings(basis);
         let sites = rings.iter().map(|ring| ring.site(basis.scene())).collect();
         let reaches = rings.iter().map(Ring::reach).collect();
-        let vertices = Vertices { basis: Arc::clone(basis), reaches };
+        let surfaces = rings.iter().map(|ring| ring.last).collect();
+        let vertices = Vertices { basis: Arc::clone(basis), reaches, surfaces };
         Self::from_sites(basis.identity().derived("vertices"), sites, Some(vertices))
     }
 }
@@ -39,6 +40,8 @@ impl PointReceivers {
 struct Ring {
     vertex: u32,
     triangles: u32,
+    /// One of them.
+    last: TriId,
     area: f64,
     /// The largest offset and clearance of its triangles, metres.
     offset: f64,
@@ -53,6 +56,7 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
     let zero = |&vertex: &u32| Ring {
         vertex,
         triangles: 0,
+        last: TriId(0),
         area: 0.0,
         offset: 0.0,
         clearance: 0.0,
@@ -71,6 +75,7 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
         for node in basis.nodes_of(tri) {
             let ring = &mut rings[node.index()];
             ring.triangles += 1;
+            ring.last = tri;
             ring.area += area;
             ring.offset = ring.offset.max(offset);
             ring.clearance = ring.clearance.max(clearance);
@@ -88,15 +93,11 @@ pub(crate) struct Vertices {
     basis: Arc<VertexBasis>,
     /// [`Receivers::reach`](crate::Receivers::reach) of each.
     pub(crate) reaches: Vec<f32>,
+    /// A triangle around each.
+    pub(crate) surfaces: Vec<TriId>,
 }
 
 impl Vertices {
-    /// Whether a triangle has a corner at a vertex.
-    pub(crate) fn touches(&self, node: usize, tri: TriId) -> bool {
-        let scene = self.basis.scene();
-        scene.triangle_positions(tri).contains(&scene.positions()[self.basis.first_vertices()[node] as usize])
-    }
-
     /// The vertices next to one.
     pub(crate) fn beside(&self, node: usize) -> impl Iterator<Item = usize> {
         self.basis.adjacency().neighbours(NodeId(node as u32)).map(|(neighbour, _)| neighbour.index())

@@ -3,8 +3,9 @@
 use crate::coincident::FaceRef;
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
+use crate::shells::Shells;
 use crate::transparency::{Look, Looks};
-use crate::{Material, MaterialId, ObjectId, Sides, TriId, shells};
+use crate::{Material, MaterialId, ObjectId, Sides, TriId};
 use glam::{Vec2, Vec3};
 
 /// Triangles and vertices of all objects in one list.
@@ -75,14 +76,16 @@ impl FaceList {
             self.pair(front, back);
         }
         let by_shape = materials.iter().any(|material| material.sides == Sides::Shape);
-        let has_inside = if by_shape { shells::with_inside(self) } else { Vec::new() };
+        let shells = by_shape.then(|| Shells::of_faces(self));
         let mut back_vertex = vec![u32::MAX; self.positions.len()];
         for tri in 0..self.traced {
             let material = &materials[self.materials[tri].index()];
             let has_back = match material.sides {
                 Sides::Front => false,
                 Sides::Both => true,
-                Sides::Shape => !material.emits() && !has_inside[tri],
+                Sides::Shape => {
+                    !material.emits() && shells.as_ref().is_some_and(|shells| !shells.has_inside(tri))
+                }
             };
             if !has_back || self.other_side[tri].index() != tri {
                 continue;

@@ -6,10 +6,11 @@ use crate::face_list::FaceList;
 use crate::hash::{self, SurfacesHash};
 use crate::light_names;
 use crate::material::sound;
+use crate::shells::Shells;
 use crate::transparency::mean;
 use crate::{
     Albedo, AlphaMode, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId,
-    Radiance, SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, shells, triangle,
+    Radiance, SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
@@ -45,8 +46,8 @@ struct Unlit {
     sky: Sky,
     bounds: Bounds,
     usual_size: OnceLock<f64>,
-    /// Whether each triangle belongs to a closed shell; made when a ray first meets a back.
-    solids: OnceLock<Vec<bool>>,
+    /// Made when something first asks.
+    shells: OnceLock<Shells>,
     geometry_hash: OnceLock<blake3::Hash>,
     surfaces_hash: OnceLock<SurfacesHash>,
 }
@@ -69,7 +70,7 @@ impl Scene {
             cameras: builder.cameras,
             sky: builder.sky,
             usual_size: OnceLock::new(),
-            solids: OnceLock::new(),
+            shells: OnceLock::new(),
             geometry_hash: OnceLock::new(),
             surfaces_hash: OnceLock::new(),
         };
@@ -238,8 +239,8 @@ impl Scene {
         *self.unlit.usual_size.get_or_init(|| ((0..n as u32).map(area).sum::<f64>() / n as f64).sqrt())
     }
 
-    pub(crate) fn solids(&self) -> &[bool] {
-        self.unlit.solids.get_or_init(|| shells::closed(&self.unlit.faces))
+    pub(crate) fn shells(&self) -> &Shells {
+        self.unlit.shells.get_or_init(|| Shells::of_faces(&self.unlit.faces))
     }
 
     /// Hashes that tell this scene from others.

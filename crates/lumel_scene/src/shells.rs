@@ -15,52 +15,69 @@ impl Scene {
     /// Whether a triangle belongs to a closed shell: who sees its back is inside a solid, or outside a room.
     ///
     /// A shell is what hangs together by edges, whichever objects it is made of. It is closed if each of its edges is passed
-    /// as often in the one direction as in the other. Two-sided triangles have no back and belong to none.
+    /// as often in the one direction as in the other. Two-sided triangles have no back and bound nothing.
     pub fn bounds_solid(&self, tri: TriId) -> bool {
-        self.solids()[tri.index()]
+        let shells = self.shells();
+        !self.is_two_sided(tri) && shells.all[shells.of(self.traced(tri))].is_closed()
+    }
+
+    /// Whether two triangles belong to one shell.
+    pub fn hang_together(&self, a: TriId, b: TriId) -> bool {
+        self.shells().of(self.traced(a)) == self.shells().of(self.traced(b))
     }
 }
 
-/// Whether each triangle belongs to a closed shell.
-pub(crate) fn closed(faces: &FaceList) -> Vec<bool> {
-    of_each_triangle(faces, Shell::is_closed)
+/// The shells of a scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Shells {
+    /// By traced triangle: the triangle that stands for its shell.
+    of: Vec<u32>,
+    /// By the triangle that stands for it.
+    all: Vec<Shell>,
 }
 
-/// Whether each triangle belongs to a shell of which one side is inside: a closed one, or one of one piece that lacks only as
-/// much as a box without bottom or a room without a wall.
-pub(crate) fn with_inside(faces: &FaceList) -> Vec<bool> {
-    of_each_triangle(faces, Shell::has_inside)
-}
+impl Shells {
+    pub(crate) fn of_faces(faces: &FaceList) -> Self {
+        let mut weld = Weld::default();
+        let points: Vec<u32> = faces.positions.iter().map(|p| weld.number(*p)).collect();
+        let mut edges = Vec::with_capacity(3 * faces.traced);
+        for tri in 0..faces.traced {
+            let [a, b, c] = faces.triangles[tri].map(|vertex| points[vertex as usize]);
+            let edge =
+                |(from, to): (u32, u32)| Edge { ends: (from.min(to), from.max(to)), forward: from < to, tri };
+            edges.extend([(a, b), (b, c), (c, a)].map(edge));
+        }
+        edges.sort_unstable_by_key(|edge| edge.ends);
+        let mut forest = Forest::new(faces.traced);
+        for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
+            edge.windows(2).for_each(|pair| forest.join(pair[0].tri, pair[1].tri));
+        }
+        let of: Vec<u32> = (0..faces.traced).map(|tri| forest.of(tri) as u32).collect();
+        let mut all = vec![Shell::default(); faces.traced];
+        let is_one_sided = |tri: usize| faces.other_side[tri].index() == tri;
+        for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
+            let one_sided = || edge.iter().filter(|edge| is_one_sided(edge.tri));
+            let (n, forward) = (one_sided().count(), one_sided().filter(|edge| edge.forward).count());
+            let shell = &mut all[of[edge[0].tri] as usize];
+            shell.is_open |= 2 * forward != n;
+            shell.is_twisted |= (2 * forward).abs_diff(n) > 1;
+        }
+        for tri in (0..faces.traced).filter(|tri| is_one_sided(*tri)) {
+            let corners = faces.triangles[tri].map(|vertex| faces.positions[vertex as usize]);
+            all[of[tri] as usize].add(corners.map(|p| p.as_dvec3()));
+        }
+        Self { of, all }
+    }
 
-fn of_each_triangle(faces: &FaceList, holds: impl Fn(&Shell) -> bool) -> Vec<bool> {
-    let mut weld = Weld::default();
-    let points: Vec<u32> = faces.positions.iter().map(|p| weld.number(*p)).collect();
-    let is_one_sided = |tri: &usize| faces.other_side[*tri].index() == *tri;
-    let n = faces.triangles.len();
-    let mut edges = Vec::with_capacity(3 * n);
-    for tri in (0..n).filter(is_one_sided) {
-        let [a, b, c] = faces.triangles[tri].map(|vertex| points[vertex as usize]);
-        let edge =
-            |(from, to): (u32, u32)| Edge { ends: (from.min(to), from.max(to)), forward: from < to, tri };
-        edges.extend([(a, b), (b, c), (c, a)].map(edge));
+    fn of(&self, tri: TriId) -> usize {
+        self.of[tri.index()] as usize
     }
-    edges.sort_unstable_by_key(|edge| edge.ends);
-    let mut forest = Forest::new(n);
-    for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
-        edge.windows(2).for_each(|pair| forest.join(pair[0].tri, pair[1].tri));
+
+    /// Whether a traced triangle belongs to a shell of which one side is inside: a closed one, or one of one piece that lacks
+    /// only as much as a box without bottom or a room without a wall.
+    pub(crate) fn has_inside(&self, tri: usize) -> bool {
+        self.all[self.of[tri] as usize].has_inside()
     }
-    let mut shells = vec![Shell::default(); n];
-    for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
-        let forward = edge.iter().filter(|edge| edge.forward).count();
-        let shell = &mut shells[forest.of(edge[0].tri)];
-        shell.is_open |= 2 * forward != edge.len();
-        shell.is_twisted |= (2 * forward).abs_diff(edge.len()) > 1;
-    }
-    for tri in (0..n).filter(is_one_sided) {
-        let corners = faces.triangles[tri].map(|vertex| faces.positions[vertex as usize]);
-        shells[forest.of(tri)].add(corners.map(|p| p.as_dvec3()));
-    }
-    (0..n).map(|tri| is_one_sided(&tri) && holds(&shells[forest.of(tri)])).collect()
 }
 
 /// A side of a triangle between two points.
@@ -71,7 +88,7 @@ struct Edge {
 }
 
 /// Triangles that hang together.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Shell {
     /// Whether some edge is passed more often in one direction than in the other.
     is_open: bool,

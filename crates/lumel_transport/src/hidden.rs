@@ -17,7 +17,8 @@ use glam::Vec3;
 use lumel_accel::{Hit, Ray};
 use lumel_basis::{Basis, ElementId, Receivers, Site};
 use lumel_sample::{Dim, Sampler, StreamKey};
-use lumel_scene::{FaceSide, Scene};
+use lumel_scene::{FaceSide, Scene, TriId};
+use smallvec::SmallVec;
 use std::f32::consts::{FRAC_PI_4, FRAC_PI_8};
 
 /// Rays of a circle around the normal.
@@ -112,14 +113,17 @@ impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
     /// Whether other surfaces almost touch the one that a site lies on: within its [reach](Receivers::reach)
     /// they are all that is seen.
     ///
-    /// Neighbours that rise from its own corners do not count: they make a groove, not a gap.
+    /// Those that hang together with it do not count: they make a groove or a thin room, not a gap.
     pub(crate) fn is_covered(&mut self, element: ElementId, site: &Site) -> bool {
         let t_max = self.op.receivers.reach(element);
-        t_max > 0.0
-            && std::iter::once(Vec3::Z).chain(circle(ABOVE)).all(|local| {
-                let ray = Ray { t_max, ..hemisphere::ray(site, site.frame.to_world(local)) };
-                self.hit(&ray).is_some_and(|hit| !self.op.receivers.touches(element, hit.at.tri))
-            })
+        let Some(own) = self.op.receivers.surface(element).filter(|_| t_max > 0.0) else { return false };
+        let mut above = SmallVec::<[TriId; 9]>::new();
+        let is_closed = std::iter::once(Vec3::Z).chain(circle(ABOVE)).all(|local| {
+            let hit = self.hit(&Ray { t_max, ..hemisphere::ray(site, site.frame.to_world(local)) });
+            above.extend(hit.map(|hit| hit.at.tri));
+            hit.is_some()
+        });
+        is_closed && above.iter().all(|&tri| !self.op.scene.hang_together(own, tri))
     }
 }
 
