@@ -144,11 +144,11 @@ fn passed_down(heights: &[f32], [x, z]: [f32; 2]) -> Vec3 {
 }
 
 #[test]
-fn a_card_counts_once_also_on_its_diagonal_and_a_doubled_one_twice() {
+fn a_card_counts_once_also_on_its_diagonal_and_when_it_is_given_twice() {
     for place in [[0.3, 0.1], [0.0, 0.0], [0.5, -0.5], [-0.25, 0.25]] {
         assert_eq!(passed_down(&[0.0], place), Vec3::splat(0.5), "{place:?}");
         assert_eq!(passed_down(&[0.0, 1.0], place), Vec3::splat(0.25), "{place:?}");
-        assert_eq!(passed_down(&[0.0, 0.0], place), Vec3::splat(0.25), "{place:?}");
+        assert_eq!(passed_down(&[0.0, 0.0], place), Vec3::splat(0.5), "{place:?}");
     }
     assert_eq!(passed_down(&[0.0], [1.5, 0.0]), Vec3::ONE);
 }

@@ -64,3 +64,4 @@ pub use transparency::{AlphaMode, Transparency};
 pub use units::{Albedo, Irradiance, Radiance, Radiosity, luminance};
 pub use vertex_map::{Share, VertexMap};
 pub use warning::{Warning, Warnings};
+pub use weld::Weld;

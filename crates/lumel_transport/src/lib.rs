@@ -20,6 +20,7 @@ mod cpu;
 mod direct;
 mod direct_area;
 mod emissive;
+mod emissive_rects;
 mod emitters;
 mod ends;
 mod gather;

@@ -117,18 +117,21 @@ impl<'a> LightView<'a> {
         Self { balance: Some(balance), ..self }
     }
 
-    /// Density of sampling a point of a triangle that lies in this direction, sr⁻¹.
+    /// Density of sampling a point of an emissive surface that lies in this direction, sr⁻¹.
     pub(crate) fn pdf(&self, at: SurfacePoint, direction: Vec3) -> f64 {
-        if let Density::SolidAngleTriangle(triangle) = &self.density {
-            return triangle.pdf();
+        match &self.density {
+            Density::SolidAngleTriangle(triangle) => return triangle.pdf(),
+            Density::SolidAngleRect(rectangle) => return rectangle.pdf(),
+            Density::Cap(..) | Density::Area => {}
         }
-        let density = match self.light {
-            AreaLight::TexturedTriangle(_, texels) => texels.pdf(at.bary),
-            _ => 1.0,
+        let per_area = match self.light {
+            AreaLight::TexturedTriangle(_, texels) => texels.pdf(at.bary) / self.scene.area(at.tri),
+            AreaLight::Rect(rect) => 1.0 / rect.area(),
+            _ => 1.0 / self.scene.area(at.tri),
         };
         let to_light = self.scene.position(at) - self.site.origin;
         let cos_light = -self.scene.geometric_normal(at.tri).dot(direction);
-        per_solid_angle(density / self.scene.area(at.tri), to_light.length_squared(), cos_light)
+        per_solid_angle(per_area, to_light.length_squared(), cos_light)
     }
 
     /// The point of the light for `u` in the unit square; `None` if nothing of it arrives.

@@ -1,6 +1,7 @@
 //! The lights of a scene, ready to be sampled.
 
 use crate::emissive::{EmissiveTriangle, emissive_triangles, even_share};
+use crate::emissive_rects::{EmissiveRect, rectangles};
 use crate::emitters::Emitter;
 use crate::light_tree::{Extent, LightTree};
 use crate::plan::{EmitterSampling, LightSampling, Plan};
@@ -28,7 +29,7 @@ const UNIFORM_SHARE: f32 = 0.05;
 /// A light with an area or a solid angle.
 #[derive(Clone, Debug)]
 pub(crate) enum AreaLight {
-    /// A rectangle of constant radiance.
+    /// A rectangle of constant radiance: a light of the scene, or emissive triangles.
     Rect(RectLight),
     /// A rectangle with a texture, and the density of its brightness.
     TexturedRect(RectLight, PiecewiseConstant2D),
@@ -63,8 +64,10 @@ pub(crate) struct LightSet {
     pub(crate) tree: Option<LightTree>,
     /// Whether hemisphere rays collect the emission of the surfaces they meet, which nothing else does.
     pub(crate) emission_by_rays: bool,
-    /// Where emissive triangles are among the area lights, in the order of triangles.
+    /// Where emissive surfaces are among the area lights.
     emissive: Range<usize>,
+    /// Which of them each emissive triangle belongs to, in the order of triangles.
+    light_of: Vec<(TriId, u32)>,
     /// Which of them are sampled by shadow rays and hemisphere rays together.
     combined: Combined,
     /// Whether hemisphere rays collect the sky.
@@ -89,6 +92,7 @@ impl LightSet {
             tree: None,
             emission_by_rays: false,
             emissive: 0..0,
+            light_of: Vec::new(),
             combined: Combined::None,
             sky: !scene.sky().is_zero(),
         };
@@ -154,9 +158,8 @@ impl LightSet {
 
     /// The place of an emissive triangle among the area lights.
     pub(crate) fn emissive_light(&self, tri: TriId) -> Option<usize> {
-        let emissive = &self.area[self.emissive.clone()];
-        let place = emissive.binary_search_by_key(&Some(tri), |(_, light)| light.triangle()).ok()?;
-        Some(self.emissive.start + place)
+        let place = self.light_of.binary_search_by_key(&tri, |(tri, _)| *tri).ok()?;
+        Some(self.light_of[place].1 as usize)
     }
 
     /// How likely it is that a shadow ray of a site chooses an area light; 1 where all are sampled.
@@ -179,11 +182,27 @@ impl LightSet {
             return;
         }
         let begin = self.area.len();
-        self.area.extend(shining.into_iter().map(|EmissiveTriangle { tri, density }| {
-            let plain = || AreaLight::Triangle(tri, scene.material(tri).emission);
-            let light = density.map_or_else(plain, |density| AreaLight::TexturedTriangle(tri, density));
-            (Emitter::Surfaces(scene.material_id(tri)), light)
-        }));
+        let plain: Vec<TriId> = shining
+            .iter()
+            .filter(|triangle| triangle.density.is_none())
+            .map(|triangle| triangle.tri)
+            .collect();
+        let (rects, plain) = rectangles(scene, &plain);
+        for EmissiveRect { rect, material, tris } in rects {
+            let l = self.area.len() as u32;
+            self.light_of.extend(tris.into_iter().map(|tri| (tri, l)));
+            self.area.push((Emitter::Surfaces(material), AreaLight::Rect(rect)));
+        }
+        let plain =
+            plain.into_iter().map(|tri| (tri, AreaLight::Triangle(tri, scene.material(tri).emission)));
+        let textured = shining.into_iter().filter_map(|EmissiveTriangle { tri, density }| {
+            Some((tri, AreaLight::TexturedTriangle(tri, density?)))
+        });
+        for (tri, light) in plain.chain(textured) {
+            self.light_of.push((tri, self.area.len() as u32));
+            self.area.push((Emitter::Surfaces(scene.material_id(tri)), light));
+        }
+        self.light_of.sort_unstable();
         self.emissive = begin..self.area.len();
     }
 }
@@ -217,14 +236,6 @@ fn brightness(texture: &Texture) -> Option<PiecewiseConstant2D> {
 }
 
 impl AreaLight {
-    /// The emissive triangle that it is.
-    fn triangle(&self) -> Option<TriId> {
-        match self {
-            Self::Triangle(tri, _) | Self::TexturedTriangle(tri, _) => Some(*tri),
-            _ => None,
-        }
-    }
-
     /// Whether it is infinitely far away: such lights are all sampled at every receiver.
     pub(crate) fn is_far(&self) -> bool {
         matches!(self, Self::Sun(_) | Self::Sky(_))

@@ -7,6 +7,7 @@ const FLOOR: &str = "v -0.5 0 -0.5\nv -0.5 0 0.5\nv 0.5 0 0.5\nv 0.5 0 -0.5\nf 1
 const PROJECT: &str = r#"
 scene = "meshes/floor.obj"
 max_edge = 0.3
+two_sided = ["none"]
 
 [[light]]
 center = [0.0, 1.0, 0.0]
