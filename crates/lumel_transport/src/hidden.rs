@@ -19,10 +19,13 @@ use lumel_basis::{Basis, ElementId, Receivers, Site};
 use lumel_sample::{Dim, Sampler, StreamKey};
 use lumel_scene::{FaceSide, Scene, TriId};
 use smallvec::SmallVec;
-use std::f32::consts::{FRAC_PI_4, FRAC_PI_8};
 
-/// Rays of a circle around the normal.
-const CIRCLE: u32 = 8;
+/// Cosine and sine of 22.5°.
+const C: f32 = 0.923_879_5;
+const S: f32 = 0.382_683_43;
+
+/// Directions all around, opposite ones one after the other: most sites have a way out, which is soon found.
+const CIRCLE: [[f32; 2]; 8] = [[C, S], [-C, -S], [-S, C], [S, -C], [S, C], [-S, -C], [-C, S], [C, -S]];
 
 /// Sine of the height of the circle that looks for a way out under an awning (3°), and of the one that looks for something
 /// close above (30°).
@@ -155,12 +158,8 @@ fn is_back(scene: &Scene, hit: &Hit) -> bool {
     hit.side == FaceSide::Back && scene.seen_side(hit.at, hit.side).is_none()
 }
 
-/// Directions all around the normal whose height has this sine. Opposite ones come one after the other: most sites have a
-/// way out, which is soon found.
+/// Directions all around the normal whose height has this sine.
 fn circle(sine: f32) -> impl Iterator<Item = Vec3> {
     let cosine = (1.0 - sine * sine).sqrt();
-    (0..CIRCLE).map(move |i| {
-        let angle = FRAC_PI_8 + FRAC_PI_4 * ((3 * i) % CIRCLE) as f32;
-        Vec3::new(cosine * angle.cos(), cosine * angle.sin(), sine)
-    })
+    CIRCLE.into_iter().map(move |[x, y]| Vec3::new(cosine * x, cosine * y, sine))
 }
