@@ -76,7 +76,7 @@ pub use lumel_transport::{Control, Emitter, EmitterMask, EmitterSampling, LightS
 pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
-pub use open::{OpenError, OpenOptions, Opened, open};
+pub use open::{AutoEdge, OpenError, OpenOptions, Opened, open};
 pub use progress::{Progress, Tracker};
 pub use project::{CameraEntry, MaterialEntry, Project, ProjectError, SlotEntry};
 pub use reading::Reading;

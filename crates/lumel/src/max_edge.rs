@@ -26,9 +26,13 @@ impl MaxEdge {
     }
 
     /// Splits the edges of a scene. Returns the longest edge that [`Auto`](Self::Auto) chose, if it split any.
-    pub(crate) fn apply(self, builder: &mut SceneBuilder) -> Result<(Option<f32>, Warnings), SceneError> {
+    pub(crate) fn apply(
+        self,
+        builder: &mut SceneBuilder,
+        vertex_budget: u32,
+    ) -> Result<(Option<f32>, Warnings), SceneError> {
         match self {
-            Self::Auto => Ok(builder.tessellate_to_suit()),
+            Self::Auto => Ok(builder.tessellate_to_suit(vertex_budget)),
             Self::Off => Ok((None, Warnings::default())),
             Self::Length(length) => builder.tessellate(length).map(|warnings| (None, warnings)),
         }

@@ -16,6 +16,9 @@ pub struct OpenOptions {
     /// Longest edge after tessellation; replaces the project's. Where neither says, files get [`MaxEdge::Auto`] and built-in
     /// scenes stay as they are.
     pub max_edge: Option<MaxEdge>,
+    /// How many vertices [`MaxEdge::Auto`] may add, about; replaces the [budget](crate::Preset::vertex_budget) of the
+    /// project's preset. Where neither says, it is that of [`Preset::Medium`](crate::Preset::Medium).
+    pub vertex_budget: Option<u32>,
     /// Levels of refinement of a built-in scene; replaces the project's.
     pub subdivide: Option<u32>,
     /// Names of materials or objects that have two sides, whatever the files say; "all" for all.
@@ -34,8 +37,17 @@ pub struct Opened {
     /// The project file, if it is one; for editing. Its lights and views are [moved](Project::moved) to the coordinates of
     /// the builder.
     pub project: Option<Project>,
-    /// The longest edge that suited the scene, if [`MaxEdge::Auto`] split any, metres.
-    pub auto_edge: Option<f32>,
+    /// What [`MaxEdge::Auto`] chose, if it was what chose.
+    pub auto_edge: Option<AutoEdge>,
+}
+
+/// What [`MaxEdge::Auto`] chose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AutoEdge {
+    /// The longest edge where the scene is finest, metres; `None` if it split none.
+    pub length: Option<f32>,
+    /// How many vertices it might add, about.
+    pub vertex_budget: u32,
 }
 
 /// Why a scene cannot be opened.
@@ -95,8 +107,11 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
     let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
     let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
     let max_edge = options.max_edge.or(of_project).unwrap_or(MaxEdge::usual(is_builtin));
-    let (auto_edge, warnings) = max_edge.apply(&mut opened.builder)?;
+    let preset = opened.settings.preset.unwrap_or_default();
+    let vertex_budget = options.vertex_budget.unwrap_or(preset.vertex_budget());
+    let (length, warnings) = max_edge.apply(&mut opened.builder, vertex_budget)?;
     opened.warnings.append(warnings);
+    let auto_edge = (max_edge == MaxEdge::Auto).then_some(AutoEdge { length, vertex_budget });
     Ok(Opened { auto_edge, ..opened })
 }
 
@@ -206,7 +221,7 @@ fn two_sided(subject: &str, names: &[String], builder: &mut SceneBuilder, warnin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LightEntry, MaterialEntry};
+    use crate::{LightEntry, MaterialEntry, Preset};
     use glam::{DVec3, Vec3};
 
     fn open_with(lights: Vec<LightEntry>) -> Opened {
@@ -232,6 +247,26 @@ mod tests {
         assert_eq!(white.albedo, Vec3::new(0.1, 0.2, 0.3));
         let warnings: Vec<String> = opened.warnings.iter().map(ToString::to_string).collect();
         assert!(warnings.iter().any(|w| w.contains("there is no material \"gold\"")), "{warnings:?}");
+    }
+
+    #[test]
+    fn the_budget_is_that_of_the_options_or_the_preset_of_the_project_or_medium() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lumel.toml");
+        let budget = |preset, max_edge, vertex_budget| {
+            let bake = SettingsPatch { preset, ..SettingsPatch::default() };
+            let builtin = Some("furnace".into());
+            Project { builtin, max_edge, bake, ..Project::default() }.write(&path).unwrap();
+            let options = OpenOptions { vertex_budget, ..OpenOptions::default() };
+            let auto = open(&path.to_string_lossy(), &options).unwrap().auto_edge?;
+            Some((auto.length.is_some(), auto.vertex_budget))
+        };
+        let auto = Some(MaxEdge::Auto);
+        assert_eq!(budget(None, auto, None), Some((true, 200_000)));
+        assert_eq!(budget(Some(Preset::Draft), auto, None), Some((true, 50_000)));
+        assert_eq!(budget(Some(Preset::Draft), auto, Some(7)), Some((false, 7)));
+        assert_eq!(budget(None, None, None), None, "built-in scenes stay as they are");
+        assert_eq!(budget(None, Some(MaxEdge::Length(0.1)), None), None);
     }
 
     #[test]

@@ -55,7 +55,7 @@ fn a_room_of_few_triangles_is_right_over_its_surface() {
     let turned = reordered(placed(room(), turn, Vec3::new(20.0, -14.0, 8.0)));
     for (place, mut builder) in [("as given", room()), ("turned, moved, reordered", turned)] {
         let (as_it_is, _) = error(builder.clone(), &settings);
-        let (edge, _) = builder.tessellate_to_suit();
+        let (edge, _) = builder.tessellate_to_suit(Preset::Medium.vertex_budget());
         let (error, scene) = error(builder, &settings);
         println!("{place}: {edge:?}, {} vertices: {error:?}, before {as_it_is:?}", scene.vertex_count());
         assert!(as_it_is.trimmed > 0.1, "{place}: {as_it_is:?}");

@@ -6,9 +6,11 @@ use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
 use glam::Vec3;
 use lumel::{
-    Baker, Bvh, Control, EmitterSampling, Light, LightFileError, MaxEdge, OpenError, OpenOptions, Opened,
-    Project, Scene, Settings, SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
+    AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightFileError, MaxEdge, OpenError, OpenOptions,
+    Opened, Project, Scene, SceneError, Settings, SettingsError, SettingsPatch, SolveState, Warnings,
+    suggested_light,
 };
+use lumel_export::SolutionMeta;
 use lumel_scene::TriId;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,23 +26,48 @@ pub(crate) struct Loaded {
     pub(crate) patch: SettingsPatch,
     /// What was left out.
     pub(crate) warnings: Warnings,
-    /// The longest edge that suited the scene, if edges were split without a length, metres.
-    pub(crate) auto_edge: Option<f32>,
+    /// What was chosen, if the lengths of edges suit the scene.
+    pub(crate) auto_edge: Option<AutoEdge>,
 }
 
-/// Opens and builds the scene.
-pub(crate) fn load(args: &SceneArgs) -> anyhow::Result<Loaded> {
-    load_with(args, &args.open_options())
+/// What `--max-edge auto` would make of a mesh.
+pub(crate) struct Auto {
+    /// The longest edge where it is finest, metres; `None` if the mesh is fine enough as it is.
+    pub(crate) max_edge: Option<f32>,
+    /// Vertices of the scene then.
+    pub(crate) vertices: usize,
 }
 
-/// The same, but mesh files stay as they are unless the command line gives a longest edge.
-pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<Loaded> {
-    let given = args.max_edge.or((!Project::is_file_name(Path::new(&args.scene))).then_some(MaxEdge::Off));
-    load_with(args, &OpenOptions { max_edge: given, ..args.open_options() })
+/// Opens and builds the scene, with about so many more vertices at most where the lengths of edges suit the scene.
+fn load(args: &SceneArgs, vertex_budget: Option<u32>) -> anyhow::Result<Loaded> {
+    build(args, open(args, &args.open_options(vertex_budget))?)
 }
 
-fn load_with(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Loaded> {
-    let Opened { mut builder, mut warnings, settings: patch, auto_edge, .. } = open(args, options)?;
+/// The scene as it is in its files, unless they or the command line give a length of edges; then that, and nothing else.
+pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<(Loaded, Option<Auto>)> {
+    let given = args.max_edge.or_else(|| length_of_project(&args.scene));
+    let options = OpenOptions { max_edge: given.or(Some(MaxEdge::Off)), ..args.open_options(None) };
+    let opened = open(args, &options)?;
+    let auto = if given.is_none() { Some(auto(&opened).map_err(|e| in_scene(e, args))?) } else { None };
+    Ok((build(args, opened)?, auto))
+}
+
+/// The length of edges that a project gives, if it is one and does.
+fn length_of_project(scene: &str) -> Option<MaxEdge> {
+    let path = Path::new(scene);
+    let max_edge = Project::is_file_name(path).then(|| Project::read(path).ok()?.max_edge)?;
+    max_edge.filter(|max_edge| matches!(max_edge, MaxEdge::Length(_)))
+}
+
+fn auto(opened: &Opened) -> Result<Auto, SceneError> {
+    let mut builder = opened.builder.clone();
+    let budget = opened.settings.preset.unwrap_or_default().vertex_budget();
+    let (max_edge, _) = builder.tessellate_to_suit(budget);
+    Ok(Auto { max_edge, vertices: builder.build()?.0.vertex_count() })
+}
+
+fn build(args: &SceneArgs, opened: Opened) -> anyhow::Result<Loaded> {
+    let Opened { mut builder, mut warnings, settings: patch, auto_edge, .. } = opened;
     let new_lights = || args.lights.iter().filter_map(LightChoice::as_new);
     if new_lights().next().is_some() {
         builder.clear_lights();
@@ -57,9 +84,19 @@ fn load_with(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Loaded> 
     Ok(Loaded { scene: Arc::new(scene), patch, warnings, auto_edge })
 }
 
+/// What opening a scene for light that was baked needs: the number of vertices that tessellation might add, about.
+pub(crate) fn budget_of(solution: &Path) -> Option<u32> {
+    // What is wrong with the file is told when its light is read.
+    SolutionMeta::load(solution).ok()?.vertex_budget
+}
+
 /// Like [`load`], and reports the warnings.
-pub(crate) fn load_and_warn(args: &SceneArgs, console: &Console) -> anyhow::Result<Loaded> {
-    let loaded = load(args)?;
+pub(crate) fn load_and_warn(
+    args: &SceneArgs,
+    vertex_budget: Option<u32>,
+    console: &Console,
+) -> anyhow::Result<Loaded> {
+    let loaded = load(args, vertex_budget)?;
     for warning in loaded.warnings.iter().take(MAX_WARNINGS) {
         console.warning(&warning.to_string());
     }

@@ -1,7 +1,10 @@
 //! The contents of a scene, as text and as JSON.
 
+mod edges;
 mod text;
 
+use crate::load::Auto;
+use edges::EdgeReport;
 use glam::Vec3;
 use lumel::{Emitter, Light, LightLayer, Scene, Settings, Sky, light_layers};
 use lumel_scene::{
@@ -15,6 +18,9 @@ pub(crate) struct SceneReport {
     name: String,
     triangles: Triangles,
     vertices: usize,
+    edges: EdgeReport,
+    /// What `--max-edge auto` would make of it, where nothing else is asked for.
+    auto: Option<AutoReport>,
     objects: Vec<String>,
     materials: Vec<MaterialReport>,
     /// In world space.
@@ -43,6 +49,13 @@ struct Triangles {
     back_sides: usize,
     /// Those that rays can hit and light passes through.
     transparent: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct AutoReport {
+    /// Null if the mesh would stay as it is.
+    max_edge: Option<f32>,
+    vertices: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -116,7 +129,7 @@ struct CameraReport {
 
 impl SceneReport {
     /// Describes a scene.
-    pub(crate) fn new(scene: &Scene, warnings: Vec<String>) -> Self {
+    pub(crate) fn new(scene: &Scene, auto: Option<&Auto>, warnings: Vec<String>) -> Self {
         let tris = || (0..scene.triangle_count() as u32).map(TriId);
         let bounds = scene.bounds();
         let traced = tris().filter(|&tri| scene.traced(tri) == tri).count();
@@ -129,6 +142,8 @@ impl SceneReport {
                 transparent: scene.transparent_count(),
             },
             vertices: scene.vertex_count(),
+            edges: EdgeReport::of(scene),
+            auto: auto.map(|&Auto { max_edge, vertices }| AutoReport { max_edge, vertices }),
             objects: scene.object_names().to_vec(),
             materials: materials(scene),
             bounds: [bounds.min, bounds.max].map(|corner| world(scene, corner)),

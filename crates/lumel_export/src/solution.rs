@@ -71,6 +71,10 @@ pub struct SolutionMeta {
     pub lighting_hash: String,
     /// Settings of the bake.
     pub settings: Value,
+    /// How many vertices tessellation might add, about, where it chose the lengths of edges that suit the scene: what
+    /// opens the scene for this light needs the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vertex_budget: Option<u32>,
     /// False for a bake that was stopped before it was done.
     pub complete: bool,
     /// What each array holds, and in which unit; filled in on saving.
@@ -108,11 +112,20 @@ impl SolutionMeta {
             geometry_hash: hash.geometry.to_hex().to_string(),
             lighting_hash: hash.lighting.to_hex().to_string(),
             settings,
+            vertex_budget: None,
             complete: true,
             arrays: BTreeMap::new(),
             layers: Vec::new(),
             statistics: Value::Null,
         }
+    }
+
+    /// Reads where a solution comes from and leaves its light.
+    ///
+    /// # Errors
+    /// A file that is no solution, of a newer format, or damaged.
+    pub fn load(path: &Path) -> Result<Self, SolutionError> {
+        read_meta(&mut NpzReader::open(path)?, &KIND)
     }
 }
 

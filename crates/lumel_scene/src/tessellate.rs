@@ -11,8 +11,8 @@ use std::collections::HashMap;
 /// The most triangles that tessellation makes: a solve of them takes about 20 GB without stored rays.
 const MAX_RESULT: u64 = 40_000_000;
 
-/// The most triangles that tessellation adds where no length is asked for: about 200,000 vertices.
-const MAX_ADDED: u64 = 400_000;
+/// Triangles per vertex of a fine mesh.
+const TRIANGLES_PER_VERTEX: u64 = 2;
 
 /// Lengths grow by this until no more triangles than that are added.
 const COARSER: f64 = std::f64::consts::SQRT_2;
@@ -52,14 +52,14 @@ impl SceneBuilder {
     /// Splits triangles as [`tessellate`](Self::tessellate) does, by lengths that suit the scene.
     ///
     /// Edges get at most a 64th of the diagonal of the box around most of the triangles, growing away from it to a 64th of
-    /// the scene's diagonal; longer ones where more than about 200,000 vertices would be added. Meshes that are as fine
-    /// already stay as they are. Returns the length too, `None` if nothing was split.
-    pub fn tessellate_to_suit(&mut self) -> (Option<f32>, Warnings) {
+    /// the scene's diagonal; longer ones where more than about `vertex_budget` vertices would be added. Meshes that are as
+    /// fine already stay as they are. Returns the length too, `None` if nothing was split.
+    pub fn tessellate_to_suit(&mut self, vertex_budget: u32) -> (Option<f32>, Warnings) {
         self.recenter();
         coincident::unify_diagonals(&mut self.objects);
         let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
         let given = self.face_count();
-        let limit = given.saturating_add(MAX_ADDED);
+        let limit = given.saturating_add(TRIANGLES_PER_VERTEX * u64::from(vertex_budget));
         while self.count(&self.rule(length), limit) > limit {
             length = length.scaled(COARSER);
         }
@@ -255,6 +255,8 @@ mod tests {
     use std::collections::{BTreeMap, BTreeSet};
 
     type Bits = [u32; 3];
+
+    const BUDGET: u32 = 200_000;
 
     fn bits(p: Vec3) -> Bits {
         (p + Vec3::ZERO).to_array().map(f32::to_bits)
@@ -468,16 +470,19 @@ mod tests {
     #[test]
     fn without_a_length_edges_suit_the_scene() {
         let mut room = builder(vec![cube()]);
-        let (length, _) = room.tessellate_to_suit();
+        let (length, _) = room.tessellate_to_suit(BUDGET);
         assert_eq!(length, Some((3f64.sqrt() / 64.0) as f32));
         let longest = edge_lengths(&room.objects[0]).into_iter().fold(0.0, f64::max);
         assert!(longest <= 3f64.sqrt() / 64.0);
         // What is as fine already stays as it is.
         let fine = room.objects.clone();
-        assert_eq!((room.tessellate_to_suit().0, room.objects), (None, fine));
+        assert_eq!((room.tessellate_to_suit(BUDGET).0, room.objects), (None, fine));
         let mut nothing = builder(Vec::new());
-        assert_eq!(nothing.tessellate_to_suit().0, None);
-        assert_eq!(builder(vec![mesh("point", &[[0.0; 3]; 3], &[[0, 1, 2]])]).tessellate_to_suit().0, None);
+        assert_eq!(nothing.tessellate_to_suit(BUDGET).0, None);
+        assert_eq!(
+            builder(vec![mesh("point", &[[0.0; 3]; 3], &[[0, 1, 2]])]).tessellate_to_suit(BUDGET).0,
+            None
+        );
     }
 
     #[test]
@@ -488,7 +493,7 @@ mod tests {
         let mut alone = builder(vec![room.clone()]);
         let mut both = builder(vec![room, plane]);
         let ([(a, _), (b, _)], objects) =
-            ([alone.tessellate_to_suit(), both.tessellate_to_suit()], &both.objects);
+            ([alone.tessellate_to_suit(BUDGET), both.tessellate_to_suit(BUDGET)], &both.objects);
         assert_eq!(a, b);
         assert_eq!(objects[0], alone.objects[0]);
         assert!((100..40_000).contains(&objects[1].faces.len()), "{}", objects[1].faces.len());
@@ -503,7 +508,7 @@ mod tests {
 
     #[test]
     fn budgets_are_kept_and_scale_does_not_matter() {
-        let stacked = |scale: f32| {
+        let stacked = |scale: f32, budget| {
             let sheet = |i: i32| {
                 let mut sheet = cube();
                 sheet
@@ -513,12 +518,15 @@ mod tests {
                 sheet
             };
             let mut many = builder((0..40).map(sheet).collect());
-            many.tessellate_to_suit();
+            many.tessellate_to_suit(budget);
             many.face_count()
         };
-        let n = stacked(1.0);
-        assert!((MAX_ADDED / 4..=MAX_ADDED + 480).contains(&n), "{n}");
-        assert_eq!(stacked(1024.0), n);
+        for budget in [10_000, 100_000] {
+            let n = stacked(1.0, budget);
+            let most = 2 * u64::from(budget);
+            assert!((most / 4..=most + 480).contains(&n), "{n} triangles for {budget} vertices");
+            assert_eq!(stacked(1024.0, budget), n);
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::document::OpenRequest;
 use clap::Parser;
 use lumel::{MaxEdge, OpenOptions, PathPolicy};
+use lumel_export::SolutionMeta;
 use std::path::PathBuf;
 
 /// Watch light arrive in a scene.
@@ -79,9 +80,11 @@ impl Cli {
     /// The scene to open first.
     pub fn request(&self) -> Option<OpenRequest> {
         let paths = if self.allow_outside_paths { PathPolicy::Anywhere } else { PathPolicy::default() };
+        let solution = self.picture.solution.as_deref();
         let options = OpenOptions {
             paths,
             max_edge: self.max_edge,
+            vertex_budget: solution.and_then(|file| SolutionMeta::load(file).ok()?.vertex_budget),
             subdivide: self.subdivide,
             two_sided: self.two_sided.clone(),
         };

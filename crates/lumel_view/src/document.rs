@@ -52,6 +52,8 @@ pub struct Document {
     pub home: FlyCamera,
     /// Warnings from reading it.
     pub warnings: Vec<String>,
+    /// The longest edge that suited it, if edges were split without a length, metres.
+    pub auto_edge: Option<f32>,
 }
 
 /// What a scene file says of the things that one edits.
@@ -94,6 +96,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
     let document = Document {
         home: FlyCamera::from_camera(&camera).unwrap_or_default(),
         warnings: warnings.iter().map(ToString::to_string).collect(),
+        auto_edge: opened.auto_edge.and_then(|auto| auto.length),
         project: project.map(|project| (PathBuf::from(&request.name), project)),
         request: request.clone(),
         baker: Arc::new(baker),

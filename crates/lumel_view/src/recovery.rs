@@ -154,6 +154,7 @@ impl Note {
             options: OpenOptions {
                 paths,
                 max_edge: self.max_edge,
+                vertex_budget: None,
                 subdivide: self.subdivide,
                 two_sided: self.two_sided.clone(),
             },

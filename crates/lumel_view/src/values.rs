@@ -88,6 +88,19 @@ pub fn significant(value: f32) -> String {
     format!("{value:.*}", (2.0 - digits).max(0.0) as usize)
 }
 
+/// A number with its thousands apart.
+pub fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,5 +153,10 @@ mod tests {
         assert_eq!(in_unit(2.0, Unit::Lux, 179.0), "358");
         assert_eq!(in_unit(2.0, Unit::Stops, 179.0), "+1.00");
         assert_eq!(in_unit(0.0, Unit::Stops, 179.0), "-");
+    }
+
+    #[test]
+    fn thousands_are_apart() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1 000", "1 234 567"]);
     }
 }

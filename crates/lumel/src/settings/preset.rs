@@ -19,6 +19,15 @@ pub enum Preset {
 impl Preset {
     /// All presets, from fast to good.
     pub const ALL: [Self; 3] = [Self::Draft, Self::Medium, Self::Production];
+
+    /// How many vertices [`MaxEdge::Auto`](crate::MaxEdge::Auto) may add to a scene, about.
+    pub fn vertex_budget(self) -> u32 {
+        match self {
+            Self::Draft => 50_000,
+            Self::Medium => 200_000,
+            Self::Production => 500_000,
+        }
+    }
 }
 
 choices! {

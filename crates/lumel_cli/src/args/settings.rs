@@ -21,6 +21,13 @@ pub(crate) struct SettingsArgs {
     pub(crate) patch: SettingsPatch,
 }
 
+impl SettingsArgs {
+    /// How many vertices `--max-edge auto` may add, about, if a preset is given.
+    pub(crate) fn vertex_budget(&self) -> Option<u32> {
+        self.patch.preset.map(Preset::vertex_budget)
+    }
+}
+
 impl Args for SettingsArgs {
     fn augment_args(command: Command) -> Command {
         setting::ALL.iter().fold(command.arg(preset()), |command, setting| {

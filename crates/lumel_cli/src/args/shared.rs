@@ -45,8 +45,9 @@ pub(crate) struct SceneArgs {
     /// Split edges longer than this: a length in metres, auto or off.
     ///
     /// Light is stored at vertices: fine shadows need short edges. auto, the default for files, suits the scene: a 64th of
-    /// its diagonal, longer where more than 200,000 vertices would be added, and longer around the part where most of
-    /// the triangles are. Built-in scenes stay as they are.
+    /// its diagonal, longer around the part where most of the triangles are, and longer where it would add more vertices
+    /// than the preset allows: about 50,000 for draft, 200,000 for medium, 500,000 for production. A solution says how
+    /// many it was baked with. Built-in scenes stay as they are. `lumel info` says what auto would choose.
     #[arg(long, value_name = "L|auto|off", help_heading = "Scene")]
     #[arg(allow_negative_numbers = true)]
     pub(crate) max_edge: Option<MaxEdge>,
@@ -89,12 +90,13 @@ fn scene_help() -> String {
 }
 
 impl SceneArgs {
-    /// How to open the scene.
-    pub(crate) fn open_options(&self) -> OpenOptions {
+    /// How to open the scene. The budget is that of the preset unless it is given.
+    pub(crate) fn open_options(&self, vertex_budget: Option<u32>) -> OpenOptions {
         let paths = if self.allow_outside_paths { PathPolicy::Anywhere } else { PathPolicy::WithinFolder };
         OpenOptions {
             paths,
             max_edge: self.max_edge,
+            vertex_budget,
             subdivide: self.subdivide,
             two_sided: self.two_sided.clone(),
         }

@@ -69,7 +69,8 @@ impl BakeFiles {
 
 /// The bake on the threads of the pool.
 fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<Baked> {
-    let (loaded, load_seconds) = run.timed("load", || load::load_and_warn(&args.scene, &run.console));
+    let (loaded, load_seconds) =
+        run.timed("load", || load::load_and_warn(&args.scene, args.settings.vertex_budget(), &run.console));
     let Loaded { scene, patch, auto_edge, .. } = loaded?;
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
@@ -93,7 +94,8 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     }
     warn_of_dark_faces(&baker, &state, run);
     warn_of_error(&state, run);
-    let solution = solution(&baker, &state, run, &log);
+    let mut solution = solution(&baker, &state, run, &log);
+    solution.meta.vertex_budget = auto_edge.map(|auto| auto.vertex_budget);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
     let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
     let (written, write_seconds) = run.timed("write", || write(files, &baker, &solution, kept, run));
@@ -102,7 +104,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     };
     checkpoint.remove();
     let mut summary = Summary::new(&baker, &state, &solution, run.interrupt.control().rays(), &log);
-    summary.auto_edge = auto_edge;
+    summary.auto_edge = auto_edge.and_then(|auto| auto.length);
     summary.resumed_bounces = first_bounce;
     summary.files = written;
     summary.seconds.load = load_seconds;

@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 /// Describes a scene.
 pub(crate) fn run(args: &InfoArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
-    let Loaded { scene, warnings, .. } = load::load_as_it_is(&args.scene)?;
+    let (Loaded { scene, warnings, .. }, auto) = load::load_as_it_is(&args.scene)?;
     let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     let any = !warnings.is_empty();
-    let report = SceneReport::new(&scene, warnings);
+    let report = SceneReport::new(&scene, auto.as_ref(), warnings);
     if args.json {
         console::print(&(serde_json::to_string(&report)? + "\n"))?;
     } else {

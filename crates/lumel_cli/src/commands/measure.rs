@@ -62,7 +62,11 @@ fn measure(
     points: &Points,
     run: &CommandRun,
 ) -> anyhow::Result<Option<PointMeasurement>> {
-    let (loaded, _) = run.timed("load", || load::load_and_warn(&args.scene, &run.console));
+    let budget = match &args.solution {
+        Some(file) => load::budget_of(file),
+        None => args.settings.vertex_budget(),
+    };
+    let (loaded, _) = run.timed("load", || load::load_and_warn(&args.scene, budget, &run.console));
     let Loaded { scene, patch, .. } = loaded?;
     let receivers = points.receivers(&scene)?;
     let light = match &args.solution {

@@ -59,7 +59,8 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
 
 /// Draws and writes the image. `None` if cancelled.
 fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Result<Option<Picture>> {
-    let Loaded { scene, .. } = load::load_and_warn(&args.scene, &run.console)?;
+    let budget = args.solution.as_deref().and_then(load::budget_of);
+    let Loaded { scene, .. } = load::load_and_warn(&args.scene, budget, &run.console)?;
     let light = light(args, &scene, &run.console)?;
     let tracer = tracer_of(&scene);
     let camera = camera(args.camera.as_ref(), &scene, &*tracer)?;

@@ -1,6 +1,9 @@
 //! A scene report as text.
 
-use super::{Emissive, LayerReport, LightKind, LightReport, MaterialReport, SceneReport, TextureReport};
+use super::{
+    AutoReport, EdgeReport, Emissive, LayerReport, LightKind, LightReport, MaterialReport, SceneReport,
+    TextureReport,
+};
 use crate::report::{counted, place, significant, triple};
 
 /// Further objects are only counted.
@@ -24,6 +27,10 @@ impl SceneReport {
         };
         page.row("triangles", &(sides + &transparent));
         page.row("vertices", &self.vertices.to_string());
+        page.row("edges", &self.edges.line());
+        if let Some(auto) = &self.auto {
+            page.row("max-edge", &auto.line());
+        }
         page.row("bounds", &format!("{} to {} m", place(self.bounds[0]), place(self.bounds[1])));
         page.row("size", &format!("{} m", self.size.map(|side| significant(f64::from(side))).join(" x ")));
         page.row("area", &format!("{} m²", significant(self.area)));
@@ -56,6 +63,26 @@ impl SceneReport {
         let more = self.objects.len() - shown.len();
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         format!("{}: {}{more}", self.objects.len(), shown.join(", "))
+    }
+}
+
+impl EdgeReport {
+    fn line(&self) -> String {
+        let Self { min, p5, median, p95, max } = self;
+        let [min, p5, median, p95, max] = [min, p5, median, p95, max].map(|&length| significant(length));
+        format!("{min} to {max} m; 5% {p5} m, median {median} m, 95% {p95} m")
+    }
+}
+
+impl AutoReport {
+    fn line(&self) -> String {
+        match self.max_edge {
+            None => "auto leaves the mesh as it is".to_owned(),
+            Some(length) => {
+                let vertices = counted(self.vertices, "vertex", "vertices");
+                format!("auto splits to at most {} m: {vertices}", significant(f64::from(length)))
+            }
+        }
     }
 }
 

@@ -1,4 +1,5 @@
 use crate::common::{Place, run};
+use crate::project::FLOOR;
 use serde_json::Value;
 
 #[test]
@@ -12,6 +13,38 @@ fn a_scene_is_described_in_numbers() {
     assert_eq!(info["size"], serde_json::json!([1.0, 1.0, 1.0]));
     assert_eq!(info["emissive"]["triangles"], info["triangles"]["total"]);
     assert!(info["vertices"].as_u64().unwrap() > 8 && info["cameras"][0]["name"].is_string());
+}
+
+#[test]
+fn lengths_of_edges_are_told_and_what_would_suit() {
+    let place = Place::new();
+    place.write("floor.obj", FLOOR);
+    let info = |line: &str| -> Value {
+        let run = run(&mut place.lumel(&format!("info {line} --json"))).done();
+        serde_json::from_str(&run.stdout).unwrap()
+    };
+    let (floor, diagonal) = (info("floor.obj"), 2f64.sqrt());
+    let close = |value: &Value, wanted: f64| (value.as_f64().unwrap() / wanted - 1.0).abs() < 1e-6;
+    // Four sides and a diagonal that two triangles share; the sheet has two sides.
+    for (quantile, length) in
+        [("min", 1.0), ("p5", 1.0), ("median", 1.0), ("p95", diagonal), ("max", diagonal)]
+    {
+        assert!(close(&floor["edges"][quantile], length), "{quantile} in {floor}");
+    }
+    assert!(close(&floor["auto"]["max_edge"], diagonal / 64.0), "{floor}");
+    run(&mut place.lumel("bake floor.obj -o floor.npz --sky 1,1,1 --bounces 0 --preset draft")).done();
+    assert_eq!(floor["auto"]["vertices"], place.solution("floor.npz").vertex_count());
+    let text = run(&mut place.lumel("info floor.obj")).done().stdout;
+    assert!(text.contains("edges       1 to 1.4142 m; 5% 1 m, median 1 m, 95% 1.4142 m"), "{text}");
+    assert!(text.contains("max-edge    auto splits to at most 0.022097 m: 8450 vertices"), "{text}");
+
+    // Where a length is given, edges are split, and nothing else would be chosen.
+    let split = info("floor.obj --max-edge 0.4");
+    assert!(split["edges"]["max"].as_f64().unwrap() <= 0.4 && split["auto"].is_null(), "{split}");
+    place.write("floor.lumel.toml", "scene = \"floor.obj\"\n");
+    assert_eq!(info("floor.lumel.toml")["auto"], floor["auto"], "projects stay as they are, too");
+    let fine = info("furnace --subdivide 5");
+    assert_eq!((&fine["auto"]["max_edge"], &fine["auto"]["vertices"]), (&Value::Null, &fine["vertices"]));
 }
 
 #[test]

@@ -2,7 +2,7 @@ use crate::common::{Place, run};
 use serde_json::Value;
 
 /// A floor of two triangles, a metre square.
-const FLOOR: &str = "v -0.5 0 -0.5\nv -0.5 0 0.5\nv 0.5 0 0.5\nv 0.5 0 -0.5\nf 1 2 3 4\n";
+pub(crate) const FLOOR: &str = "v -0.5 0 -0.5\nv -0.5 0 0.5\nv 0.5 0 0.5\nv 0.5 0 -0.5\nf 1 2 3 4\n";
 
 const PROJECT: &str = r#"
 scene = "meshes/floor.obj"

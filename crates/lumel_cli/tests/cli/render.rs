@@ -117,3 +117,30 @@ fn old_light_on_new_materials_is_told() {
     assert!(changed.stderr.contains("materials or lights have changed"), "{}", changed.stderr);
     assert_eq!(run(place.lumel(line).arg("--strict")).code, 1);
 }
+
+#[test]
+fn solutions_say_how_fine_their_scene_was_made() {
+    let place = Place::new();
+    // More than a draft may add.
+    let sheets = (0..20).map(|y| {
+        let y = 0.05 * f64::from(y);
+        format!("v 0 {y} 0\nv 0 {y} 1\nv 1 {y} 1\nv 1 {y} 0\nf -4 -3 -2 -1\n")
+    });
+    place.write("sheets.obj", &sheets.collect::<String>());
+    let bake = |preset: &str, more: &str| {
+        let line =
+            format!("bake sheets.obj -o {preset}.npz --sky 1,1,1 --bounces 0 --preset {preset} {more}");
+        run(&mut place.lumel(&format!("{line} --indirect-samples 1 --projection point"))).done();
+        place.solution(&format!("{preset}.npz"))
+    };
+    let [draft, medium] = [bake("draft", ""), bake("medium", "")];
+    assert_eq!([&draft, &medium].map(|light| light.meta.vertex_budget), [Some(50_000), Some(200_000)]);
+    assert!(draft.vertex_count() < 110_000 && medium.vertex_count() > 110_000);
+    for preset in ["draft", "medium"] {
+        run(&mut place.lumel(&format!("render sheets.obj --solution {preset}.npz -o a.png --size 8x6")))
+            .done();
+        let point = "--point 0.5,0,0.5 --normal 0,1,0 --sky 1,1,1";
+        run(&mut place.lumel(&format!("measure sheets.obj --solution {preset}.npz {point}"))).done();
+    }
+    assert_eq!(bake("draft", "--max-edge 0.5").meta.vertex_budget, None);
+}

@@ -186,7 +186,7 @@ impl FileDialog {
             ui.heading(self.title());
             ui.add_space(6.0);
             if self.purpose == FilePurpose::OpenScene {
-                chosen = open::choices(ui, &prefs.recent, &mut self.max_edge);
+                chosen = open::choices(ui, &prefs.recent, &mut self.max_edge, session.document.as_ref());
             }
             decision = path_row(ui, &mut self, session.wake());
             if !self.note.is_empty() {

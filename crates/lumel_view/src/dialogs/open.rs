@@ -1,6 +1,8 @@
 //! What there is to open: built-in scenes and those opened last.
 
+use crate::document::Document;
 use crate::theme;
+use crate::values::{grouped, significant};
 use eframe::egui::{self, Button, DragValue, RichText};
 use lumel::MaxEdge;
 use std::path::Path;
@@ -10,6 +12,7 @@ pub(super) fn choices(
     ui: &mut egui::Ui,
     recent: &[String],
     max_edge: &mut Option<MaxEdge>,
+    document: Option<&Document>,
 ) -> Option<String> {
     let mut chosen = None;
     ui.columns(2, |columns| {
@@ -37,6 +40,9 @@ pub(super) fn choices(
     ui.add_space(6.0);
     ui.separator();
     longest_edge(ui, max_edge);
+    if let Some(document) = document {
+        ui.label(RichText::new(fineness(document)).color(theme::WEAK));
+    }
     chosen
 }
 
@@ -66,6 +72,21 @@ fn longest_edge(ui: &mut egui::Ui, max_edge: &mut Option<MaxEdge>) {
             ui.add(value).labelled_by(name.id);
         }
     });
+}
+
+/// How fine the scene is that is open.
+fn fineness(document: &Document) -> String {
+    let title = document.request.title();
+    let vertices = grouped(document.scene.vertex_count());
+    match document.auto_edge {
+        Some(edge) => {
+            format!(
+                "{title} has {vertices} vertices: Automatic split edges to at most {} m.",
+                significant(edge)
+            )
+        }
+        None => format!("{title} has {vertices} vertices."),
+    }
 }
 
 fn entry(ui: &mut egui::Ui, name: &str, hint: &str) -> egui::Response {

@@ -2,7 +2,7 @@
 
 use crate::session::Session;
 use crate::theme;
-use crate::values::significant;
+use crate::values::{grouped, significant};
 use crate::widgets::{albedo_button, heading, hint, value};
 use eframe::egui::{self, RichText, Ui};
 use glam::Vec3;
@@ -19,6 +19,9 @@ pub(super) fn show(session: &mut Session, ui: &mut Ui) {
     let scene = &document.scene;
     value(ui, "Scene", scene.name());
     value(ui, "Vertices", grouped(scene.vertex_count()));
+    if let Some(edge) = document.auto_edge {
+        value(ui, "Longest edge", format!("{} m, chosen automatically", significant(edge)));
+    }
     value(ui, "Triangles", grouped(scene.traced_count()));
     let backs = scene.triangle_count() - scene.traced_count();
     if backs > 0 {
@@ -66,28 +69,5 @@ pub(super) fn show(session: &mut Session, ui: &mut Ui) {
     }
     if let Some((material, albedo)) = repainted {
         session.repaint(&material, albedo);
-    }
-}
-
-/// A number with its thousands apart.
-fn grouped(n: usize) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::grouped;
-
-    #[test]
-    fn thousands_are_apart() {
-        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1 000", "1 234 567"]);
     }
 }

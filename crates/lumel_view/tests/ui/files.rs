@@ -86,7 +86,13 @@ fn the_longest_edge_is_asked_for() {
     assert_eq!(opened(&mut window, "As in the file"), 5 * 4);
     let at_most = opened(&mut window, "At most");
     assert!(at_most >= 5 * 64);
-    assert!(opened(&mut window, "Automatic") > at_most);
+    let auto = opened(&mut window, "Automatic");
+    assert!(auto > at_most);
+    // How fine it became is told in the panel and where it is chosen.
+    window.tab("Scene");
+    assert!(window.reads("Longest edge") && window.reads("m, chosen automatically"));
+    window.press(Key::M);
+    assert!(window.reads("vertices: Automatic split edges to at most"));
 }
 
 #[test]
