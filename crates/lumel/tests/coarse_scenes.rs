@@ -53,6 +53,7 @@ fn a_room_of_few_triangles_is_right_over_its_surface() {
         Settings { bounces: BounceLimit::Count(3), direct_samples: 32, ..Preset::Draft.settings() };
     let turn = Quat::from_euler(EulerRot::XYZ, 0.4, -1.1, 2.3);
     let turned = reordered(placed(room(), turn, Vec3::new(20.0, -14.0, 8.0)));
+    let mut counts = Vec::new();
     for (place, mut builder) in [("as given", room()), ("turned, moved, reordered", turned)] {
         let (as_it_is, _) = error(builder.clone(), &settings);
         let (edge, _) = builder.tessellate_to_suit(Preset::Medium.vertex_budget());
@@ -60,7 +61,9 @@ fn a_room_of_few_triangles_is_right_over_its_surface() {
         println!("{place}: {edge:?}, {} vertices: {error:?}, before {as_it_is:?}", scene.vertex_count());
         assert!(as_it_is.trimmed > 0.1, "{place}: {as_it_is:?}");
         assert!(error.trimmed < 0.03 && error.bias.abs() < 0.01, "{place}: {error:?}");
+        counts.push(scene.vertex_count());
     }
+    assert_eq!(counts[0], counts[1], "turning and order change nothing");
 }
 
 #[test]

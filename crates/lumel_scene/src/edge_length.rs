@@ -1,17 +1,23 @@
 //! How long edges may be, and where.
 
 use crate::mesh::ObjectMesh;
-use crate::{Bounds, SceneBuilder};
+use crate::triangle::angle;
+use crate::{Face, SceneBuilder};
 use glam::{DVec3, Vec3};
 
-/// Edges per diagonal of what they lie in: the shadows of a room show, and it takes seconds to bake.
-const PER_DIAGONAL: f64 = 64.0;
+/// Edges per diameter of what they lie in: the shadows of a room show, and it takes seconds to bake.
+///
+/// A little less than 64, for diagonals that are halved six times must be short enough however they are rounded.
+pub(crate) const PER_DIAMETER: f64 = 63.9;
 
-/// Around the core of a scene, edges may be twice as long for every eighth of its diagonal.
+/// Around the core of a scene, edges may be twice as long for every eighth of its diameter.
 const GRADING: f64 = 8.0;
 
-/// Share of the corners of faces that lie outside the core on either side of each axis.
-const OUTSIDE_CORE: f64 = 0.05;
+/// What is further from the middle of the core than so many mean distances does not belong to it.
+const OUTSIDE_CORE: f64 = 3.0;
+
+/// The core is known after so many rounds at most.
+const MAX_ROUNDS: usize = 16;
 
 /// The longest edge that is allowed at each place, metres.
 ///
@@ -22,44 +28,41 @@ pub(crate) enum EdgeLength {
     Uniform(f64),
     /// Shortest in the core of the scene, and longer away from it.
     Graded {
-        /// Of the core.
-        center: DVec3,
-        half: DVec3,
+        /// A ball.
+        core: Ball,
         /// In the core, and the most anywhere.
         shortest: f64,
         longest: f64,
     },
 }
 
+/// A ball: unlike a box, it turns with the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Ball {
+    center: DVec3,
+    radius: f64,
+}
+
 impl EdgeLength {
-    /// Lengths that suit a scene: a 64th of the diagonal of its core, growing to a 64th of that of all.
+    /// Lengths that suit a scene: a 64th of the diameter of its core, growing to a 64th of that of all.
     ///
-    /// The core is where most of its triangles are: a room on a plane of a kilometre, not the plane.
+    /// The core is where most of its triangles are: a room on a plane of a kilometre, not the plane. For a box, it is the
+    /// ball around it.
     pub(crate) fn for_scene(builder: &SceneBuilder) -> Option<Self> {
-        let corners: Vec<Vec3> = builder.objects.iter().flat_map(corners).filter(|p| p.is_finite()).collect();
-        let all = Bounds::around(corners.iter().copied());
-        let axes = [0, 1, 2].map(|axis| {
-            let mut values: Vec<f32> = corners.iter().map(|p| p[axis]).collect();
-            middle_range(&mut values)
-        });
-        let [x, y, z] = axes;
-        let [x, y, z] = [x?, y?, z?];
-        let core = Bounds { min: Vec3::new(x[0], y[0], z[0]), max: Vec3::new(x[1], y[1], z[1]) };
-        let diagonal = |bounds: &Bounds| (bounds.max.as_dvec3() - bounds.min.as_dvec3()).length();
-        let longest = diagonal(&all) / PER_DIAGONAL;
-        // Most corners may lie on one point or line, which is no core.
-        let shortest = (diagonal(&core) / PER_DIAGONAL).max(longest * 1e-6);
-        let (min, max) = (core.min.as_dvec3(), core.max.as_dvec3());
-        let graded = Self::Graded { center: 0.5 * (min + max), half: 0.5 * (max - min), shortest, longest };
-        (longest > 0.0 && longest.is_finite()).then_some(graded)
+        let corners: Vec<Corner> = builder.objects.iter().flat_map(corners).collect();
+        let core = core(&corners);
+        let longest = 2.0 * core.reach(corners.iter()) / PER_DIAMETER;
+        // Most corners may lie on one point, which is no core.
+        let shortest = (2.0 * core.radius / PER_DIAMETER).max(longest * 1e-6);
+        (longest > 0.0 && longest.is_finite()).then_some(Self::Graded { core, shortest, longest })
     }
 
     /// The same with all lengths multiplied.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         match self {
             Self::Uniform(length) => Self::Uniform(factor * length),
-            Self::Graded { center, half, shortest, longest } => {
-                Self::Graded { center, half, shortest: factor * shortest, longest: factor * longest }
+            Self::Graded { core, shortest, longest } => {
+                Self::Graded { core, shortest: factor * shortest, longest: factor * longest }
             }
         }
     }
@@ -77,26 +80,55 @@ impl EdgeLength {
     pub(crate) fn at(&self, midpoint: DVec3) -> f64 {
         match *self {
             Self::Uniform(length) => length,
-            Self::Graded { center, half, shortest, longest } => {
-                let outside = ((midpoint - center).abs() - half).max(DVec3::ZERO).length();
-                let growth = 1.0 + GRADING * outside / (2.0 * half.length()).max(PER_DIAGONAL * shortest);
+            Self::Graded { core, shortest, longest } => {
+                let outside = (midpoint.distance(core.center) - core.radius).max(0.0);
+                let growth = 1.0 + GRADING * outside / (2.0 * core.radius).max(PER_DIAMETER * shortest);
                 (shortest * growth).min(longest)
             }
         }
     }
 }
 
-fn corners(object: &ObjectMesh) -> impl Iterator<Item = Vec3> + '_ {
-    let vertices = object.faces.iter().flat_map(|face| face.vertices);
-    vertices.filter_map(|vertex| object.positions.get(vertex as usize).copied())
+impl Ball {
+    /// How far from its centre the furthest of some corners is.
+    fn reach<'a>(&self, corners: impl Iterator<Item = &'a Corner>) -> f64 {
+        // Sums of other orders or of a turned scene differ in the last digits, which must not decide anything.
+        f64::from(corners.map(|(p, _)| p.distance(self.center)).fold(0.0, f64::max) as f32)
+    }
 }
 
-/// The range that most of some numbers lie in.
-fn middle_range(values: &mut [f32]) -> Option<[f32; 2]> {
-    let last = values.len().checked_sub(1)?;
-    let outside = (OUTSIDE_CORE * last as f64) as usize;
-    let mut at = |place: usize| *values.select_nth_unstable_by(place, f32::total_cmp).1;
-    Some([at(outside), at(last - outside)])
+/// A corner of a face and its angle: however polygons are cut into triangles, the angles at a corner add up to the same.
+type Corner = (DVec3, f64);
+
+/// The sound corners of an object.
+fn corners(object: &ObjectMesh) -> impl Iterator<Item = Corner> + '_ {
+    let exists = |face: &&Face| face.vertices.iter().all(|&v| (v as usize) < object.positions.len());
+    let of_face = |face: &Face| {
+        let corners: [Vec3; 3] = object.corners(face);
+        [0, 1, 2].map(|k| (corners[k].as_dvec3(), angle(corners, k)))
+    };
+    let all = object.faces.iter().filter(exists).flat_map(of_face);
+    all.filter(|(p, angle)| p.is_finite() && angle.is_finite())
+}
+
+/// The ball that most corners lie in: what is far beyond their mean distance from their middle is left out until nothing is.
+fn core(corners: &[Corner]) -> Ball {
+    let (mut ball, mut left_in) = (Ball { center: DVec3::ZERO, radius: f64::INFINITY }, usize::MAX);
+    for _ in 0..MAX_ROUNDS {
+        let inside = || corners.iter().filter(|(p, _)| p.distance(ball.center) <= ball.radius);
+        let weight: f64 = inside().map(|(_, angle)| angle).sum();
+        let count = inside().count();
+        if count == left_in || weight <= 0.0 {
+            break;
+        }
+        left_in = count;
+        let center = inside().map(|(p, angle)| *angle * *p).sum::<DVec3>() / weight;
+        let center = center.as_vec3().as_dvec3();
+        let distance = inside().map(|(p, angle)| angle * p.distance(center)).sum::<f64>() / weight;
+        ball = Ball { center, radius: OUTSIDE_CORE * distance };
+    }
+    let inside = corners.iter().filter(|(p, _)| p.distance(ball.center) <= ball.radius);
+    Ball { radius: ball.reach(inside), ..ball }
 }
 
 #[cfg(test)]
@@ -105,19 +137,24 @@ mod tests {
 
     #[test]
     fn lengths_grow_away_from_the_core_to_a_limit() {
-        let graded =
-            EdgeLength::Graded { center: DVec3::ZERO, half: DVec3::splat(1.0), shortest: 0.05, longest: 1.0 };
+        let core = Ball { center: DVec3::ZERO, radius: 1.0 };
+        let graded = EdgeLength::Graded { core, shortest: 0.05, longest: 1.0 };
         let at = |x: f64| graded.at(DVec3::new(x, 0.0, 0.0));
         assert_eq!((at(0.0), at(1.0), at(1e9)), (0.05, 0.05, 1.0));
         let growth = at(3.0) / 0.05 - 1.0;
-        assert!((growth - GRADING * 2.0 / 12f64.sqrt()).abs() < 1e-12, "{growth}");
+        assert!((growth - GRADING * 2.0 / (PER_DIAMETER * 0.05)).abs() < 1e-12, "{growth}");
         assert!(graded.scaled(2.0).at(DVec3::ZERO) == 0.1 && graded.shortest() == 0.05);
     }
 
     #[test]
-    fn a_few_values_far_out_do_not_widen_the_range() {
-        let mut values: Vec<f32> = (0..100).map(|i| (i % 10) as f32).chain([-1e6, 1e6]).collect();
-        assert_eq!(middle_range(&mut values), Some([0.0, 9.0]));
-        assert_eq!(middle_range(&mut []), None);
+    fn a_few_corners_far_out_do_not_widen_the_core() {
+        let cube = |i: u32| DVec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2 & 1).into());
+        let mut corners: Vec<Corner> = (0..80).map(|i| (cube(i), 1.0)).collect();
+        let of_cube = core(&corners);
+        let radius = f64::from((0.75f64.sqrt()) as f32);
+        assert_eq!(of_cube, Ball { center: DVec3::splat(0.5), radius });
+        corners.extend([-1e6, 1e6, 2e6].map(|x| (DVec3::splat(x), 1.0)));
+        assert_eq!(core(&corners), of_cube);
+        assert_eq!(core(&[]).reach([].iter()), 0.0);
     }
 }

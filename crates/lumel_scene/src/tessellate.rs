@@ -51,8 +51,8 @@ impl SceneBuilder {
 
     /// Splits triangles as [`tessellate`](Self::tessellate) does, by lengths that suit the scene.
     ///
-    /// Edges get at most a 64th of the diagonal of the box around most of the triangles, growing away from it to a 64th of
-    /// the scene's diagonal; longer ones where more than about `vertex_budget` vertices would be added. Meshes that are as
+    /// Edges get at most a 64th of the diameter of the ball around most of the triangles, growing away from it to a 64th of
+    /// the scene's diameter, however the scene is turned; longer ones where more than about `vertex_budget` vertices would be added. Meshes that are as
     /// fine already stay as they are. Returns the length too, `None` if nothing was split.
     pub fn tessellate_to_suit(&mut self, vertex_budget: u32) -> (Option<f32>, Warnings) {
         self.recenter();
@@ -250,6 +250,7 @@ fn add_middle(object: &mut ObjectMesh, a: u32, b: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::edge_length::PER_DIAMETER;
     use crate::{Material, MaterialId, Smoothing};
     use glam::Vec2;
     use std::collections::{BTreeMap, BTreeSet};
@@ -471,7 +472,8 @@ mod tests {
     fn without_a_length_edges_suit_the_scene() {
         let mut room = builder(vec![cube()]);
         let (length, _) = room.tessellate_to_suit(BUDGET);
-        assert_eq!(length, Some((3f64.sqrt() / 64.0) as f32));
+        let wanted = 3f64.sqrt() / PER_DIAMETER;
+        assert!((f64::from(length.unwrap()) / wanted - 1.0).abs() < 1e-6, "{length:?} {wanted}");
         let longest = edge_lengths(&room.objects[0]).into_iter().fold(0.0, f64::max);
         assert!(longest <= 3f64.sqrt() / 64.0);
         // What is as fine already stays as it is.
@@ -483,6 +485,24 @@ mod tests {
             builder(vec![mesh("point", &[[0.0; 3]; 3], &[[0, 1, 2]])]).tessellate_to_suit(BUDGET).0,
             None
         );
+    }
+
+    #[test]
+    fn lengths_turn_with_the_scene() {
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.3);
+        // Long and thin, where a box depends on the axes most.
+        let room = |turn: glam::DQuat| {
+            let mut objects = vec![cube(), tetrahedron()];
+            for position in objects.iter_mut().flat_map(|object| &mut object.positions) {
+                *position = (turn * (position.as_dvec3() * glam::DVec3::new(9.0, 1.1, 1.3))).as_vec3();
+            }
+            let mut room = builder(objects);
+            let length = f64::from(room.tessellate_to_suit(BUDGET).0.unwrap());
+            (length, room.face_count() as f64)
+        };
+        let (as_given, turned) = (room(glam::DQuat::IDENTITY), room(turn));
+        assert!((turned.0 / as_given.0 - 1.0).abs() < 1e-5, "{turned:?} {as_given:?}");
+        assert!((turned.1 / as_given.1 - 1.0).abs() < 0.01, "{turned:?} {as_given:?}");
     }
 
     #[test]

@@ -45,7 +45,7 @@ pub(crate) struct SceneArgs {
     /// Split edges longer than this: a length in metres, auto or off.
     ///
     /// Light is stored at vertices: fine shadows need short edges. auto, the default for files, suits the scene: a 64th of
-    /// its diagonal, longer around the part where most of the triangles are, and longer where it would add more vertices
+    /// its diameter, longer around the part where most of the triangles are, and longer where it would add more vertices
     /// than the preset allows: about 50,000 for draft, 200,000 for medium, 500,000 for production. A solution says how
     /// many it was baked with. Built-in scenes stay as they are. `lumel info` says what auto would choose.
     #[arg(long, value_name = "L|auto|off", help_heading = "Scene")]
