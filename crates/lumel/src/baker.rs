@@ -3,7 +3,7 @@
 use crate::assembly::{Assembly, Rest};
 use crate::layers;
 use crate::method::Method;
-use crate::settings::{Layers, Projection, Settings, Tail};
+use crate::settings::{Layers, Projection, Settings};
 use crate::surfaces::Surfaces;
 use lumel_accel::{RayTracer, tracer_of};
 use lumel_basis::{Basis, Field, Readout, Receivers, Sampling, VertexBasis, reflecting_areas};
@@ -197,7 +197,7 @@ impl Baker {
             integrals: &self.integrals,
             readout: self.readout(),
             stop: self.settings.stop(),
-            tail: self.settings.tail == Tail::Geometric,
+            tail: self.settings.tail.is_added(self.settings.bounces),
         }
     }
 

@@ -50,7 +50,7 @@ impl AreaReceivers {
 }
 
 /// What is closer above a triangle than this share of the edges of one of its area almost touches it.
-const REACH: f32 = 0.125;
+const REACH: f32 = 0.25;
 
 /// [`Receivers::reach`] of triangles of this area, m².
 pub(crate) fn reach_over(area: f32) -> f32 {

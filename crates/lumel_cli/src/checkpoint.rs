@@ -66,6 +66,18 @@ impl Checkpoint {
         }
     }
 
+    /// More bounces are finished than are on disk.
+    pub(crate) fn outdated(&self) {
+        self.lock().current = false;
+    }
+
+    /// Saves what is finished unless it is on disk.
+    pub(crate) fn update(&self, baker: &Baker, state: &SolveState) {
+        if !self.is_current() {
+            self.save(baker, state);
+        }
+    }
+
     /// Whether the last finished bounce is on disk.
     pub(crate) fn is_current(&self) -> bool {
         self.lock().current

@@ -30,6 +30,9 @@ pub(crate) struct CommandRun {
     pub(crate) clock: Clock,
 }
 
+/// Checkpoints take about this share of the time of a solve at most.
+const CHECKPOINT_SHARE: f64 = 0.1;
+
 /// What a solve did.
 pub(crate) struct SolveLog {
     /// Each step and its seconds, without its checkpoint.
@@ -65,7 +68,9 @@ impl CommandRun {
         checkpoint: Option<&Checkpoint>,
     ) -> anyhow::Result<Option<SolveLog>> {
         let tracker = Arc::new(Mutex::new(Tracker::new(baker, state)));
-        let watch = Watch { run: self, baker, checkpoint, tracker, checkpoint_seconds: Mutex::default() };
+        let started = self.clock.seconds();
+        let watch =
+            Watch { run: self, baker, checkpoint, started, tracker, checkpoint_seconds: Mutex::default() };
         let begun = self.clock.seconds();
         let result = {
             let _heeding = self.interrupt.heed();
@@ -93,6 +98,8 @@ struct Watch<'a> {
     run: &'a CommandRun,
     baker: &'a Baker,
     checkpoint: Option<&'a Checkpoint>,
+    /// When the solve began, seconds.
+    started: f64,
     tracker: Arc<Mutex<Tracker>>,
     checkpoint_seconds: Mutex<f64>,
 }
@@ -117,8 +124,14 @@ impl Observer for Watch<'_> {
         self.run.progress.step_done(step, seconds, remainder, accuracy);
         if let (Some(checkpoint), Step::Bounce(_) | Step::Round(_)) = (self.checkpoint, step) {
             let begun = self.run.clock.seconds();
-            checkpoint.save(self.baker, state);
-            *lock(&self.checkpoint_seconds) += self.run.clock.seconds() - begun;
+            let mut spent = lock(&self.checkpoint_seconds);
+            // Later bounces take less time than it takes to write all of them once more.
+            if matches!(step, Step::Bounce(0)) || *spent <= CHECKPOINT_SHARE * (begun - self.started) {
+                checkpoint.save(self.baker, state);
+                *spent += self.run.clock.seconds() - begun;
+            } else {
+                checkpoint.outdated();
+            }
         }
     }
 }

@@ -256,7 +256,7 @@ settings! {
 
     /// With all bounces: the share of all light that may be missing.
     REMAINDER = remainder: f32 {
-        presets: always(1e-3),
+        presets: [1e-2, 1e-2, 1e-3],
         label: "Remainder",
         placeholder: "SHARE",
         influence: Influence::Extent,
@@ -266,7 +266,7 @@ settings! {
 
     /// What to add for the bounces that are not computed.
     TAIL = tail: Tail {
-        presets: always(Tail::Off),
+        presets: always(Tail::Auto),
         label: "Estimate the rest",
         placeholder: "KIND",
         influence: Influence::Sum,

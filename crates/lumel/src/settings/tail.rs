@@ -1,5 +1,6 @@
 //! What is added for the bounces that are not computed.
 
+use super::bounce_limit::BounceLimit;
 use super::value::choices;
 use serde::{Deserialize, Serialize};
 
@@ -8,10 +9,23 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case")]
 pub enum Tail {
     /// Nothing.
-    #[default]
     Off,
     /// A geometric series of the last bounce.
     Geometric,
+    /// That series where all bounces are asked for, nothing after a number of them.
+    #[default]
+    Auto,
+}
+
+impl Tail {
+    /// Whether anything is added after so many bounces.
+    pub fn is_added(self, bounces: BounceLimit) -> bool {
+        match self {
+            Self::Off => false,
+            Self::Geometric => true,
+            Self::Auto => bounces == BounceLimit::All,
+        }
+    }
 }
 
 choices! {
@@ -19,5 +33,6 @@ choices! {
         Off = "off", "Nothing", "nothing";
         Geometric = "geometric", "Geometric series",
             "the last bounce times the sum of a geometric series: an estimate";
+        Auto = "auto", "After all bounces", "the geometric series, where all bounces are computed";
     }
 }

@@ -86,7 +86,11 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
         Some(file) => checkpoint.resumed_from(file),
         None => tell_of_old_checkpoint(checkpoint.path(), run),
     }
-    let Some(log) = run.solve(&baker, &mut state, Some(&checkpoint))? else {
+    let log = run.solve(&baker, &mut state, Some(&checkpoint))?;
+    if state.bounces.len() > first_bounce {
+        checkpoint.update(&baker, &state);
+    }
+    let Some(log) = log else {
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
     if !has_lost_light {
