@@ -182,8 +182,8 @@ mod tests {
             tracker.step_done(Step::Bounce(bounce), Some(share), None, Reading::default());
         }
         let progress = tracker.progress(Reading::default());
-        // It halves each time: eight more until a thousandth.
-        assert_eq!(progress.last_bounce, Some(2 + 8));
+        // It halves each time: five more until a hundredth.
+        assert_eq!(progress.last_bounce, Some(2 + 5));
         assert_eq!(progress.remainder, Some(Remainder { after: 2, share: 0.25 }));
     }
 

@@ -211,8 +211,8 @@ mod tests {
             [Remainder { after: 1, share: first }, Remainder { after: 2, share: second }]
         };
         assert_eq!(work.last_bounce(&after([0.5, 0.25])[..1]), None);
-        // It halves each time: eight more until a thousandth.
-        assert_eq!(work.last_bounce(&after([0.5, 0.25])), Some(2 + 8));
+        // It halves each time: five more until a hundredth.
+        assert_eq!(work.last_bounce(&after([0.5, 0.25])), Some(2 + 5));
         assert_eq!(work.last_bounce(&after([0.5, 0.6])), None);
         assert_eq!(work.last_bounce(&after([f64::NAN, 0.6])), None);
     }

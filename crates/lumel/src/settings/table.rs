@@ -527,7 +527,10 @@ mod tests {
     #[test]
     fn presets_differ_in_samples_and_bounces() {
         let differing = ALL.iter().filter(|setting| setting.is_by_preset()).map(|s| s.about().name);
-        assert_eq!(differing.collect::<Vec<_>>(), ["bounces", "direct_samples", "indirect_samples"]);
+        assert_eq!(
+            differing.collect::<Vec<_>>(),
+            ["bounces", "remainder", "direct_samples", "indirect_samples"]
+        );
     }
 
     #[test]
