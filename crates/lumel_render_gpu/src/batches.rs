@@ -70,12 +70,14 @@ mod tests {
 
     #[test]
     fn every_triangle_is_in_the_group_of_its_material_and_side() {
-        let wall = |material| mesh::quad([Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], [2, 1], material);
-        let mut tinted = wall(0);
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
+        let wall = |material, z| mesh::quad(corners.map(|p| p + Vec3::Z * z), [2, 1], material);
+        let mut tinted = wall(0, 0.0);
         tinted.tints = vec![Vec3::splat(0.5); tinted.positions.len()];
         let materials =
             vec![scene::grey(0.5, 0.0), scene::two_sided(scene::grey(0.2, 0.0)), scene::grey(0.1, 0.0)];
-        let (scene, _) = scene::scene(vec![wall(1), tinted, wall(1)], materials, vec![]).build().unwrap();
+        let (scene, _) =
+            scene::scene(vec![wall(1, 1.0), tinted, wall(1, 2.0)], materials, vec![]).build().unwrap();
         let (indices, groups) = grouped(&scene);
         let found: Vec<_> =
             groups.iter().map(|g| (g.material, g.side, g.indices.clone(), g.detail.tint)).collect();

@@ -74,7 +74,7 @@ fn enter_solves_after_the_mouse_was_used_elsewhere() {
     };
     let uses = [
         ("slider", drag_slider as fn(&mut Window)),
-        ("check box", |window| window.check("Estimate the rest")),
+        ("check box", |window| window.check("Stop at an error")),
         ("list", |window| window.choose("Sampler", "Halton")),
         ("button", |window| window.click("Draft")),
         ("tab", |window| window.tab("Camera")),
@@ -193,7 +193,7 @@ fn until_converged_adds_bounces_until_little_is_missing() {
 #[test]
 fn the_rest_is_estimated_when_one_asks_for_it() {
     let Some(mut window) = Window::room() else { return };
-    window.check("Estimate the rest");
+    window.choose("Estimate the rest", "Geometric series");
     assert_eq!(window.session().settings.tail, Tail::Geometric);
     window.solve();
     assert!(window.session().light.tail.is_some());

@@ -114,7 +114,7 @@ fn cornell_is_lit_saved_and_recalled_in_a_window() {
 
     window.screen.hover_picture();
     window.key("space");
-    window.wait_for_text("Placed Light 1 at the camera");
+    window.wait_for_text("Placed ceiling at the camera");
     window.key("Return");
     window.wait_for_text("Solved: sobol");
     let all = window.peer.screenshot();
