@@ -28,7 +28,11 @@ fn light_2024_1() -> RectLight {
 fn open(mesh: &Path) -> Arc<Scene> {
     let mut opened = lumel::open(
         &mesh.to_string_lossy(),
-        &lumel::OpenOptions { max_edge: Some(lumel::MaxEdge::Off), ..Default::default() },
+        &lumel::OpenOptions {
+            max_edge: Some(lumel::MaxEdge::Off),
+            two_sided: vec!["none".to_owned()],
+            ..Default::default()
+        },
     )
     .unwrap();
     opened.builder.lights = vec![Light::Rect(light_2024_1())];

@@ -217,7 +217,11 @@ pub(crate) fn light_hint(error: LightFileError) -> anyhow::Error {
 
 /// Adds a hint to the error for a solution that does not match the scene.
 pub(crate) fn belongs_hint(error: impl Into<anyhow::Error>) -> anyhow::Error {
-    with_hint(error, "use the scene with the --max-edge and --subdivide of the bake")
+    with_hint(
+        error,
+        "use the scene with the --max-edge, --subdivide and --two-sided of the bake; light from before OBJ files had two sides \
+         needs --two-sided none",
+    )
 }
 
 #[cfg(test)]

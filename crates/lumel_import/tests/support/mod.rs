@@ -33,3 +33,9 @@ pub(crate) fn triangles_and_area(builder: &SceneBuilder) -> (usize, f64) {
         (count + 1, area + 0.5 * (b - a).cross(c - a).length())
     })
 }
+
+/// Triangles that are left out as they are in the place of others.
+pub(crate) fn coincident(warnings: &Warnings) -> usize {
+    let left_out = warnings.iter().filter(|warning| warning.message.contains("face the same way: left out"));
+    left_out.map(|warning| warning.message.split(' ').next().unwrap().parse::<usize>().unwrap()).sum()
+}
