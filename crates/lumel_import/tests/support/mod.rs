@@ -37,5 +37,5 @@ pub(crate) fn triangles_and_area(builder: &SceneBuilder) -> (usize, f64) {
 /// Triangles that are left out as they are in the place of others.
 pub(crate) fn coincident(warnings: &Warnings) -> usize {
     let left_out = warnings.iter().filter(|warning| warning.message.contains("face the same way: left out"));
-    left_out.map(|warning| warning.message.split(' ').next().unwrap().parse::<usize>().unwrap()).sum()
+    left_out.filter_map(|warning| warning.message.split(' ').next()?.parse::<usize>().ok()).sum()
 }
