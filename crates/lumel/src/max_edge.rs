@@ -33,7 +33,10 @@ impl MaxEdge {
     ) -> Result<(Option<f32>, Warnings), SceneError> {
         match self {
             Self::Auto => Ok(builder.tessellate_to_suit(vertex_budget)),
-            Self::Off => Ok((None, Warnings::default())),
+            Self::Off => {
+                builder.unify_diagonals();
+                Ok((None, Warnings::default()))
+            }
             Self::Length(length) => builder.tessellate(length).map(|warnings| (None, warnings)),
         }
     }

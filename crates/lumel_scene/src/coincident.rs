@@ -1,13 +1,13 @@
 //! Faces in the same place: found, named, and reduced to one surface with one or two sides.
 //!
-//! Faces coincide if they have the same three corners, to the bit, or are the halves of quads with the same four corners that
-//! are split along the other diagonal. Of those that face the same way one is kept, and no more than its light is counted;
+//! Faces coincide if they have the same three corners, to the bit; halves of quads that are split along different diagonals
+//! are made to. Of those that face the same way one is kept, and no more than its light is counted;
 //! those that face opposite ways become the two sides of one surface. Which one is kept depends on what the faces are, not
 //! on their order: the brightest emitter, then what is opaque, then the lightest, then the first by name.
 
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
-use crate::{Material, Warnings, luminance};
+use crate::{Material, SceneBuilder, Warnings, luminance};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashMap};
@@ -28,9 +28,7 @@ pub(crate) fn resolve(
     materials: &[Material],
     warnings: &mut Warnings,
 ) -> Vec<[FaceRef; 2]> {
-    let points = Points::of(objects);
-    points.unify_diagonals(objects);
-    let groups = points.groups(objects);
+    let groups = Points::of(objects).groups(objects);
     if groups.is_empty() {
         return Vec::new();
     }
@@ -61,11 +59,14 @@ pub(crate) fn resolve(
     pairs.into_iter().map(|pair| pair.map(moved)).collect()
 }
 
-/// Splits quads with the same corners along the same diagonal, so that their halves coincide.
-///
-/// Before a scene is tessellated, it makes what coincides do so afterwards.
-pub(crate) fn unify_diagonals(objects: &mut [ObjectMesh]) {
-    Points::of(objects).unify_diagonals(objects);
+impl SceneBuilder {
+    /// Splits quads with the same corners along the same diagonal, so that [`build`](Self::build) finds that their halves
+    /// coincide. Changes the faces of flat quads that are there twice.
+    ///
+    /// [`tessellate`](Self::tessellate) does it first: what coincides then does so afterwards.
+    pub fn unify_diagonals(&mut self) {
+        Points::of(&self.objects).unify_diagonals(&mut self.objects);
+    }
 }
 
 /// The order in which faces in one place are preferred.
@@ -275,7 +276,8 @@ impl Report {
 #[cfg(test)]
 mod tests {
     use crate::{
-        FaceSide, Material, MaterialId, Radiance, Scene, SceneBuilder, SurfacePoint, TriId, Warnings,
+        FaceSide, Material, MaterialId, ObjectId, Radiance, Scene, SceneBuilder, SurfacePoint, TriId,
+        Warnings,
     };
     use glam::{EulerRot, Quat, Vec3};
 
@@ -306,6 +308,23 @@ mod tests {
         builder
     }
 
+    fn built(mut builder: SceneBuilder) -> (Scene, Warnings) {
+        builder.unify_diagonals();
+        let given = builder.objects.clone();
+        let (scene, warnings) = builder.build().unwrap();
+        for (object, mesh) in (0..).map(ObjectId).zip(&given) {
+            for (number, face) in mesh.faces.iter().enumerate() {
+                let corners = scene.input_mesh(object).corners(number, FaceSide::Front);
+                let positions = corners.map(|corners| corners.map(|v| scene.positions()[v as usize]));
+                assert!(
+                    positions.is_none_or(|positions| positions == mesh.corners(face)),
+                    "{object:?} {number}"
+                );
+            }
+        }
+        (scene, warnings)
+    }
+
     fn materials(scene: &Scene) -> Vec<MaterialId> {
         (0..scene.triangle_count() as u32).map(|tri| scene.material_id(TriId(tri))).collect()
     }
@@ -318,7 +337,7 @@ mod tests {
     fn of_faces_that_face_the_same_way_the_brightest_is_kept_in_any_order() {
         for (first, second) in [(SPLITS[0], SPLITS[0]), (SPLITS[0], SPLITS[1]), (SPLITS[1], SPLITS[0])] {
             for shining in [0, 1] {
-                let (scene, warnings) = squares(&[first, second], shining).build().unwrap();
+                let (scene, warnings) = built(squares(&[first, second], shining));
                 assert_eq!(materials(&scene), [MaterialId(1); 2]);
                 let expected = format!(
                     "object \"square {}\": 2 triangles coincide with some of object \"square {shining}\" and face the \
@@ -335,7 +354,7 @@ mod tests {
         for back in [reversed(SPLITS[0]), reversed(SPLITS[1])] {
             for swapped in [false, true] {
                 let lists = if swapped { [back, SPLITS[0]] } else { [SPLITS[0], back] };
-                let (scene, warnings) = squares(&lists, 1).build().unwrap();
+                let (scene, warnings) = built(squares(&lists, 1));
                 assert_eq!(scene.triangle_count(), 4);
                 assert!(
                     texts(&warnings)[0].ends_with("face the other way: taken as two sides of one surface")
@@ -363,7 +382,7 @@ mod tests {
         let copies = [SPLITS[0], reversed(SPLITS[1])].concat();
         let like = builder.objects[0].faces[0];
         builder.objects[0].faces.extend(copies.into_iter().map(|vertices| crate::Face { vertices, ..like }));
-        let (scene, warnings) = builder.build().unwrap();
+        let (scene, warnings) = built(builder);
         assert_eq!((scene.triangle_count(), warnings.len()), (4, 2));
         let all = texts(&warnings).join("\n");
         assert!(all.contains("2 triangles coincide with others of its own and face the same way"), "{all}");
@@ -388,7 +407,7 @@ mod tests {
     fn neighbours_and_quads_that_are_not_flat_stay_as_they_are() {
         let mut builder = squares(&[SPLITS[0], SPLITS[1]], 0);
         builder.objects.iter_mut().for_each(|object| object.positions[1].y += 0.1);
-        let (scene, warnings) = builder.build().unwrap();
+        let (scene, warnings) = built(builder);
         assert_eq!((scene.triangle_count(), warnings.len()), (4, 0));
     }
 }

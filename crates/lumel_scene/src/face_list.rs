@@ -7,6 +7,7 @@ use crate::shells::Shells;
 use crate::transparency::{Look, Looks};
 use crate::{Material, MaterialId, ObjectId, Sides, TriId};
 use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
 
 /// Triangles and vertices of all objects in one list.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +27,8 @@ pub(crate) struct FaceList {
     pub(crate) other_side: Vec<TriId>,
     /// Whether light passes through each triangle; empty where it passes through none.
     pub(crate) transparent: Vec<bool>,
+    /// By how many corners triangles begin later than they were given.
+    pub(crate) turns: BTreeMap<TriId, u8>,
     pub(crate) object_names: Vec<String>,
     /// Where each object comes from.
     pub(crate) origins: Vec<Origin>,
@@ -135,6 +138,7 @@ impl FaceList {
         let last = self.positions[self.triangles[front][2] as usize];
         while self.positions[self.triangles[back][2] as usize] != last {
             self.triangles[back].rotate_left(1);
+            *self.turns.entry(TriId(back as u32)).or_default() += 1;
         }
     }
 

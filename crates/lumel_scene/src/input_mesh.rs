@@ -67,8 +67,12 @@ impl<'a> InputMesh<'a> {
 
     /// The scene's triangle for one side of a face; `None` if the face was dropped or has no such side.
     pub fn triangle(&self, face: usize, side: FaceSide) -> Option<TriId> {
+        self.side_of(self.front(face)?, side)
+    }
+
+    fn front(&self, face: usize) -> Option<TriId> {
         let position = self.origin.faces.position(u32::try_from(face).ok()?)?;
-        self.side_of(TriId(self.origin.first_triangle + position as u32), side)
+        Some(TriId(self.origin.first_triangle + position as u32))
     }
 
     /// The scene's vertices at the corners of a face, in the face's own order on either side. `None` where
@@ -76,7 +80,10 @@ impl<'a> InputMesh<'a> {
     ///
     /// Exact, without weights: each corner has one vertex.
     pub fn corners(&self, face: usize, side: FaceSide) -> Option<[u32; 3]> {
-        self.triangle(face, side).map(|tri| self.vertices_of(tri, side))
+        let front = self.front(face)?;
+        let mut corners = self.vertices_of(self.side_of(front, side)?, side);
+        corners.rotate_right(self.scene.faces().turns.get(&front).map_or(0, |&turns| usize::from(turns)));
+        Some(corners)
     }
 
     /// The scene's vertices that stand for each vertex of the mesh on one side of its faces.

@@ -3,7 +3,7 @@
 use crate::edge_length::EdgeLength;
 use crate::mesh::{Face, ObjectMesh};
 use crate::triangle::{area, least_height, longest_edge};
-use crate::{SceneBuilder, SceneError, Warnings, coincident, normals};
+use crate::{SceneBuilder, SceneError, Warnings, normals};
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -37,7 +37,7 @@ impl SceneBuilder {
             return Err(SceneError::BadEdgeLength(max_edge));
         }
         self.recenter();
-        coincident::unify_diagonals(&mut self.objects);
+        self.unify_diagonals();
         let rule = self.rule(EdgeLength::Uniform(f64::from(max_edge)));
         // Nothing is made before it is known that it fits.
         let bound: f64 = self.objects.iter().map(|o| rule.fewest_triangles(o, f64::from(max_edge))).sum();
@@ -56,7 +56,7 @@ impl SceneBuilder {
     /// fine already stay as they are. Returns the length too, `None` if nothing was split.
     pub fn tessellate_to_suit(&mut self, vertex_budget: u32) -> (Option<f32>, Warnings) {
         self.recenter();
-        coincident::unify_diagonals(&mut self.objects);
+        self.unify_diagonals();
         let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
         let given = self.face_count();
         let limit = given.saturating_add(TRIANGLES_PER_VERTEX * u64::from(vertex_budget));
