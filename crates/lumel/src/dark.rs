@@ -15,6 +15,9 @@ impl Baker {
     /// # Errors
     /// When it is cancelled.
     pub fn dark_faces(&self, state: &SolveState, control: &Control) -> Result<usize, TransportError> {
+        if !state.valid.contains(&false) {
+            return Ok(0);
+        }
         let basis = self.basis();
         let mut nothing = Field::zeros(state.valid.len());
         let reached = basis.adjacency().extrapolate(&mut nothing, &state.valid);

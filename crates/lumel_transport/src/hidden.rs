@@ -4,11 +4,12 @@
 //! A site from which much of the hemisphere meets backs is not hidden for that alone: a floor under a one-sided awning is
 //! in its shade. What tells the two apart:
 //!
-//! - the backs of a [closed shell](Scene::bounds_solid) are seen from inside a solid;
+//! - the backs of a [closed shell](lumel_scene::Scene::bounds_solid) are seen from inside a solid;
 //! - open shells that stand on a floor, such as a box without bottom, show their backs at the horizon all around;
 //! - a sheet that cuts through the site's own surface hides what is behind it.
 
 use crate::Sums;
+use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::hemisphere;
 use crate::job::{Control, TransportError};
@@ -17,7 +18,7 @@ use glam::Vec3;
 use lumel_accel::{Hit, Ray};
 use lumel_basis::{Basis, ElementId, Receivers, Site};
 use lumel_sample::{Dim, Sampler, StreamKey};
-use lumel_scene::{FaceSide, Scene, TriId};
+use lumel_scene::TriId;
 use smallvec::SmallVec;
 
 /// Cosine and sine of 22.5°.
@@ -72,7 +73,8 @@ impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
     }
 
     fn meets_back(&mut self, ray: &Ray) -> bool {
-        self.hit(ray).is_some_and(|hit| is_back(&self.op.scene, &hit))
+        let hit = self.hit(ray);
+        RayEnd::new(&self.op.scene, hit) == RayEnd::BackFace
     }
 
     /// Whether a site on an area, from which a ray has met a back, lies behind what it has met.
@@ -86,7 +88,7 @@ impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
         for i in 0..rule.rays {
             let direction = hemisphere::direction(site, stream.sample_2d(i));
             let hit = self.hit(&hemisphere::ray(site, direction));
-            match hit.filter(|hit| is_back(&self.op.scene, hit)) {
+            match hit.filter(|hit| RayEnd::new(&self.op.scene, Some(*hit)) == RayEnd::BackFace) {
                 Some(hit) if self.op.scene.bounds_solid(hit.at.tri) => of_solids += 1,
                 Some(_) => of_sheets += 1,
                 None => {}
@@ -151,11 +153,6 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
     }
     control.count(0, lookout.n_rays());
     Ok(group.hidden(&hidden))
-}
-
-/// Whether a ray has met the back of a one-sided surface.
-fn is_back(scene: &Scene, hit: &Hit) -> bool {
-    hit.side == FaceSide::Back && scene.seen_side(hit.at, hit.side).is_none()
 }
 
 /// Directions all around the normal whose height has this sine.

@@ -204,6 +204,7 @@ impl Summary {
             log.steps.iter().find(|(step, _)| Step::from(*step) == wanted).map(|(_, seconds)| *seconds)
         };
         let in_rounds = state.errors.is_some();
+        let unmeasured = (!in_rounds).then_some(state);
         let report =
             |step: Step, share| StepReport { step: step.key(), seconds: seconds_of(step), share, in_rounds };
         let validity = seconds_of(Step::Validity).map(|_| report(Step::Validity, None));
@@ -224,10 +225,7 @@ impl Summary {
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),
-            estimate: baker
-                .error_estimate(state)
-                .filter(|_| state.errors.is_none())
-                .map(EstimateReport::from),
+            estimate: unmeasured.and_then(|state| baker.error_estimate(state)).map(EstimateReport::from),
             error: state.errors.as_ref().map(|errors| ErrorReport::new(&errors.accuracy)),
             rays,
             mrays_per_second: 1e-6 * rays as f64 / log.seconds.max(1e-9),
