@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         baker = baker.relit(Arc::new(scene.relit(lights)?), settings.clone());
         let (mut state, control) = (SolveState::new(), Control::default());
         baker.run(&mut state, &control, &Silent)?;
-        let first = baker.at_vertices(&state.total())[0];
+        let first = baker.light_at_vertices(&state)[0];
         println!(
             "frame {frame}: {:4.0} ms, {:7} rays, {:.3} W/m² at the first vertex",
             begun.elapsed().as_secs_f64() * 1e3,

@@ -1,25 +1,17 @@
 //! Reading what a solve has found at the vertices of the scene.
 
+use crate::light_reader::LightReader;
 use crate::{Baker, layers};
 use glam::Vec3;
 use lumel_basis::Field;
 use lumel_export::{Solution, SolutionLayer, SolutionMeta};
 use lumel_solve::{SolveState, mix};
-use std::borrow::Cow;
 
 impl Baker {
-    /// A field of a solve as its projection reads it, at every vertex of the scene, W·m⁻².
-    ///
-    /// Linear in the field: what is read of bounces or layers adds up to what is read of their sum. With least squares,
-    /// values may be negative beside the edges of light.
-    pub fn at_vertices(&self, field: &Field) -> Vec<Vec3> {
-        self.carried_at_vertices(&self.read(field))
-    }
-
     /// A field of a solve as bounces carry it, at every vertex of the scene, W·m⁻²: the mean under the hat function of
     /// each vertex where light is measured over areas.
     ///
-    /// For fields that are not all measured yet, and for those that were [read](lumel_basis::Readout) before, such as
+    /// For fields that are not all measured yet, and for those that were [read](LightReader) before, such as
     /// standard errors.
     pub fn carried_at_vertices(&self, field: &Field) -> Vec<Vec3> {
         self.surfaces().points.read(&**self.basis(), field)
@@ -30,7 +22,7 @@ impl Baker {
         if state.bounces.is_empty() {
             return vec![Vec3::ZERO; self.scene().vertex_count()];
         }
-        self.positive_at_vertices(&state.total())
+        self.light_reader(state).positive_at_vertices(&state.total())
     }
 
     /// All light at every vertex of the scene, W·m⁻², with each layer dimmed to a share: no ray is traced.
@@ -39,7 +31,8 @@ impl Baker {
     pub fn mixed(&self, state: &SolveState, share: impl Fn(&str) -> Vec3) -> Option<Vec<Vec3>> {
         let names = layers::light_layers(self.scene(), self.settings());
         let shares: Vec<Vec3> = names.iter().map(|layer| share(&layer.name)).collect();
-        (!state.layers.is_empty()).then(|| self.positive_at_vertices(&mix(&state.layers, &shares)))
+        (!state.layers.is_empty())
+            .then(|| self.light_reader(state).positive_at_vertices(&mix(&state.layers, &shares)))
     }
 
     /// What holds for the nodes of the basis, for every vertex of the scene; true where it is not known of the node.
@@ -51,7 +44,8 @@ impl Baker {
     ///
     /// All light is never negative; its bounces and layers may be, so that they add up.
     pub fn solution(&self, state: &SolveState) -> Solution {
-        let at_vertices = |field: &Field| self.at_vertices(field);
+        let reader = self.light_reader(state);
+        let at_vertices = |field: &Field| reader.at_vertices(field);
         let settings = serde_json::to_value(self.settings()).unwrap_or_default();
         let errors = state.errors.as_ref();
         Solution {
@@ -63,28 +57,14 @@ impl Baker {
             tail: state.tail.as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
             standard_error: errors.map(|errors| self.carried_at_vertices(&errors.standard_error)),
-            layers: self.layers(state),
+            layers: self.layers(state, &reader),
         }
     }
 
     /// The layers of a state at all vertices.
-    fn layers(&self, state: &SolveState) -> Vec<SolutionLayer> {
+    fn layers(&self, state: &SolveState, reader: &LightReader<'_>) -> Vec<SolutionLayer> {
         let names = layers::light_layers(self.scene(), self.settings()).into_iter().map(|layer| layer.name);
-        let layer = |(name, field)| SolutionLayer { name, irradiance: self.at_vertices(field) };
+        let layer = |(name, field)| SolutionLayer { name, irradiance: reader.at_vertices(field) };
         names.zip(&state.layers).map(layer).collect()
-    }
-
-    /// The coefficients to read of a field that bounces carry.
-    pub(crate) fn read<'a>(&self, field: &'a Field) -> Cow<'a, Field> {
-        let Some(readout) = self.readout() else { return Cow::Borrowed(field) };
-        let mut field = field.clone();
-        readout.read(&mut field);
-        Cow::Owned(field)
-    }
-
-    fn positive_at_vertices(&self, field: &Field) -> Vec<Vec3> {
-        let mut values = self.at_vertices(field);
-        values.iter_mut().for_each(|value| *value = value.max(Vec3::ZERO));
-        values
     }
 }

@@ -6,7 +6,7 @@ use crate::method::Method;
 use crate::settings::{Layers, Projection, Settings};
 use crate::surfaces::Surfaces;
 use lumel_accel::{RayTracer, tracer_of};
-use lumel_basis::{Basis, Field, Readout, Receivers, Sampling, VertexBasis, reflecting_areas};
+use lumel_basis::{Basis, Field, LeastSquares, Readout, Receivers, Sampling, VertexBasis, reflecting_areas};
 use lumel_scene::Scene;
 use lumel_solve::{
     Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, solve,
@@ -207,8 +207,12 @@ impl Baker {
 
     /// How carried light is read, where that is a function of its own.
     pub(crate) fn readout(&self) -> Option<&dyn Readout> {
-        let reads_as_carried = self.settings.projection != Projection::LeastSquares;
-        (!reads_as_carried).then(|| self.surfaces.least_squares() as &dyn Readout)
+        self.least_squares().map(|solver| solver as &dyn Readout)
+    }
+
+    /// What reads carried light, where its projection is the one by least squares.
+    pub(crate) fn least_squares(&self) -> Option<&LeastSquares> {
+        (self.settings.projection == Projection::LeastSquares).then(|| self.surfaces.least_squares())
     }
 }
 

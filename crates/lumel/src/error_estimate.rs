@@ -43,8 +43,8 @@ impl Baker {
     pub fn error_estimate(&self, state: &SolveState) -> Option<ErrorEstimate> {
         let (direct, _) = state.bounces.split_first()?;
         let total = state.total();
-        let all = self.read(&total);
-        let direct = self.read(direct);
+        let reader = self.light_reader(state);
+        let [all, direct] = [&total, direct].map(|field| reader.read(field));
         let indirect =
             Field::from_values(all.values().iter().zip(direct.values()).map(|(a, d)| *a - *d).collect());
         let basis = self.basis();

@@ -27,6 +27,7 @@ mod layers;
 mod light_entry;
 mod light_file;
 mod light_findings;
+mod light_reader;
 mod max_edge;
 mod measure;
 mod method;
@@ -57,6 +58,7 @@ pub use layers::{LightLayer, light_layers};
 pub use light_entry::{LightEntry, LightKind};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use light_findings::LightFinding;
+pub use light_reader::LightReader;
 pub use lumel_accel::{Bvh, RayTracer, SeeThrough, tracer_of};
 pub use lumel_basis::{
     Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,

@@ -73,8 +73,9 @@ pub fn vertex_errors(
     let n_nodes = transport.shape().nodes;
     let active = (transport.shape().sampling == Sampling::Point).then_some(state.valid.as_slice());
     let steps = replicates(&*transport, state, active, control)?;
+    let reader = baker.light_reader(state);
     let totals: Vec<Field> =
-        totals(n_nodes, &steps).iter().map(|total| baker.read(total).into_owned()).collect();
+        totals(n_nodes, &steps).iter().map(|total| reader.read(total).into_owned()).collect();
     Ok(baker.carried_at_vertices(&Field::from_values(standard_error(n_nodes, &totals))))
 }
 
@@ -162,7 +163,7 @@ mod tests {
         assert_eq!(errors.len(), scene.vertex_count());
         let [a, b] = [2, 3].map(|seed| {
             let (baker, state) = solved(scene, sampler, seed);
-            baker.at_vertices(&state.total())
+            baker.light_reader(&state).at_vertices(&state.total())
         });
         let predicted: f64 = errors.iter().map(|e| e.as_dvec3().length_squared()).sum();
         let found: f64 = a.iter().zip(&b).map(|(a, b)| (*a - *b).as_dvec3().length_squared() / 2.0).sum();

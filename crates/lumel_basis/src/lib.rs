@@ -28,7 +28,7 @@ pub use at_vertices::{VertexPoints, irradiance_at_vertices};
 pub use basis::Basis;
 pub use field::Field;
 pub use identity::Identity;
-pub use least_squares::LeastSquares;
+pub use least_squares::{LeastSquares, Limits};
 pub use lighting::{FieldLighting, Lighting};
 pub use node::{NodeId, NodeWeights};
 pub use points::PointReceivers;

@@ -112,6 +112,14 @@ fn error(basis: &VertexBasis, field: &Field, f: &dyn Fn(DVec3) -> f64) -> f64 {
     (0..).zip(basis.corner_nodes().unwrap()).map(of_triangle).sum::<f64>().sqrt()
 }
 
+/// As [`projected`], within its own limits.
+fn limited(basis: &VertexBasis, means: &Field) -> Field {
+    let least_squares = LeastSquares::new(basis, LeastSquares::ALPHA);
+    let mut field = means.clone();
+    least_squares.project_within(&least_squares.limits(means), &mut field);
+    field
+}
+
 fn largest_difference(a: &Field, b: &Field) -> f64 {
     a.values().iter().zip(b.values()).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max).into()
 }
@@ -217,6 +225,60 @@ fn a_step_stays_in_range_over_areas_and_overshoots_less_with_a_regulariser() {
         let error = error(&basis, &way.field(&basis, &step), &step);
         assert!((error / known - 1.0).abs() < 0.25, "{way:?}: {error}");
     }
+}
+
+/// A spot of 10 in light of 1, with an edge that is nowhere along those of the mesh.
+fn spot(p: DVec3) -> f64 {
+    if (p.x - 0.47).hypot(p.y - 0.52) < 0.26 { 10.0 } else { 1.0 }
+}
+
+#[test]
+fn within_limits_no_ring_lies_round_a_spot() {
+    for (name, mesh) in [("grid", square(32)), ("irregular", irregular(32)), ("graded", graded(32))] {
+        let basis = basis(vec![mesh]);
+        let means = means(&basis, &spot);
+        let free = projected(&basis, LeastSquares::ALPHA, &means);
+        let limited = limited(&basis, &means);
+        let ([free_low, free_high], [low, high]) = (range(&free), range(&limited));
+        assert!(free_low < 0.6 && free_high > 10.4, "{name}: {free_low} {free_high}");
+        assert!(low > 0.88 && high < 11.1, "{name}: {low} {high}");
+        // Nor is the spot blurred much for it: the ring has its share of the error.
+        let [before, after] = [&free, &limited].map(|field| error(&basis, field, &spot));
+        assert!(after < 1.06 * before, "{name}: {before} {after}");
+        let [before, after] = [&means, &limited].map(|field| power(&basis, field).x);
+        assert!((after / before - 1.0).abs() < 1e-6, "{name}: {before} {after}");
+    }
+}
+
+#[test]
+fn limits_leave_linear_and_smooth_light_alone() {
+    let linear = |p: DVec3| 3.6 + 3.0 * p.x - 0.5 * p.y;
+    let bright = |p: DVec3| 1.2 + smooth(p);
+    // Waves that the long cells do not resolve are edges to them.
+    for (name, basis) in meshes().into_iter().filter(|(name, _)| *name != "stretched") {
+        for light in [&linear as &dyn Fn(DVec3) -> f64, &bright] {
+            let means = means(&basis, light);
+            let difference =
+                largest_difference(&limited(&basis, &means), &projected(&basis, LeastSquares::ALPHA, &means));
+            assert!(difference == 0.0, "{name}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn within_the_limits_of_one_light_others_add_up() {
+    let basis = basis(vec![irregular(32)]);
+    let least_squares = LeastSquares::new(&basis, LeastSquares::ALPHA);
+    let [all, part] = [means(&basis, &spot), means(&basis, &|p| if p.x > 0.5 { spot(p) } else { 0.0 })];
+    let rest = all.values().iter().zip(part.values()).map(|(all, part)| *all - *part);
+    let limits = least_squares.limits(&all);
+    let [all, part, rest] =
+        [all.clone(), part.clone(), Field::from_values(rest.collect())].map(|mut field| {
+            least_squares.project_within(&limits, &mut field);
+            field
+        });
+    let sum = Field::sum(basis.node_count(), [&part, &rest]);
+    assert!(largest_difference(&sum, &all) < 1e-5);
 }
 
 #[test]

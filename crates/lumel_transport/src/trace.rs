@@ -76,16 +76,27 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
         ends[at] = Some(end);
         next[i] += 1;
     })?;
-    for (at, is_near) in doubtful {
-        control.check()?;
+    let place = |at: usize| {
         let (slot, i) = ((at / lanes) as u32, at % lanes);
         let (element, (key, turn)) = (chunk.elements[i], chunk.keys[i]);
         let number = chunk.pattern.number(slot, turn);
-        let site = op.receivers.site(element, chunk.pattern.place(number).0);
-        let sees_back = ends[at] == Some(RayEnd::BackFace);
-        if sees_back && lookout.is_behind(element, &site, key.pass(number))
-            || is_near && lookout.is_covered(element, &site)
-        {
+        (element, op.receivers.site(element, chunk.pattern.place(number).0), key.pass(number))
+    };
+    let mut covered = vec![false; lanes];
+    for (at, is_near) in doubtful {
+        control.check()?;
+        let (element, site, key) = place(at);
+        let is_covered = is_near && lookout.is_covered(element, &site);
+        if is_covered || ends[at] == Some(RayEnd::BackFace) && lookout.is_behind(element, &site, key) {
+            ends[at] = None;
+        }
+        covered[at % lanes] |= is_covered;
+    }
+    // A ray that finds the way out of a gap leaves a place that is as covered as those around it.
+    for at in (0..ends.len()).filter(|at| covered[at % lanes]) {
+        control.check()?;
+        let (element, site, _) = place(at);
+        if ends[at].is_some() && lookout.is_covered(element, &site) {
             ends[at] = None;
         }
     }

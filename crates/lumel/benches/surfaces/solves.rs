@@ -54,7 +54,7 @@ impl Way {
         };
         let (seconds, cpu_seconds) = (start.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
         let direct = match &direct {
-            None => baker.at_vertices(&state.bounces[0]),
+            None => baker.light_reader(&state).at_vertices(&state.bounces[0]),
             Some(direct) => baker.carried_at_vertices(direct),
         };
         Solved { seconds, cpu_seconds, rays: control.rays(), carried: state.bounces, direct, all }

@@ -1,6 +1,6 @@
 //! The regulariser: bends of a piecewise linear function across edges.
 
-use crate::{Basis, NodeId, VertexBasis};
+use crate::{NodeId, VertexBasis};
 use glam::DVec3;
 use lumel_scene::TriId;
 use rayon::prelude::*;
@@ -20,23 +20,45 @@ pub(super) struct Bend {
     pub(super) jumps: [f64; 4],
 }
 
-/// All edges with two triangles that share its nodes; creases, where each has nodes of its own, and borders have none.
-pub(super) fn bends(basis: &VertexBasis) -> Vec<Bend> {
-    // The sides of triangles by their nodes in ascending order, with the corner opposite.
-    let corner_nodes = basis.corner_nodes().unwrap_or_default();
-    let side = |(tri, nodes): (usize, &[NodeId; 3]), k: usize| {
-        let [a, b] = [nodes[(k + 1) % 3], nodes[(k + 2) % 3]];
-        ([a.min(b), a.max(b)], TriId(tri as u32), k as u8)
-    };
-    let mut sides: Vec<([NodeId; 2], TriId, u8)> =
-        corner_nodes.iter().enumerate().flat_map(|tri| [0, 1, 2].map(|k| side(tri, k))).collect();
-    sides.par_sort_unstable();
-    let edges: Vec<_> = sides.chunk_by(|a, b| a.0 == b.0).collect();
-    let bend = |edge: &&[([NodeId; 2], TriId, u8)]| {
-        let [(ends, first, k), (_, second, l)] = **edge else { return None };
-        Bend::new(ends, [Wing::new(basis, first, k, ends)?, Wing::new(basis, second, l, ends)?])
-    };
-    edges.par_iter().filter_map(bend).collect()
+/// The sides of all triangles by their nodes in ascending order, with the corner opposite.
+pub(super) struct Edges(Vec<([NodeId; 2], TriId, u8)>);
+
+impl Edges {
+    /// Of triangles with nodes at their corners.
+    pub(super) fn new(triangles: &[[NodeId; 3]]) -> Self {
+        let side = |(tri, nodes): (usize, &[NodeId; 3]), k: usize| {
+            let [a, b] = [nodes[(k + 1) % 3], nodes[(k + 2) % 3]];
+            ([a.min(b), a.max(b)], TriId(tri as u32), k as u8)
+        };
+        let mut sides: Vec<_> =
+            triangles.iter().enumerate().flat_map(|tri| [0, 1, 2].map(|k| side(tri, k))).collect();
+        sides.par_sort_unstable();
+        Self(sides)
+    }
+
+    /// Each edge with all its triangles.
+    fn chunks(&self) -> impl Iterator<Item = &[([NodeId; 2], TriId, u8)]> {
+        self.0.chunk_by(|a, b| a.0 == b.0)
+    }
+
+    /// All edges with two triangles that share its nodes; creases, where each has nodes of its own, and borders have none.
+    pub(super) fn bends(&self, basis: &VertexBasis) -> Vec<Bend> {
+        let edges: Vec<_> = self.chunks().collect();
+        let bend = |edge: &&[([NodeId; 2], TriId, u8)]| {
+            let [(ends, first, k), (_, second, l)] = **edge else { return None };
+            Bend::new(ends, [Wing::new(basis, first, k, ends)?, Wing::new(basis, second, l, ends)?])
+        };
+        edges.par_iter().filter_map(bend).collect()
+    }
+
+    /// Which of `n_nodes` nodes lie at borders and creases: at edges of one triangle.
+    pub(super) fn borders(&self, n_nodes: usize) -> Vec<bool> {
+        let mut is_border = vec![false; n_nodes];
+        for edge in self.chunks().filter(|edge| edge.len() == 1) {
+            edge[0].0.iter().for_each(|node| is_border[node.index()] = true);
+        }
+        is_border
+    }
 }
 
 impl Bend {

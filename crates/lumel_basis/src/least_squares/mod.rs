@@ -3,12 +3,14 @@
 mod bends;
 mod conjugate_gradients;
 mod incidence;
+mod limits;
 mod matrix;
 
 use crate::{Basis, Field, Readout, VertexBasis};
-use bends::Bend;
+use bends::{Bend, Edges};
 use glam::{DVec3, Vec3};
 use incidence::Incidence;
+pub use limits::Limits;
 use matrix::Matrix;
 use rayon::prelude::*;
 
@@ -23,7 +25,7 @@ use rayon::prelude::*;
 /// means, which [`AreaReceivers`](crate::AreaReceivers) measure. Constants are exact, and so is power: the sum of
 /// coefficients by area is that of the means. Functions that are linear over a flat piece of the surfaces are exact too.
 /// Smooth light has an error of second order in the length of edges, with a smaller factor than its values at the
-/// vertices have. Beside an edge of the light, coefficients overshoot, also below zero.
+/// vertices have. Beside an edge of the light, coefficients overshoot, also below zero, unless they are kept within [`Limits`].
 ///
 /// Kavan, Bargteil, Sloan, *Least Squares Vertex Baking*, Computer Graphics Forum 30 (4), 2011.
 #[derive(Clone, Debug)]
@@ -33,6 +35,8 @@ pub struct LeastSquares {
     inverse_diagonal: Vec<f64>,
     /// Row sums of the matrix, which are the areas of nodes, m².
     areas: Vec<f64>,
+    /// Whether a node lies at a border or a crease.
+    is_border: Vec<bool>,
 }
 
 impl LeastSquares {
@@ -43,7 +47,8 @@ impl LeastSquares {
     pub fn new(basis: &VertexBasis, alpha: f64) -> Self {
         let triangles = basis.corner_nodes().unwrap_or_default();
         let n_nodes = basis.node_count();
-        let bends = if alpha > 0.0 { bends::bends(basis) } else { Vec::new() };
+        let edges = Edges::new(triangles);
+        let bends = if alpha > 0.0 { edges.bends(basis) } else { Vec::new() };
         let around = Incidence::new(n_nodes, triangles.len(), |tri| triangles[tri]);
         let across = Incidence::new(n_nodes, bends.len(), |bend| bends[bend].nodes);
         // Terms of both halves of the symmetric matrix come in the same order, and so round alike.
@@ -68,7 +73,8 @@ impl LeastSquares {
             let diagonal: f64 = matrix.row(i).filter(|(column, _)| column.index() == i).map(|(_, v)| v).sum();
             if diagonal > 0.0 { diagonal.recip() } else { 0.0 }
         });
-        Self { inverse_diagonal: inverse_diagonal.collect(), areas, matrix }
+        let is_border = edges.borders(n_nodes);
+        Self { inverse_diagonal: inverse_diagonal.collect(), areas, matrix, is_border }
     }
 
     /// Replaces the mean under each hat function, `∫BᵢE dA / ∫Bᵢ dA`, by the coefficients of the nearest function.

@@ -3,10 +3,10 @@
 use super::published::{BounceStats, Phase, Shared, lock};
 use super::task::Keep;
 use crate::selection::{Illumination, VertexValues};
-use lumel::{Baker, Control, Observer, Reading, Snapshot, SolveState, Step, Tracker};
+use lumel::{Baker, Control, LightReader, Observer, Reading, Snapshot, SolveState, Step, Tracker};
 use lumel_basis::Basis as _;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time between two looks at a bounce that is being measured. The picture is to change twice a second at least.
@@ -22,6 +22,8 @@ pub(super) struct Publisher<'a> {
     shared: &'a Shared,
     keep: &'a Keep,
     clock: Instant,
+    /// Made when direct light is there; each round of a target error has others.
+    reader: OnceLock<LightReader<'a>>,
     /// Milliseconds of the clock from which on a snapshot is wanted.
     due: AtomicU64,
     /// Handed from the threads that solve to the one that publishes.
@@ -48,6 +50,7 @@ impl<'a> Publisher<'a> {
             shared,
             keep,
             clock: Instant::now(),
+            reader: OnceLock::new(),
             due: AtomicU64::new(FIRST_SNAPSHOT.as_millis() as u64),
             mail: Mutex::default(),
             arrived: Condvar::new(),
@@ -63,7 +66,8 @@ impl<'a> Publisher<'a> {
     }
 
     fn publish_bounce(&self, state: &SolveState, seconds: f64) {
-        let Some((values, stats)) = self.last_bounce(state, seconds) else { return };
+        let reader = self.reader.get_or_init(|| self.baker.light_reader(state));
+        let Some((values, stats)) = self.last_bounce(reader, state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         self.shared.publish_light(|p| {
             p.light.bounces.push(values);
@@ -74,9 +78,14 @@ impl<'a> Publisher<'a> {
     }
 
     /// The light of the last bounce of a state, and what it brought.
-    fn last_bounce(&self, state: &SolveState, seconds: f64) -> Option<(VertexValues, BounceStats)> {
+    fn last_bounce(
+        &self,
+        reader: &LightReader<'_>,
+        state: &SolveState,
+        seconds: f64,
+    ) -> Option<(VertexValues, BounceStats)> {
         let last = state.bounces.last()?;
-        let values: VertexValues = Arc::new(self.baker.at_vertices(last));
+        let values: VertexValues = Arc::new(reader.at_vertices(last));
         let power = self.baker.power(last);
         let change = self.baker.root_mean_square(last) / self.baker.root_mean_square(&state.total());
         let change = if change.is_finite() { change } else { 0.0 };
@@ -85,14 +94,15 @@ impl<'a> Publisher<'a> {
 
     /// Publishes all bounces again: a round changes every one of them.
     fn publish_round(&self, state: &SolveState) {
+        let reader = self.baker.light_reader(state);
         let (mut bounces, mut stats) = (Vec::new(), Vec::new());
         for_each_prefix(state, |so_far| {
-            if let Some((values, brought)) = self.last_bounce(so_far, 0.0) {
+            if let Some((values, brought)) = self.last_bounce(&reader, so_far, 0.0) {
                 bounces.push(values);
                 stats.push(brought);
             }
         });
-        let tail = state.tail.as_ref().map(|tail| Arc::new(self.baker.at_vertices(tail)));
+        let tail = state.tail.as_ref().map(|tail| Arc::new(reader.at_vertices(tail)));
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         let errors = state.errors.as_ref();
         let standard_error = errors.map(|e| Arc::new(self.baker.carried_at_vertices(&e.standard_error)));

@@ -4,7 +4,7 @@ use super::published::{Ending, Phase, Shared, lock};
 use super::publisher::Publisher;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
 use crate::selection::Layer;
-use lumel::{Baker, Control, SolveState, Tracker};
+use lumel::{Baker, Control, LightReader, SolveState, Tracker};
 use lumel_basis::Field;
 use std::sync::Arc;
 
@@ -64,9 +64,11 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
 
 /// Publishes what there is besides the bounces, and hands over what was computed.
 fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
-    let tail = beyond_bounces(&state).map(|tail| Arc::new(baker.at_vertices(&tail)));
+    let reader = baker.light_reader(&state);
+    let tail = beyond_bounces(&state).map(|tail| Arc::new(reader.at_vertices(&tail)));
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
-    let layers = layers(&baker, &state);
+    let layers = layers(&reader, &state);
+    drop(reader);
     shared.publish_light(|p| {
         p.light.current = None;
         p.light.tail = tail;
@@ -77,9 +79,10 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
 }
 
 /// The layers of a state, none of them dimmed.
-fn layers(baker: &Baker, state: &SolveState) -> Vec<Layer> {
+fn layers(reader: &LightReader<'_>, state: &SolveState) -> Vec<Layer> {
+    let baker = reader.baker();
     let names = lumel::light_layers(baker.scene(), baker.settings()).into_iter().map(|layer| layer.name);
-    let layer = |(name, field)| Layer { name, values: Arc::new(baker.at_vertices(field)), share: 1.0 };
+    let layer = |(name, field)| Layer { name, values: Arc::new(reader.at_vertices(field)), share: 1.0 };
     names.zip(&state.layers).map(layer).collect()
 }
 

@@ -32,5 +32,6 @@ pub(crate) fn reference_of(scene: Arc<Scene>, settings: Settings) -> Vec<Vec<[u3
     let baker = Baker::new(scene, settings);
     let mut state = SolveState::new();
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
-    state.bounces.iter().map(|bounce| bits_of(&baker.at_vertices(bounce))).collect()
+    let reader = baker.light_reader(&state);
+    state.bounces.iter().map(|bounce| bits_of(&reader.at_vertices(bounce))).collect()
 }

@@ -1,0 +1,55 @@
+//! How the light of one solve is read.
+
+use crate::Baker;
+use glam::Vec3;
+use lumel_basis::{Field, LeastSquares, Limits};
+use lumel_solve::SolveState;
+use std::borrow::Cow;
+
+/// Reads fields of one solve as its projection asks for.
+///
+/// Linear in the field: what is read of bounces or layers adds up to what is read of their sum. With least squares,
+/// the edges of direct light decide where values are kept from overshooting, for all fields of the solve alike.
+pub struct LightReader<'a> {
+    baker: &'a Baker,
+    /// `None` where light is read as it is carried.
+    least_squares: Option<(&'a LeastSquares, Limits)>,
+}
+
+impl Baker {
+    /// How the fields of a solve are read. Its direct light must be there.
+    pub fn light_reader(&self, state: &SolveState) -> LightReader<'_> {
+        let least_squares = self.least_squares().zip(state.bounces.first());
+        let least_squares = least_squares.map(|(solver, direct)| (solver, solver.limits(direct)));
+        LightReader { baker: self, least_squares }
+    }
+}
+
+impl LightReader<'_> {
+    /// What solves the state whose fields it reads.
+    pub fn baker(&self) -> &Baker {
+        self.baker
+    }
+
+    /// A field of the solve at every vertex of the scene, W·m⁻².
+    ///
+    /// Bounces and layers may be negative, so that they add up.
+    pub fn at_vertices(&self, field: &Field) -> Vec<Vec3> {
+        self.baker.carried_at_vertices(&self.read(field))
+    }
+
+    /// All light, or a mixture of all layers, at every vertex of the scene, W·m⁻², never negative.
+    pub(crate) fn positive_at_vertices(&self, field: &Field) -> Vec<Vec3> {
+        let mut values = self.at_vertices(field);
+        values.iter_mut().for_each(|value| *value = value.max(Vec3::ZERO));
+        values
+    }
+
+    /// The coefficients to read of a field that bounces carry.
+    pub(crate) fn read<'f>(&self, field: &'f Field) -> Cow<'f, Field> {
+        let Some((solver, limits)) = &self.least_squares else { return Cow::Borrowed(field) };
+        let mut field = field.clone();
+        solver.project_within(limits, &mut field);
+        Cow::Owned(field)
+    }
+}
