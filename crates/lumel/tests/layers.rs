@@ -368,7 +368,7 @@ fn a_resumed_bake_has_the_layers_of_an_uninterrupted_one() {
     let whole = baker.solution(&state);
     let direct_only = Settings { bounces: BounceLimit::Count(0), layers: Layers::Off, ..settings() };
     let (stopped, early, _) = solved(&scene, &direct_only);
-    let mut resumed = baker.resume_solution(&stopped.solution(&early)).unwrap();
+    let mut resumed = baker.resume(&Saved::Checkpoint(Box::new(stopped.checkpoint(&early)))).unwrap();
     baker.run(&mut resumed, &Control::default(), &Silent).unwrap();
     assert_eq!(baker.solution(&resumed).layers, whole.layers);
     assert_eq!(whole.layers.len(), 7);
@@ -377,18 +377,22 @@ fn a_resumed_bake_has_the_layers_of_an_uninterrupted_one() {
 #[test]
 fn dimmed_layers_are_the_light_of_dimmed_lights() {
     let scene = built(with_lights(room(), &lights()));
-    let (baker, state, _) = solved(&scene, &settings());
+    // The nearest function is kept from ringing at the edges of all direct light, which is another light if some is dimmed.
+    let settings = Settings { projection: Projection::Area, ..settings() };
+    let (baker, state, _) = solved(&scene, &settings);
     let all = baker.light_at_vertices(&state);
-    let close = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).all(|(a, b)| a.abs_diff_eq(*b, 1e-5));
-    assert!(close(&baker.mixed(&state, |_| Vec3::ONE).unwrap(), &all));
+    let difference = |a: &[Vec3], b: &[Vec3]| {
+        a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
+    };
+    assert!(difference(&baker.mixed(&state, |_| Vec3::ONE).unwrap(), &all) < 1e-5);
     let dimmed = baker.mixed(&state, |name| Vec3::splat(if name == "sun" { 0.5 } else { 1.0 })).unwrap();
     let mut dim = lights();
     if let Light::Directional(sun) = &mut dim[4].1 {
         sun.irradiance *= 0.5;
     }
     let relit = built(with_lights(room(), &dim));
-    let (other, state, _) = solved(&relit, &settings());
-    assert!(close(&dimmed, &other.light_at_vertices(&state)));
-    assert!(!close(&dimmed, &all));
+    let (other, state, _) = solved(&relit, &settings);
+    assert!(difference(&dimmed, &other.light_at_vertices(&state)) < 1e-5);
+    assert!(difference(&dimmed, &all) > 0.1);
     assert_eq!(baker.mixed(&SolveState::new(), |_| Vec3::ONE), None);
 }

@@ -38,24 +38,30 @@ fn difference(a: &[Vec3], b: &[Vec3]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max) / largest
 }
 
+/// By which share the powers of two lights at all vertices differ.
+fn power_differs_by(baker: &Baker, a: &[Vec3], b: &[Vec3]) -> f64 {
+    let basis = baker.basis();
+    let [a, b] = [a, b].map(|values| -> DVec3 {
+        let of_nodes = basis.first_vertices().iter().map(|&vertex| values[vertex as usize]);
+        let areas = basis.node_areas().iter().map(|&area| Vec3::splat(area));
+        Field::from_values(of_nodes.collect()).weighted_sum(areas)
+    });
+    ((a - b) / a).abs().max_element()
+}
+
 #[test]
 fn least_squares_carries_the_bits_of_area_and_reads_other_values_of_the_same_power() {
     let scene = scene();
     let (area, means) = solved(&scene, settings(Projection::Area));
     let (least_squares, state) = solved(&scene, settings(Projection::LeastSquares));
     assert!(means == state);
-    let basis = area.basis();
-    let areas = || basis.node_areas().iter().map(|&area| Vec3::splat(area));
     for field in state.bounces.iter().chain(&state.tail) {
-        let (read, carried) = (least_squares.at_vertices(field), area.at_vertices(field));
+        let [read, carried] =
+            [&least_squares, &area].map(|baker| baker.light_reader(&state).at_vertices(field));
         assert_eq!(carried, least_squares.carried_at_vertices(field));
         assert!(difference(&carried, &read) > 0.01);
-        let of_nodes = |values: &[Vec3]| {
-            Field::from_values(basis.first_vertices().iter().map(|&vertex| values[vertex as usize]).collect())
-        };
-        let power = |values: &[Vec3]| -> DVec3 { of_nodes(values).weighted_sum(areas()) };
-        let (before, after) = (power(&carried), power(&read));
-        assert!(((after - before) / before).abs().max_element() < 1e-7, "{before} {after}");
+        let lost = power_differs_by(&area, &carried, &read);
+        assert!(lost < 1e-7, "{lost}");
     }
 }
 
@@ -93,7 +99,7 @@ fn bounces_and_layers_add_up_to_all_light_which_is_never_negative() {
 }
 
 #[test]
-fn least_squares_is_resumed_from_checkpoints_bit_by_bit_and_from_solutions_to_rounding() {
+fn least_squares_is_resumed_from_checkpoints_bit_by_bit_and_from_solutions_with_the_same_power() {
     let scene = scene();
     let whole = settings(Projection::LeastSquares);
     let (part, stopped) = solved(&scene, Settings { bounces: BounceLimit::Count(1), ..whole.clone() });
@@ -107,12 +113,18 @@ fn least_squares_is_resumed_from_checkpoints_bit_by_bit_and_from_solutions_to_ro
     assert!(resumed(Saved::Checkpoint(Box::new(part.checkpoint(&stopped)))) == state);
     let solution = || Saved::Solution(Box::new(part.solution(&stopped)));
     let light = baker.light_at_vertices(&resumed(solution()));
-    assert!(difference(&baker.light_at_vertices(&state), &light) < 1e-5);
+    // Where limits keep the nearest function from ringing, the file has light that is as strong but smoother.
+    let found = difference(&baker.light_at_vertices(&state), &light);
+    assert!(found < 0.05, "{found}");
+    assert!(power_differs_by(&baker, &baker.light_at_vertices(&state), &light) < 1e-3);
     // Read as they are, the values of the file would be carried on.
     let area = baker.relit(scene, settings(Projection::Area));
     let mut means = area.resume(&solution()).unwrap();
     area.run(&mut means, &Control::default(), &Silent).unwrap();
-    assert!(difference(&area.light_at_vertices(&state), &area.light_at_vertices(&means)) < 1e-5);
+    let carried = area.light_at_vertices(&state);
+    let found = difference(&carried, &area.light_at_vertices(&means));
+    let unread = difference(&carried, &baker.light_at_vertices(&state));
+    assert!(found < 0.2 * unread, "{found} {unread}");
 }
 
 #[test]

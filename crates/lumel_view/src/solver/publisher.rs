@@ -161,7 +161,7 @@ impl<'a> Publisher<'a> {
     }
 
     /// Ends [`Self::serve`] when it is dropped.
-    pub(super) fn closing(&self) -> Closing<'_> {
+    pub(super) fn closing(&self) -> Closing<'_, 'a> {
         Closing(self)
     }
 
@@ -176,9 +176,9 @@ impl<'a> Publisher<'a> {
 }
 
 /// Lets the thread that publishes end, also after a panic.
-pub(super) struct Closing<'a>(&'a Publisher<'a>);
+pub(super) struct Closing<'p, 'a>(&'p Publisher<'a>);
 
-impl Drop for Closing<'_> {
+impl Drop for Closing<'_, '_> {
     fn drop(&mut self) {
         self.0.hand_over(|mail| mail.closed = true);
     }
