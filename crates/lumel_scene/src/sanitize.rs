@@ -111,7 +111,7 @@ pub(crate) fn materials(
     warnings: &mut Warnings,
 ) {
     let tints = brightest_tints(objects, materials.len());
-    let mut clamped: Vec<&str> = Vec::new();
+    let mut clamped: Vec<String> = Vec::new();
     let mut highest: f32 = 0.0;
     for (material, tint) in materials.iter_mut().zip(tints) {
         let subject = format!("material \"{}\"", material.name);
@@ -125,16 +125,12 @@ pub(crate) fn materials(
         let brightest = (material.albedo * texture * tint).max_element();
         if brightest > MAX_ALBEDO {
             highest = highest.max(brightest);
-            clamped.push(&material.name);
+            clamped.push(format!("\"{}\"", material.name));
         }
     }
-    // One warning for all: exporters leave white as the default of every material.
-    if let [first, others @ ..] = clamped.as_slice() {
-        let subject = match others {
-            [] => format!("material \"{first}\""),
-            [second] => format!("materials \"{first}\" and \"{second}\""),
-            [second, rest @ ..] => format!("materials \"{first}\", \"{second}\" and {} more", rest.len()),
-        };
-        warnings.push(subject, format!("albedo of up to {highest:.3} is clamped to {MAX_ALBEDO}"));
-    }
+    warnings.push_for_all(
+        "material",
+        &clamped,
+        format!("albedo of up to {highest:.3} is clamped to {MAX_ALBEDO}"),
+    );
 }

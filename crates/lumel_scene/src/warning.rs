@@ -39,6 +39,19 @@ impl Warnings {
         }
     }
 
+    /// Adds one warning for all things of a `kind` that it concerns; `names` are shown as they are, the first two of many.
+    ///
+    /// Files have dozens of materials, and exporters leave the same default in all of them.
+    pub fn push_for_all(&mut self, kind: &str, names: &[String], message: impl Into<String>) {
+        let subject = match names {
+            [] => return,
+            [one] => format!("{kind} {one}"),
+            [first, second] => format!("{kind}s {first} and {second}"),
+            [first, second, rest @ ..] => format!("{kind}s {first}, {second} and {} more", rest.len()),
+        };
+        self.push(subject, message);
+    }
+
     /// Adds all of `other`.
     pub fn append(&mut self, other: Warnings) {
         for Warning { subject, message } in other.list {

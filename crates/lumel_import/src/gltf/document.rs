@@ -91,9 +91,14 @@ impl Document {
 
 /// `what "name"`, or `what index` if it has no name.
 pub(super) fn label(what: &str, index: usize, name: Option<&str>) -> String {
+    format!("{what} {}", named(index, name))
+}
+
+/// The name of an object in quotes, or its index.
+pub(super) fn named(index: usize, name: Option<&str>) -> String {
     match name.filter(|name| !name.is_empty()) {
-        Some(name) => format!("{what} \"{name}\""),
-        None => format!("{what} {index}"),
+        Some(name) => format!("\"{name}\""),
+        None => index.to_string(),
     }
 }
 

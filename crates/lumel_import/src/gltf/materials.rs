@@ -1,6 +1,6 @@
 //! Diffuse materials.
 
-use super::document::{Document, label};
+use super::document::{Document, label, named};
 use super::fault::Fault;
 use super::textures::Textures;
 use glam::{Vec2, Vec3};
@@ -12,6 +12,7 @@ use lumel_scene::{
     AlphaMode, Encoding, Material, MaterialId, Radiance, Sides, Texture, TextureRef, Transparency,
     UvTransform, Warnings,
 };
+use std::collections::BTreeMap;
 
 /// The materials of a document, each converted when it is first used.
 pub(super) struct Materials<'a> {
@@ -21,6 +22,8 @@ pub(super) struct Materials<'a> {
     known: Vec<Option<Used>>,
     /// The material of primitives without one.
     default: Option<Used>,
+    /// What is lost when materials are treated as diffuse, and which materials they are.
+    limitations: BTreeMap<&'static str, Vec<String>>,
 }
 
 /// What a mesh needs to know about its material.
@@ -34,7 +37,7 @@ pub(super) struct Used {
 impl<'a> Materials<'a> {
     pub(super) fn new(document: &'a Document, textures: Textures<'a>) -> Self {
         let known = vec![None; document.materials.len()];
-        Self { document, textures, converted: Vec::new(), known, default: None }
+        Self { document, textures, converted: Vec::new(), known, default: None, limitations: BTreeMap::new() }
     }
 
     /// The scene's material for one of the document's; `None` asks for the default.
@@ -66,7 +69,12 @@ impl<'a> Materials<'a> {
     }
 
     /// The scene's materials and textures, in the order of their ids.
-    pub(super) fn finish(self) -> (Vec<Material>, Vec<Texture>) {
+    ///
+    /// Warns of what they lose.
+    pub(super) fn finish(self, warnings: &mut Warnings) -> (Vec<Material>, Vec<Texture>) {
+        for (message, names) in &self.limitations {
+            warnings.push_for_all("material", names, *message);
+        }
         (self.converted, self.textures.into_textures())
     }
 
@@ -83,7 +91,7 @@ impl<'a> Materials<'a> {
     ) -> (Material, Option<u32>) {
         let subject = label("material", index, material.name.as_deref());
         for message in limitations(material) {
-            warnings.push(&subject, message);
+            self.limitations.entry(message).or_default().push(named(index, material.name.as_deref()));
         }
         let pbr = &material.pbr_metallic_roughness;
         let strength = material.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
@@ -166,29 +174,30 @@ fn alpha_mode(material: &gltf_json::Material) -> AlphaMode {
 }
 
 /// What is lost when a material is treated as diffuse.
-fn limitations(material: &gltf_json::Material) -> Vec<String> {
+fn limitations(material: &gltf_json::Material) -> Vec<&'static str> {
     let mut messages = Vec::new();
     let pbr = &material.pbr_metallic_roughness;
     if pbr.metallic_factor.0 > 0.5 {
-        let which = if pbr.metallic_roughness_texture.is_some() { "metal in its texture" } else { "metal" };
-        messages.push(format!("{which} is treated as diffuse, with its base colour as albedo"));
+        messages.push(match pbr.metallic_roughness_texture {
+            Some(_) => "metal in its texture is treated as diffuse, with its base colour as albedo",
+            None => "metal is treated as diffuse, with its base colour as albedo",
+        });
     }
     if material.normal_texture.as_ref().is_some_and(|normal| normal.scale != 1.0) {
-        messages.push("the scale of its normal texture is ignored".into());
+        messages.push("the scale of its normal texture is ignored");
     }
     if let Some(extensions) = &material.extensions {
         if extensions.unlit.is_some() {
-            messages
-                .push("KHR_materials_unlit: its base colour, though lit already, is used as albedo".into());
+            messages.push("KHR_materials_unlit: its base colour, though lit already, is used as albedo");
         }
         if factor(material, "KHR_materials_diffuse_transmission", "diffuseTransmissionFactor") > 0.0 {
-            messages.push("light that passes through it diffusely is not computed".into());
+            messages.push("light that passes through it diffusely is not computed");
         }
         let transmission = extensions.others.get(TRANSMISSION);
         if transmission.is_some_and(|e| e.get("transmissionTexture").is_some())
             && transmission_factor(material) > 0.0
         {
-            messages.push("its transmission texture is ignored: light passes through all of it alike".into());
+            messages.push("its transmission texture is ignored: light passes through all of it alike");
         }
     }
     messages

@@ -91,6 +91,6 @@ fn read(bytes: &[u8], resolver: &Resolver, origin: DVec3) -> Result<Imported, Fa
     for &placed in &nodes.placed {
         scene.cameras.extend(lights::camera_at(&document, placed, &mut warnings)?);
     }
-    (scene.materials, scene.textures) = meshes.into_materials().finish();
+    (scene.materials, scene.textures) = meshes.into_materials().finish(&mut warnings);
     Ok(Imported { scene, warnings })
 }

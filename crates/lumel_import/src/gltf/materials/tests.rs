@@ -188,6 +188,26 @@ fn what_diffuse_light_cannot_do_is_said_once_for_each_material() {
 }
 
 #[test]
+fn what_many_materials_lose_alike_is_said_once() {
+    let metal = |name| json!({ "name": name, "pbrMetallicRoughness": { "metallicFactor": 1 } });
+    let mut model = model(metal("A"));
+    for (index, name) in [(1, "B"), (2, ""), (3, "D")] {
+        model.push("materials", metal(name));
+        let mut mesh = model.json["meshes"][0].clone();
+        mesh["primitives"][0]["material"] = json!(index);
+        model.push("meshes", mesh);
+    }
+    for mesh in 0..4 {
+        model.push("nodes", json!({ "mesh": mesh }));
+    }
+    let warnings = text(&model.read().unwrap().warnings);
+    assert_eq!(
+        warnings,
+        "materials \"A\", \"B\" and 2 more: metal is treated as diffuse, with its base colour as albedo\n"
+    );
+}
+
+#[test]
 fn alpha_counts_as_its_mode_says() {
     let transparency = |more: Value| {
         let base = json!({ "baseColorFactor": [0.5, 0.5, 0.5, 0.25], "baseColorTexture": { "index": 0 } });
