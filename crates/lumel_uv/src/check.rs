@@ -165,3 +165,72 @@ fn too_near(atlas: &Atlas, page: usize, triangles: &[TriId]) -> Vec<Fault> {
     }
     faults
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::scene_of;
+    use crate::{Density, Pace, UnwrapSettings, unwrap};
+    use glam::{Vec2, Vec3};
+    use lumel_testkit::mesh::quad;
+
+    /// Two squares of ten lumels.
+    fn squares() -> (Scene, Atlas) {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
+        let scene = scene_of(vec![quad(corners, [1, 1], 0), quad(corners.map(|c| c + Vec3::Z), [1, 1], 0)]);
+        let settings = UnwrapSettings { density: Density::PerMetre(10.0), ..UnwrapSettings::default() };
+        let atlas = unwrap(&scene, &settings, &|| Pace::Go).unwrap().atlas;
+        (scene, atlas)
+    }
+
+    /// What is found when the places of some triangles change.
+    fn changed(tris: &[usize], change: impl Fn([Vec2; 3]) -> [Vec2; 3]) -> Vec<Fault> {
+        let (scene, mut atlas) = squares();
+        assert_eq!(check(&atlas, &scene), []);
+        tris.iter().for_each(|&tri| atlas.corners[tri] = change(atlas.corners[tri]));
+        check(&atlas, &scene)
+    }
+
+    #[test]
+    fn every_fault_is_found() {
+        assert_eq!(changed(&[1], |[a, _, c]| [a, Vec2::NAN, c]), [Fault::NotFinite(TriId(1))]);
+        assert_eq!(changed(&[1], |t| t.map(|c| c + 1000.0)), [Fault::OutsidePage(TriId(1))]);
+        assert_eq!(changed(&[1], |[a, b, c]| [b, a, c]), [Fault::Mirrored(TriId(1))]);
+        let enlarged = |[a, b, c]: [Vec2; 3]| [a, b, c].map(|p| p + (p - (a + b + c) / 3.0) * 0.1);
+        let found = changed(&[1], enlarged);
+        assert_eq!(found[0], Fault::Overlap { tri: TriId(1), other: TriId(0) }, "triangles of one chart");
+    }
+
+    #[test]
+    fn charts_that_come_too_near_are_found_on_all_sides_and_those_in_each_other_too() {
+        let (_, atlas) = squares();
+        let [a, b] = [0, 2].map(|tri| atlas.charts()[atlas.chart(TriId(tri))]);
+        let mut n_near = 0;
+        for (dx, dy) in (-14..=14).flat_map(|dx| (-14..=14).map(move |dy| (dx, dy))) {
+            let place = |k: usize, d: i32| a.min[k] as f32 + d as f32 - b.min[k] as f32;
+            let shift = Vec2::new(place(0, dx), place(1, dy));
+            let mut moved = atlas.clone();
+            // Room for all of it.
+            moved.pages[0] = [64, 64];
+            moved.corners.iter_mut().flatten().for_each(|corner| *corner += 20.0);
+            moved.corners[2..].iter_mut().flatten().for_each(|corner| *corner += shift);
+            let triangles: Vec<TriId> = (0..4).map(TriId).collect();
+            let is_near = (-11..=11).contains(&dx) && (-11..=11).contains(&dy);
+            assert_eq!(!too_near(&moved, 0, &triangles).is_empty(), is_near, "{dx} {dy}");
+            n_near += usize::from(is_near);
+        }
+        assert_eq!(n_near, 23 * 23);
+    }
+
+    #[test]
+    fn faults_say_what_and_where() {
+        let fault = Fault::Gutter { tri: TriId(3), other: TriId(7), lumel: [5, 6, 0] };
+        assert_eq!(
+            fault.to_string(),
+            "the charts of triangles 3 and 7 are too near at lumel (5, 6) of page 0"
+        );
+        assert_eq!(Fault::Mirrored(TriId(3)).to_string(), "triangle 3 is mirrored");
+        let (scene, _) = squares();
+        assert_eq!(fault.object(&scene), Some(ObjectId(1)));
+    }
+}

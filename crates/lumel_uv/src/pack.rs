@@ -13,6 +13,11 @@ const MOST_LUMELS: u64 = 1 << 30;
 /// How full a page is thought to get; decides the width of pages that are smaller than they may be.
 const FILL: f64 = 0.85;
 
+/// Widths of the page that are tried, in parts of that of a square page, where one page is enough for up to so many charts:
+/// with few charts, much depends on it.
+const WIDTHS: [f64; 7] = [1.0, 0.7, 0.8, 0.9, 1.1, 1.25, 1.4];
+const MOST_FOR_WIDTHS: usize = 2000;
+
 /// Charts larger than this, in cells, are tried as they are and turned; smaller ones lie as they are.
 const TURNED_FROM: u32 = 3;
 
@@ -82,10 +87,32 @@ pub(crate) fn pack(charts: &[Chart], scales: &[f64], settings: &UnwrapSettings) 
         (std::cmp::Reverse((mask.width.max(mask.height), mask.count)), i)
     });
     let [width, height] = page_cells(&shapes, grid, settings);
+    let most = settings.page_size / grid.cell;
+    let tried = if charts.len() <= MOST_FOR_WIDTHS && width < most { WIDTHS.len() } else { 1 };
+    let widest = shapes.iter().map(|shape| shape[0].1.width).max().unwrap_or(1) + 2 * grid.margin;
+    let all: Vec<Packed> = WIDTHS[..tried]
+        .par_iter()
+        .map(|part| {
+            let width = ((f64::from(width) * part) as u32).max(widest).next_multiple_of(4).min(most);
+            place_all(&shapes, &order, [width, height], grid, settings)
+        })
+        .collect();
+    // The first of those with the fewest lumels.
+    all.into_iter().min_by_key(Packed::lumel_count).ok_or(UvError::Stopped)
+}
+
+/// Puts charts on pages of a size in cells, in an order.
+fn place_all(
+    shapes: &[Vec<(Pose, Mask)>],
+    order: &[usize],
+    [width, height]: [u32; 2],
+    grid: Grid,
+    settings: &UnwrapSettings,
+) -> Packed {
     let mut pages: Vec<Page> = Vec::new();
-    let mut placed = vec![None; charts.len()];
+    let mut placed = vec![None; shapes.len()];
     let mut begins: BTreeMap<[u32; 2], (usize, u32)> = BTreeMap::new();
-    for i in order {
+    for &i in order {
         let at = loop {
             if let Some(found) = place(&pages, &shapes[i], grid, &mut begins) {
                 break found;
@@ -101,7 +128,7 @@ pub(crate) fn pack(charts: &[Chart], scales: &[f64], settings: &UnwrapSettings) 
         let used = (page.used + grid.margin) * grid.cell;
         [(page.width * grid.cell), used.next_multiple_of(4).min(settings.page_size)]
     };
-    Ok(Packed { pages: pages.iter().map(cropped).collect(), placed: placed.into_iter().flatten().collect() })
+    Packed { pages: pages.iter().map(cropped).collect(), placed: placed.into_iter().flatten().collect() }
 }
 
 /// A place for a chart.

@@ -3,6 +3,7 @@
 use crate::Atlas;
 use crate::chart::signed_area;
 use lumel_scene::{ObjectId, Scene, TriId};
+use std::fmt;
 
 /// How the charts of an object were made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,13 +35,22 @@ impl Method {
     }
 }
 
-/// Something that did not go as it was asked for, of one object.
+/// Something that did not go as it was asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// The name of the object.
-    pub object: String,
+    /// The name of the object, if it is of one.
+    pub object: Option<String>,
     /// What, as a sentence without a stop.
     pub message: String,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.object {
+            Some(object) => write!(f, "object \"{object}\": {}", self.message),
+            None => f.write_str(&self.message),
+        }
+    }
 }
 
 /// What became of an object.

@@ -16,6 +16,9 @@ use std::collections::BTreeSet;
 const MOST_TRIALS: usize = 5;
 const NEAR_BUDGET: f64 = 0.94;
 
+/// A budget never makes lumels coarser than if no lumel were lost between charts, by more than this factor.
+const COARSEST: f64 = 1000.0;
+
 /// How full pages are thought to get when a budget is first divided by areas.
 const USUAL_FILL: f64 = 0.85;
 
@@ -63,10 +66,10 @@ pub fn unwrap(
             for (topology, charts) in &parts {
                 let Some(reason) = &charts.reason else { continue };
                 let message = format!("it has {} charts: {reason}", charts.method.name());
-                findings.push(Finding { object: name(topology.object), message });
+                findings.push(Finding { object: Some(name(topology.object)), message });
             }
             for fault in &faults {
-                let object = fault.object(scene).map(name).unwrap_or_default();
+                let object = fault.object(scene).map(name);
                 findings.push(Finding { object, message: fault.to_string() });
             }
             let methods: Vec<_> = parts.iter().map(|(t, charts)| (t.object, charts.method)).collect();
@@ -116,6 +119,16 @@ fn lay_out(
     };
     let scales = scales(density);
     let mut findings = Vec::new();
+    if let Density::Budget(lumels) = settings.density
+        && packed.lumel_count() > u64::from(lumels)
+    {
+        let message = format!(
+            "{} charts have {} lumels, above the budget of {lumels}: each needs some of its own",
+            charts.len(),
+            packed.lumel_count()
+        );
+        findings.push(Finding { object: None, message });
+    }
     let reduced = |(chart, scale): &(&Chart, &f64)| **scale < density * factor(chart) * (1.0 - 1e-6);
     let mut told = BTreeSet::new();
     for (chart, scale) in charts.iter().zip(&scales).filter(reduced) {
@@ -124,14 +137,14 @@ fn lay_out(
                 "a triangle is longer than a page of {} lumels and has {scale:.3} lumels per metre; use larger pages, or split it with a maximum edge length",
                 settings.page_size
             );
-            findings.push(Finding { object: scene.object_names()[chart.object.index()].clone(), message });
+            findings
+                .push(Finding { object: Some(scene.object_names()[chart.object.index()].clone()), message });
         }
     }
     Ok((assemble(scene, settings, density, &charts, &packed), findings))
 }
 
-/// The finest packing found that has no more lumels than `budget`, or the coarsest one tried if charts have so many
-/// borders that none does.
+/// The finest packing found that has no more lumels than `budget`, or than twice what the smallest charts take up.
 fn within_budget(
     charts: &[Chart],
     budget: f64,
@@ -142,8 +155,9 @@ fn within_budget(
     let estimate = |density: f64| -> f64 {
         charts.iter().zip(scales(density)).map(|(c, s)| footprint(c, s, settings)).sum::<f64>() / USUAL_FILL
     };
-    // Smallest charts only: they cannot become fewer lumels, but coarser than a twentieth is of no use.
-    let least = most / 20.0;
+    let least = most / COARSEST;
+    // The smallest charts cannot get fewer lumels: as many for all that is larger.
+    let budget = budget.max(2.0 * estimate(least));
     let bisect = |target: f64| {
         let (mut low, mut high) = (least, most);
         for _ in 0..30 {
