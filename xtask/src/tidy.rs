@@ -17,6 +17,7 @@ const ORDER: &[&str] = &[
     "lumel_builtin",
     "lumel_import",
     "lumel_accel",
+    "lumel_uv",
     "lumel_basis",
     "lumel_transport",
     "lumel_solve",

@@ -97,13 +97,18 @@ pub(crate) fn load_and_warn(
     console: &Console,
 ) -> anyhow::Result<Loaded> {
     let loaded = load(args, vertex_budget)?;
-    for warning in loaded.warnings.iter().take(MAX_WARNINGS) {
+    warn(&loaded.warnings, args, console);
+    Ok(loaded)
+}
+
+/// Reports the warnings about a scene, up to some number.
+pub(crate) fn warn(warnings: &Warnings, args: &SceneArgs, console: &Console) {
+    for warning in warnings.iter().take(MAX_WARNINGS) {
         console.warning(&warning.to_string());
     }
-    if let Some(more) = loaded.warnings.len().checked_sub(MAX_WARNINGS).filter(|&n| n > 0) {
+    if let Some(more) = warnings.len().checked_sub(MAX_WARNINGS).filter(|&n| n > 0) {
         console.warning(&format!("{more} more warnings about this scene; see `lumel info {}`", args.scene));
     }
-    Ok(loaded)
 }
 
 fn open(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Opened> {

@@ -43,6 +43,18 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("it must be zero or more".to_owned()) }
 }
 
+/// A number above zero.
+pub(crate) fn above_zero(text: &str) -> Result<f32, String> {
+    let number = finite(text)?;
+    if number > 0.0 { Ok(number) } else { Err("it must be above zero".to_owned()) }
+}
+
+/// A name and a number above zero. The name may have an equals sign.
+pub(crate) fn named_factor(text: &str) -> Result<(String, f32), String> {
+    let (name, number) = text.rsplit_once('=').ok_or_else(|| "it must be NAME=X".to_owned())?;
+    Ok((name.to_owned(), above_zero(number)?))
+}
+
 /// A whole number in a range.
 pub(crate) fn count(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone {
     move |text| {

@@ -3,8 +3,8 @@
 //! - [`Solution`] is the result of a bake: a NumPy archive that Python opens in one line,
 //!   `numpy.load("a.npz")["irradiance"]`.
 //! - [`write_glb`], [`write_ply`] and [`write_obj`] write the lit mesh for other programs, [`RadFile`] the course's
-//!   format.
-//! - [`write_png`] writes pictures.
+//!   format; [`write_unwrapped_glb`] a mesh with its places in an atlas.
+//! - [`write_png`] writes pictures, [`write_atlas_png`] those of an atlas.
 //!
 //! Writers read light through [`Lighting`](lumel_basis::Lighting), at the vertices that these formats have; those of a
 //! solution come from [`Solution::lighting`].
@@ -14,6 +14,7 @@
 //! Every file appears whole or not at all: see [`write_atomically`]. Equal content gives equal bytes. Reading
 //! never trusts a file: sizes are checked before anything is allocated, checksums before anything is used.
 
+mod atlas_png;
 mod atomic;
 mod checkpoint;
 mod display;
@@ -29,11 +30,12 @@ mod png;
 mod rad;
 mod solution;
 
+pub use atlas_png::write_atlas_png;
 pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
-pub use glb::write_glb;
+pub use glb::{write_glb, write_unwrapped_glb};
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};
 pub use obj::{check_obj, write_obj};

@@ -2,6 +2,7 @@
 
 mod settings;
 mod shared;
+mod unwrap;
 
 use crate::parse::{self, CameraChoice};
 use clap::{Args, Parser, Subcommand};
@@ -13,6 +14,7 @@ pub(crate) use settings::SettingsArgs;
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, ThreadArgs};
 use std::ffi::OsString;
 use std::path::PathBuf;
+pub(crate) use unwrap::UnwrapArgs;
 
 /// Bakes diffuse global illumination into the vertices of a mesh.
 ///
@@ -33,6 +35,7 @@ const EXAMPLES: &str = "\
 Examples:
   lumel bake cornell-box -o cornell.npz -o cornell.glb -o cornell.png
   lumel render cornell-box --solution cornell.npz -o bounce1.png --bounce 1
+  lumel unwrap room.glb -o room-unwrapped.glb -o atlas.png
   lumel info room.glb
   lumel compare a.npz b.npz";
 
@@ -42,6 +45,7 @@ pub(crate) enum Command {
     Bake(BakeArgs),
     Render(RenderArgs),
     Measure(MeasureArgs),
+    Unwrap(UnwrapArgs),
     Info(InfoArgs),
     Compare(CompareArgs),
     /// Open the viewer: fly through a scene, move lights and watch the light arrive

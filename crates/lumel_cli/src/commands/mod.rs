@@ -7,6 +7,7 @@ mod man;
 mod measure;
 mod render;
 mod summary;
+mod unwrap;
 mod view;
 
 use crate::args::Command;
@@ -20,6 +21,7 @@ pub(crate) fn run(command: &Command, console: &Arc<Console>) -> anyhow::Result<O
         Command::Bake(args) => bake::run(args, console),
         Command::Render(args) => render::run(args, console),
         Command::Measure(args) => measure::run(args, console),
+        Command::Unwrap(args) => unwrap::run(args, console),
         Command::Info(args) => info::run(args, console),
         Command::Compare(args) => compare::run(args, console),
         Command::View { arguments } => view::run(arguments),

@@ -3,7 +3,7 @@ use lumel::Settings;
 use lumel::setting::{PROJECTION, Setting as _};
 
 /// What other programs may rely on, beside the options of settings.
-const FLAGS: [(&str, &[&str]); 5] = [
+const FLAGS: [(&str, &[&str]); 6] = [
     (
         "bake",
         &[
@@ -38,6 +38,21 @@ const FLAGS: [(&str, &[&str]); 5] = [
         ],
     ),
     ("measure", &["--light", "--point", "--normal", "--points", "-o", "--solution", "--json"]),
+    (
+        "unwrap",
+        &[
+            "-o",
+            "--density",
+            "--lumels",
+            "--density-factor",
+            "--atlas-size",
+            "--gutter",
+            "--align",
+            "--time-limit",
+            "--json",
+            "--strict",
+        ],
+    ),
     ("info", &["--json", "--strict", "--max-edge"]),
     ("compare", &["--json", "--max-error"]),
 ];

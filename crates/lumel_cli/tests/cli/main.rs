@@ -16,5 +16,6 @@ mod refusals;
 mod render;
 mod resume;
 mod shown;
+mod unwrap;
 #[cfg(unix)]
 mod view;

@@ -41,6 +41,21 @@ pub(super) enum Shown {
     Apart,
 }
 
+/// What a file shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Appearance {
+    /// The light that was computed.
+    Light,
+    /// Surfaces that viewers light.
+    Surfaces,
+}
+
+impl Appearance {
+    fn of(self, material: &Material) -> Shown {
+        if self == Self::Light { Shown::of(material) } else { Shown::Apart }
+    }
+}
+
 impl Shown {
     /// Textures of albedo and emission cannot both be in the base colour, so that emission with any needs a slot.
     pub(super) fn of(material: &Material) -> Self {
@@ -69,7 +84,7 @@ struct Images {
 }
 
 impl Materials {
-    pub(super) fn new(scene: &Scene) -> io::Result<Self> {
+    pub(super) fn new(scene: &Scene, appearance: Appearance) -> io::Result<Self> {
         let n = scene.materials().len();
         let mut used = vec![false; n];
         for tri in 0..scene.triangle_count() as u32 {
@@ -85,7 +100,7 @@ impl Materials {
         let mut images = Images::default();
         for (id, material) in scene.materials().iter().enumerate().filter(|(id, _)| used[*id]) {
             materials.index[id] = materials.json.len();
-            let json = describe(scene, material, &mut images)?;
+            let json = describe(scene, material, appearance.of(material), &mut images)?;
             let slots = [&json["pbrMetallicRoughness"]["baseColorTexture"], &json["emissiveTexture"]];
             materials.textured[id] = slots.iter().any(|slot| !slot.is_null());
             materials.json.push(json);
@@ -119,7 +134,9 @@ impl Materials {
                 })
                 .collect();
         }
-        document["extensionsUsed"] = json!(self.extensions);
+        if !self.extensions.is_empty() {
+            document["extensionsUsed"] = json!(self.extensions);
+        }
     }
 
     /// Writes the images in the order of [`Self::add_to`].
@@ -133,8 +150,7 @@ impl Materials {
 }
 
 /// Albedo in the base colour, emission in the emissive slots, each with its own texture.
-fn describe(scene: &Scene, material: &Material, images: &mut Images) -> io::Result<Value> {
-    let shown = Shown::of(material);
+fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Images) -> io::Result<Value> {
     let mut json = json!({
         "name": material.name,
         "doubleSided": false,

@@ -12,8 +12,8 @@ use std::fs;
 use std::path::Path;
 
 /// A GLB file taken apart, with every number checked to be where its description says.
-struct Glb {
-    json: Value,
+pub(crate) struct Glb {
+    pub(crate) json: Value,
     binary: Vec<u8>,
 }
 
@@ -22,7 +22,7 @@ fn u32_at(bytes: &[u8], at: usize) -> usize {
 }
 
 impl Glb {
-    fn read(path: &Path) -> Self {
+    pub(crate) fn read(path: &Path) -> Self {
         let bytes = fs::read(path).unwrap();
         assert_eq!(&bytes[..8], b"glTF\x02\0\0\0");
         assert_eq!(u32_at(&bytes, 8), bytes.len());
@@ -55,28 +55,28 @@ impl Glb {
     }
 
     /// The four-byte words of an accessor, `width` to an element.
-    fn words(&self, index: &Value, width: usize) -> Vec<[u8; 4]> {
+    pub(crate) fn words(&self, index: &Value, width: usize) -> Vec<[u8; 4]> {
         let accessor = &self.json["accessors"][number(index)];
         let bytes = self.view(&accessor["bufferView"]);
         let bytes = &bytes[number(&accessor["byteOffset"])..][..4 * width * number(&accessor["count"])];
         bytes.as_chunks().0.to_vec()
     }
 
-    fn floats(&self, index: &Value, width: usize, kind: &str) -> Vec<f32> {
+    pub(crate) fn floats(&self, index: &Value, width: usize, kind: &str) -> Vec<f32> {
         let accessor = &self.json["accessors"][number(index)];
         assert_eq!((number(&accessor["componentType"]), &accessor["type"]), (5126, &Value::from(kind)));
         self.words(index, width).into_iter().map(f32::from_le_bytes).collect()
     }
 
-    fn vectors(&self, index: &Value) -> Vec<Vec3> {
+    pub(crate) fn vectors(&self, index: &Value) -> Vec<Vec3> {
         self.floats(index, 3, "VEC3").chunks(3).map(Vec3::from_slice).collect()
     }
 
-    fn primitives(&self) -> impl Iterator<Item = &Value> {
+    pub(crate) fn primitives(&self) -> impl Iterator<Item = &Value> {
         self.json["meshes"].as_array().unwrap().iter().flat_map(|m| m["primitives"].as_array().unwrap())
     }
 
-    fn material(&self, primitive: &Value) -> &Value {
+    pub(crate) fn material(&self, primitive: &Value) -> &Value {
         &self.json["materials"][number(&primitive["material"])]
     }
 
@@ -85,7 +85,7 @@ impl Glb {
     }
 }
 
-fn number(value: &Value) -> usize {
+pub(crate) fn number(value: &Value) -> usize {
     value.as_u64().unwrap_or_default() as usize
 }
 
@@ -373,8 +373,8 @@ fn light_that_does_not_fit_is_refused() {
     assert!(!path.exists());
 }
 
-#[test]
-fn the_khronos_validator_finds_nothing() {
+/// Lets Khronos' validator look at a file, where it is installed.
+pub(crate) fn validate(path: &Path) {
     let script = r#"
 const { validateBytes } = require("gltf-validator");
 const bytes = new Uint8Array(require("fs").readFileSync(process.argv[1]));
@@ -384,13 +384,18 @@ validateBytes(bytes).then((report) => {
   process.exit(worst.length);
 });
 "#;
+    let probe = ["-e", "require.resolve('gltf-validator')"];
+    if let Some(report) = run_if_installed("node", &probe, &["-e", script, path.to_str().unwrap()]) {
+        println!("{report}");
+    }
+}
+
+#[test]
+fn the_khronos_validator_finds_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
     for scene in [plain("plain"), colourful()] {
         write_glb(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
-        let probe = ["-e", "require.resolve('gltf-validator')"];
-        if let Some(report) = run_if_installed("node", &probe, &["-e", script, path.to_str().unwrap()]) {
-            println!("{report}");
-        }
+        validate(&path);
     }
 }

@@ -22,3 +22,5 @@ mod solution;
 mod tools;
 #[cfg(test)]
 mod transparent;
+#[cfg(test)]
+mod unwrapped;

@@ -1,0 +1,228 @@
+//! `lumel unwrap`
+
+use crate::args::{ProgressMode, UnwrapArgs};
+use crate::command_run::{CommandRun, thread_pool};
+use crate::console::{self, Console};
+use crate::failure::{hinted, with_hint};
+use crate::load::{self, Loaded};
+use crate::outcome::Outcome;
+use crate::outputs;
+use crate::report::{bytes, counted, duration, percent, significant};
+use anyhow::Context;
+use lumel::Scene;
+use lumel_export::{write_atlas_png, write_unwrapped_glb};
+use lumel_uv::{Density, Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    /// The scene with its places.
+    Glb,
+    /// A picture of each page.
+    Png,
+}
+
+/// A file that was written.
+struct Written {
+    path: PathBuf,
+    bytes: u64,
+}
+
+/// Unwraps and writes.
+pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
+    let formats = args.outputs.iter().map(|path| format_of(path)).collect::<anyhow::Result<Vec<_>>>()?;
+    let paths: Vec<&Path> = args.outputs.iter().map(PathBuf::as_path).collect();
+    outputs::check(&paths, &load::source_files(&args.scene.scene))?;
+    let pool = thread_pool(&args.threads)?;
+    let run = CommandRun::start(ProgressMode::None, console)?;
+    let (Loaded { scene, warnings, .. }, _) = load::load_as_it_is(&args.scene)?;
+    load::warn(&warnings, &args.scene, console);
+    let settings = settings(args, &scene)?;
+    let begun = run.clock.seconds();
+    let Some(unwrapped) = pool.install(|| unwrap_in_time(args, &scene, &settings, &run))? else {
+        console.note("stopped; no file was written");
+        return Ok(Outcome::Cancelled);
+    };
+    let seconds = run.clock.seconds() - begun;
+    for finding in &unwrapped.report.findings {
+        console.warning(&finding.to_string());
+    }
+    let mut written = Vec::new();
+    for (path, format) in paths.iter().zip(formats) {
+        written.extend(write(path, format, &scene, &unwrapped)?);
+    }
+    if args.json {
+        console::print(&(report(&scene, &unwrapped, seconds, &written).to_string() + "\n"))?;
+    } else {
+        console::print(&summary(&scene, &unwrapped, seconds, &written))?;
+    }
+    Ok(console.outcome(args.strict))
+}
+
+fn format_of(path: &Path) -> anyhow::Result<Format> {
+    match path.extension().unwrap_or_default().to_string_lossy().to_lowercase().as_str() {
+        "glb" => Ok(Format::Glb),
+        "png" => Ok(Format::Png),
+        _ => Err(hinted(
+            format!("an unwrapped scene cannot be written as this: {}", path.display()),
+            "use a file name that ends in .glb, or in .png for a picture of the atlas",
+        )),
+    }
+}
+
+fn settings(args: &UnwrapArgs, scene: &Scene) -> anyhow::Result<UnwrapSettings> {
+    let usual = UnwrapSettings::default();
+    let budget = args.lumels.map_or(usual.density, Density::Budget);
+    let mut factors = Vec::new();
+    for (name, factor) in &args.density_factor {
+        factors.resize(scene.object_names().len(), 1.0);
+        let named = || scene.object_names().iter().enumerate().filter(|(_, object)| *object == name);
+        if named().next().is_none() {
+            return Err(hinted(
+                format!("scene \"{}\" has no object \"{name}\"", scene.name()),
+                format!("`lumel unwrap {} --json` lists its objects", args.scene.scene),
+            ));
+        }
+        named().for_each(|(object, _)| factors[object] = *factor);
+    }
+    Ok(UnwrapSettings {
+        density: args.density.map_or(budget, Density::PerMetre),
+        factors,
+        page_size: args.atlas_size,
+        gutter: args.gutter,
+        // The parser lets nothing else pass.
+        align: args.align.parse()?,
+    })
+}
+
+/// `None` if it was stopped.
+fn unwrap_in_time(
+    args: &UnwrapArgs,
+    scene: &Scene,
+    settings: &UnwrapSettings,
+    run: &CommandRun,
+) -> anyhow::Result<Option<Unwrapped>> {
+    let ends = run.clock.seconds() + f64::from(args.time_limit);
+    let pace = || {
+        if run.interrupt.is_requested() {
+            Pace::Stop
+        } else if run.clock.seconds() >= ends {
+            Pace::Hurry
+        } else {
+            Pace::Go
+        }
+    };
+    let _heeding = run.interrupt.heed();
+    match unwrap(scene, settings, &pace) {
+        Ok(unwrapped) => Ok(Some(unwrapped)),
+        Err(UvError::Stopped) => Ok(None),
+        Err(error @ UvError::TooLarge { .. }) => Err(with_hint(error, "choose a smaller --density")),
+        Err(error @ UvError::Setting { .. }) => Err(with_hint(error, "see `lumel unwrap --help`")),
+    }
+}
+
+/// Writes a file, or one for each page.
+fn write(path: &Path, format: Format, scene: &Scene, unwrapped: &Unwrapped) -> anyhow::Result<Vec<Written>> {
+    let atlas = &unwrapped.atlas;
+    let paths = match format {
+        Format::Glb => {
+            write_unwrapped_glb(path, scene, atlas)?;
+            vec![path.to_owned()]
+        }
+        Format::Png => {
+            let pages = atlas.pages().len();
+            let paths: Vec<PathBuf> = (0..pages).map(|page| path_of_page(path, page, pages)).collect();
+            for (page, path) in paths.iter().enumerate() {
+                write_atlas_png(path, atlas, page)?;
+            }
+            paths
+        }
+    };
+    let size = |path: PathBuf| {
+        let found = std::fs::metadata(&path).with_context(|| format!("cannot find {}", path.display()))?;
+        Ok(Written { path, bytes: found.len() })
+    };
+    paths.into_iter().map(size).collect()
+}
+
+/// The file itself if there is one page.
+fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
+    if pages == 1 {
+        return path.to_owned();
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-{page}.png"))
+}
+
+fn summary(
+    scene: &Scene,
+    Unwrapped { atlas, report }: &Unwrapped,
+    seconds: f64,
+    written: &[Written],
+) -> String {
+    let size = |&[width, height]: &[u32; 2]| format!("{width} x {height}");
+    let sizes: Vec<String> = atlas.pages().iter().map(size).collect();
+    let [p1, p50, p99] = report.stretch.map(|stretch| significant(f64::from(stretch)));
+    let rows = [
+        ("scene", scene.name().to_owned()),
+        (
+            "objects",
+            format!("{}, {}", report.objects.len(), counted(scene.triangle_count(), "triangle", "triangles")),
+        ),
+        ("charts", format!("{} in {}", report.chart_count(), duration(seconds))),
+        (
+            "atlas",
+            format!(
+                "{} of {} lumels, {} used",
+                counted(sizes.len(), "page", "pages"),
+                sizes.join(", "),
+                percent(report.utilization)
+            ),
+        ),
+        ("density", format!("{} lumels per metre", significant(f64::from(atlas.density())))),
+        ("stretch", format!("1% {p1}, median {p50}, 99% {p99} of the area")),
+    ];
+    let mut text: String = rows.iter().map(|(label, row)| format!("{label:12}{row}\n")).collect();
+    for Written { path, bytes: size } in written {
+        text += &format!("wrote {}, {}\n", path.display(), bytes(*size));
+    }
+    text
+}
+
+fn report(
+    scene: &Scene,
+    Unwrapped { atlas, report }: &Unwrapped,
+    seconds: f64,
+    written: &[Written],
+) -> Value {
+    let objects = report.objects.iter().map(|object| {
+        json!({
+            "name": scene.object_names()[object.object.index()],
+            "method": object.method.name(),
+            "charts": object.charts,
+            "triangles": object.triangles,
+            "density": object.density,
+            "stretch": object.stretch,
+            "lumels": object.lumels,
+        })
+    });
+    let findings = report.findings.iter();
+    json!({
+        "scene": scene.name(),
+        "triangles": scene.triangle_count(),
+        "charts": report.chart_count(),
+        "pages": atlas.pages(),
+        "utilization": report.utilization,
+        "density": atlas.density(),
+        "gutter": atlas.gutter(),
+        "stretch": report.stretch,
+        "hash": atlas.identity().to_hex().as_str(),
+        "seconds": seconds,
+        "objects": objects.collect::<Vec<_>>(),
+        "findings": findings.map(|f| json!({ "object": f.object, "message": f.message })).collect::<Vec<_>>(),
+        "outputs": written.iter().map(|w| w.path.display().to_string()).collect::<Vec<_>>(),
+    })
+}

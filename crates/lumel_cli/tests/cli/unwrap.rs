@@ -1,0 +1,121 @@
+use crate::common::{Place, run};
+use lumel_import::{ImportOptions, load};
+use serde_json::Value;
+
+/// A floor of one square metre, and a shelf of two sides above a quarter of it.
+const FLOOR_AND_SHELF: &str = "\
+o Floor
+v 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\nf 1 2 3 4
+o Shelf
+v 0 0.5 0\nv 0 0.5 0.5\nv 0.5 0.5 0.5\nv 0.5 0.5 0\nf 5 6 7 8
+";
+
+fn report(place: &Place, line: &str) -> Value {
+    let run = run(&mut place.lumel(&format!("unwrap {line} --json"))).done();
+    serde_json::from_str(&run.stdout).unwrap()
+}
+
+#[test]
+fn a_scene_gets_places_and_a_picture_and_comes_back() {
+    let place = Place::new();
+    let line = "unwrap cornell-box --subdivide 0 --lumels 65536 -o box.glb -o atlas.png";
+    let text = run(&mut place.lumel(line)).done().stdout;
+    for part in [
+        "atlas       1 page of ",
+        "charts      17 in ",
+        " lumels per metre\n",
+        "wrote box.glb, ",
+        "wrote atlas.png, ",
+    ] {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    assert_eq!(place.files(), ["atlas.png", "box.glb"]);
+    let imported = load(&place.path("box.glb"), &ImportOptions::default()).unwrap();
+    let info = run(&mut place.lumel("info cornell-box --subdivide 0 --json")).done().stdout;
+    let info: Value = serde_json::from_str(&info).unwrap();
+    let triangles: usize = imported.scene.objects.iter().map(|object| object.faces.len()).sum();
+    assert_eq!(triangles as u64, info["triangles"]["total"].as_u64().unwrap());
+    assert!(image::open(place.path("atlas.png")).unwrap().width() >= 256);
+}
+
+#[test]
+fn the_report_has_all_objects_in_numbers() {
+    let place = Place::new();
+    place.write("room.obj", FLOOR_AND_SHELF);
+    let report = report(&place, "room.obj --two-sided none --density 20");
+    assert_eq!((&report["charts"], &report["triangles"]), (&Value::from(2), &Value::from(4)));
+    assert_eq!(report["density"], 20.0);
+    let [floor, shelf] = [0, 1].map(|i| &report["objects"][i]);
+    assert_eq!((&floor["name"], &shelf["name"]), (&Value::from("Floor"), &Value::from("Shelf")));
+    assert!((floor["lumels"].as_f64().unwrap() - 400.0).abs() < 0.1, "{floor}");
+    assert!((shelf["lumels"].as_f64().unwrap() - 100.0).abs() < 0.1, "{shelf}");
+    assert_eq!(floor["method"], "conformal");
+    assert_eq!(report["findings"], serde_json::json!([]));
+    // Both sides of both.
+    assert_eq!(crate::unwrap::report(&place, "room.obj --density 20")["charts"], 4);
+}
+
+#[test]
+fn objects_can_be_finer_than_others() {
+    let place = Place::new();
+    place.write("room.obj", FLOOR_AND_SHELF);
+    let report = report(&place, "room.obj --density 20 --density-factor Shelf=2");
+    assert_eq!(report["objects"][1]["density"], 40.0);
+    let line = "unwrap room.obj --density-factor Table=2";
+    run(&mut place.lumel(line)).failed("scene \"room\" has no object \"Table\"");
+    run(&mut place.lumel("unwrap room.obj --density-factor Table")).failed("it must be NAME=X");
+}
+
+#[test]
+fn several_pages_have_a_picture_each() {
+    let place = Place::new();
+    let line = "cornell-box --subdivide 0 --density 400 --atlas-size 512 -o atlas.png";
+    let report = report(&place, line);
+    let pages = report["pages"].as_array().unwrap().len();
+    assert!(pages > 1, "{report}");
+    let expected: Vec<String> = (0..pages).map(|page| format!("atlas-{page}.png")).collect();
+    assert_eq!(report["outputs"], serde_json::json!(expected));
+    assert!(expected.iter().all(|name| place.path(name).exists()));
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let place = Place::new();
+    for threads in [1, 3] {
+        let line =
+            format!("unwrap cornell-box --subdivide 2 --lumels 30000 --threads {threads} -o {threads}.glb");
+        run(&mut place.lumel(&line)).done();
+    }
+    assert!(std::fs::read(place.path("1.glb")).unwrap() == std::fs::read(place.path("3.glb")).unwrap());
+}
+
+#[test]
+fn what_did_not_go_as_asked_is_a_warning_that_names_the_object() {
+    let place = Place::new();
+    place.write("room.obj", FLOOR_AND_SHELF);
+    let mut command = place.lumel("unwrap room.obj --density 100 --atlas-size 64 --strict");
+    let run = run(&mut command);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(
+        run.stderr.contains("warning: object \"Floor\": a triangle is longer than a page of 64 lumels"),
+        "{}",
+        run.stderr
+    );
+    assert!(!run.stderr.contains("Shelf"), "{}", run.stderr);
+}
+
+#[test]
+fn mistakes_are_told_with_a_remedy() {
+    let place = Place::new();
+    let failed = |line: &str, words: &str| {
+        let run = run(&mut place.lumel(&format!("unwrap cornell-box {line}"))).failed(words);
+        assert!(run.stdout.is_empty() && place.files().is_empty(), "{line}");
+    };
+    failed("-o box.obj", "use a file name that ends in .glb, or in .png");
+    failed("-o missing/box.glb", "does not exist");
+    failed("--atlas-size 1001", "the page size is 1001; it must be a multiple of 4");
+    failed("--density 0", "it must be above zero");
+    failed("--density 10 --lumels 10", "cannot be used with");
+    failed("--align 3", "[possible values: 1, 4]");
+    failed("--gutter 17", "from 0 to 16");
+}

@@ -1,0 +1,82 @@
+//! Scenes with light at their vertices.
+
+use super::material::{Appearance, Materials, Shown};
+use super::primitive::{Attribute, Streams, split, vertex};
+use super::write;
+use crate::display::{finite_irradiance, seen_radiance, white_radiance};
+use crate::{ColorScale, ExportError};
+use glam::Vec3;
+use lumel_basis::Lighting;
+use lumel_scene::{Barycentrics, MaterialId, Scene, SurfacePoint, TriId};
+use serde_json::json;
+use std::path::Path;
+
+/// Writes the lit scene as a GLB file, atomically. Returns the exposure used.
+///
+/// Every object is a mesh with one primitive per material, at a node that moves it where a scene is far from the origin. Its vertices carry
+/// - `_IRRADIANCE`: irradiance, W·m⁻² (lux if the lights are photometric), linear Rec. 709, exact;
+/// - `COLOR_0`: radiance of a white surface under that irradiance, times the exposure, clamped to 0..=1; its fourth
+///   component, in scenes that have any, is the alpha of vertices.
+///
+/// Materials are one-sided, with the albedo as base colour and the radiance as emission, each with its own texture.
+/// They are unlit, so that any viewer shows base colour times `COLOR_0`: radiance times exposure. Base colour can only
+/// darken, so the exposure is that of white, not of the actual surfaces. Emissive surfaces without textures show
+/// emitted and reflected radiance in `COLOR_0` alone, with white as base colour. Emissive surfaces with a texture are
+/// lit: viewers show their emission, unscaled, and reflect light of their own. Albedo and emission of each material
+/// are in its `extras`; exposure, units and the hash of the geometry in those of `asset`. Normal maps are left out.
+///
+/// # Errors
+/// Light of a different scene or that is not finite, an exposure that is not positive, a scene beyond the format's limit
+/// of 4 GiB, and the errors of [`write_atomically`].
+pub fn write_glb(
+    path: &Path,
+    scene: &Scene,
+    lighting: &dyn Lighting,
+    exposure: ColorScale,
+) -> Result<f32, ExportError> {
+    let irradiance = &*finite_irradiance(path, scene, lighting)?;
+    let exposure = exposure.factor(path, irradiance)?;
+    let materials = Materials::new(scene, Appearance::Light).map_err(|error| ExportError::io(path, error))?;
+    let primitives = split(scene, None);
+    let color = move |material, corner| color(scene, irradiance, exposure, material, corner);
+    let colors = if scene.alphas().is_empty() {
+        Attribute::new("COLOR_0", move |material, corner| color(material, corner).to_array())
+    } else {
+        Attribute::new("COLOR_0", move |material, corner| {
+            color(material, corner).extend(scene.alphas()[vertex(scene, corner)]).to_array()
+        })
+    };
+    let uvs = Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array());
+    let attributes = vec![
+        Attribute::new("POSITION", |_, corner| scene.positions()[vertex(scene, corner)].to_array()),
+        Attribute::new("NORMAL", |_, corner| scene.normals()[vertex(scene, corner)].to_array()),
+        Attribute::new("_IRRADIANCE", |_, corner| irradiance[vertex(scene, corner)].to_array()),
+        colors,
+        Attribute { only_textured: true, ..uvs },
+    ];
+    let extras = json!({
+        "scene": scene.name(),
+        "geometry_hash": scene.geometry_hash().to_hex().as_str(),
+        "exposure": exposure,
+        "_IRRADIANCE": "irradiance, W/m^2 (lux if the lights are photometric), linear Rec. 709",
+        "COLOR_0": "min(1, _IRRADIANCE / pi * vertex tint * exposure); \
+                    on emitting materials without textures min(1, (emitted + reflected radiance) * exposure)",
+    });
+    let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
+    write(path, &streams, &extras)?;
+    Ok(exposure)
+}
+
+/// `COLOR_0`: what times the base colour is seen.
+fn color(scene: &Scene, irradiance: &[Vec3], exposure: f32, material: MaterialId, corner: u32) -> Vec3 {
+    let vertex = vertex(scene, corner);
+    let irradiance = irradiance[vertex];
+    let color = match Shown::of(&scene.materials()[material.index()]) {
+        Shown::Reflection | Shown::Apart => white_radiance(irradiance) * scene.tints()[vertex],
+        Shown::Colors => {
+            let bary = Barycentrics::CORNERS[corner as usize % 3];
+            seen_radiance(scene, SurfacePoint { tri: TriId(corner / 3), bary }, irradiance).0
+        }
+    };
+    (color * exposure).clamp(Vec3::ZERO, Vec3::ONE)
+}

@@ -1,0 +1,64 @@
+//! Scenes whose vertices know their place in an atlas.
+
+use super::material::{Appearance, Materials};
+use super::primitive::{Attribute, Streams, place, split, vertex};
+use super::write;
+use crate::ExportError;
+use glam::Vec3;
+use lumel_scene::Scene;
+use lumel_uv::Atlas;
+use serde_json::json;
+use std::path::Path;
+
+/// Writes a scene with its places in an atlas as a GLB file, atomically.
+///
+/// `TEXCOORD_1` is the place on the page, 0 to 1, `v` down; `TEXCOORD_0` is there with it, zero where the scene has none.
+/// Meshes, nodes, materials and textures are those of [`write_glb`](crate::write_glb), but lit by viewers, and an object
+/// that lies on several pages has primitives of its own for each, whose `extras` name it as `lightmap_page`. Back sides
+/// are triangles of their own. `COLOR_0` is the tint and alpha of vertices, in scenes that have any. Lights and cameras
+/// are left out. Pages, density, gutter and the hash of the atlas are in the `extras` of `asset`.
+///
+/// # Errors
+/// An atlas of another scene, a scene beyond the format's limit of 4 GiB, and the errors of
+/// [`write_atomically`](crate::write_atomically).
+pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<(), ExportError> {
+    if atlas.triangle_count() != scene.triangle_count() {
+        let problem = format!(
+            "an atlas of {} triangles does not belong to a scene with {}",
+            atlas.triangle_count(),
+            scene.triangle_count()
+        );
+        return Err(ExportError::content(path, problem));
+    }
+    let materials =
+        Materials::new(scene, Appearance::Surfaces).map_err(|error| ExportError::io(path, error))?;
+    let primitives = split(scene, Some(atlas));
+    let mut attributes = vec![
+        Attribute::new("POSITION", |_, corner| scene.positions()[vertex(scene, corner)].to_array()),
+        Attribute::new("NORMAL", |_, corner| scene.normals()[vertex(scene, corner)].to_array()),
+    ];
+    let tint = |corner: u32| scene.tints()[vertex(scene, corner)].clamp(Vec3::ZERO, Vec3::ONE);
+    if !scene.alphas().is_empty() {
+        attributes.push(Attribute::new("COLOR_0", move |_, corner| {
+            tint(corner).extend(scene.alphas()[vertex(scene, corner)]).to_array()
+        }));
+    } else if scene.tints().iter().any(|tint| *tint != Vec3::ONE) {
+        attributes.push(Attribute::new("COLOR_0", move |_, corner| tint(corner).to_array()));
+    }
+    attributes.extend([
+        Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array()),
+        Attribute::new("TEXCOORD_1", |_, corner| place(atlas, corner).to_array()),
+    ]);
+    let extras = json!({
+        "scene": scene.name(),
+        "geometry_hash": scene.geometry_hash().to_hex().as_str(),
+        "lightmap": {
+            "pages": atlas.pages(),
+            "lumels_per_metre": atlas.density(),
+            "gutter": atlas.gutter(),
+            "hash": atlas.identity().to_hex().as_str(),
+        },
+    });
+    let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
+    write(path, &streams, &extras)
+}

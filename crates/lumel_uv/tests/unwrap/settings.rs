@@ -1,0 +1,136 @@
+//! What can be asked for.
+
+use crate::meshes::{room, soup};
+use crate::{built, settings, unwrapped};
+use lumel_scene::TriId;
+use lumel_uv::{Density, Pace, UnwrapSettings, UvError, check, unwrap};
+
+#[test]
+fn a_budget_is_used_but_not_exceeded() {
+    let scene = built(room());
+    for budget in [1 << 14, 1 << 16, 1 << 19] {
+        let settings = UnwrapSettings { density: Density::Budget(budget), page_size: 1024, ..settings() };
+        let used = unwrapped(&scene, &settings).atlas.lumel_count() as f64 / f64::from(budget);
+        assert!((0.85..=1.0).contains(&used), "{used} of {budget}");
+    }
+}
+
+#[test]
+fn a_budget_that_is_too_small_for_so_many_charts_is_told_of() {
+    let scene = built(soup(2000));
+    let out = unwrapped(&scene, &UnwrapSettings { density: Density::Budget(1000), ..settings() });
+    let used = out.atlas.lumel_count();
+    // A gutter and the smallest boxes, and as much again.
+    assert!((2000 * 16..3 * 2000 * 16).contains(&used), "{used}");
+    let finding = out.report.findings[0].to_string();
+    assert!(
+        finding.starts_with("2000 charts have ") && finding.contains("above the budget of 1000"),
+        "{finding}"
+    );
+}
+
+#[test]
+fn what_does_not_fit_on_one_page_has_several() {
+    let scene = built(room());
+    let settings = UnwrapSettings { density: Density::PerMetre(80.0), page_size: 256, ..settings() };
+    let out = unwrapped(&scene, &settings);
+    assert!(out.atlas.pages().len() > 8, "{:?}", out.atlas.pages());
+    assert_eq!(check(&out.atlas, &scene), []);
+    assert!(out.report.findings.is_empty(), "walls of many faces are cut: {:?}", out.report.findings);
+    assert_eq!(out.atlas.density(), 80.0);
+}
+
+#[test]
+fn a_triangle_longer_than_a_page_has_fewer_lumels_and_is_told_of() {
+    let scene = built(lumel_testkit::scene::cube(1, [0; 6].map(|_| lumel_testkit::scene::grey(0.5, 0.0))));
+    let settings = UnwrapSettings { density: Density::PerMetre(100.0), page_size: 64, ..settings() };
+    let out = unwrapped(&scene, &settings);
+    assert_eq!(check(&out.atlas, &scene), []);
+    assert_eq!(out.report.findings.len(), 6);
+    let message = &out.report.findings[0].message;
+    assert!(message.starts_with("a triangle is longer than a page of 64 lumels and has"), "{message}");
+    assert!(out.report.objects.iter().all(|object| object.density < 60.0));
+}
+
+#[test]
+fn a_factor_makes_the_lumels_of_its_object_finer() {
+    let scene = built(room());
+    let settings = UnwrapSettings { factors: vec![1.0, 2.0], density: Density::PerMetre(10.0), ..settings() };
+    let out = unwrapped(&scene, &settings);
+    let densities: Vec<f32> = out.report.objects.iter().map(|object| object.density).collect();
+    assert_eq!(densities[..3], [10.0, 20.0, 10.0]);
+    assert_eq!(check(&out.atlas, &scene), []);
+}
+
+#[test]
+fn blocks_of_four_lumels_belong_to_one_chart() {
+    let scene = built(room());
+    for gutter in [2, 3] {
+        let settings = UnwrapSettings { align: 4, gutter, ..settings() };
+        let out = unwrapped(&scene, &settings);
+        assert_eq!(check(&out.atlas, &scene), []);
+        let mut owners = std::collections::BTreeMap::new();
+        for place in 0..out.atlas.charts().len() {
+            let chart = out.atlas.charts()[place];
+            // Lumels that a bilinear reader reads are in the chart's own blocks, too.
+            for y in (chart.min[1] - 1) / 4..=chart.max[1] / 4 {
+                for x in (chart.min[0] - 1) / 4..=chart.max[0] / 4 {
+                    // Walls are rectangles: they fill their bounds.
+                    assert_eq!(*owners.entry((chart.page, x, y)).or_insert(place), place);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wide_gutter_is_kept() {
+    let scene = built(soup(300));
+    for gutter in [0, 1, 3, 8] {
+        let out = unwrapped(&scene, &UnwrapSettings { gutter, ..settings() });
+        assert_eq!(check(&out.atlas, &scene), [], "gutter {gutter}");
+    }
+}
+
+#[test]
+fn a_reader_of_three_lumels_around_stays_in_the_chart_without_blocks() {
+    let scene = built(room());
+    let atlas = unwrapped(&scene, &UnwrapSettings { gutter: 3, ..settings() }).atlas;
+    let page = |tri: u32| atlas.page(TriId(tri));
+    assert!((0..scene.triangle_count() as u32).all(|tri| page(tri) < atlas.pages().len()));
+    for (i, a) in atlas.charts().iter().enumerate() {
+        for b in atlas.charts()[..i].iter().filter(|b| b.page == a.page) {
+            let apart = |k: usize| a.min[k] >= b.max[k] + 3 || b.min[k] >= a.max[k] + 3;
+            assert!(apart(0) || apart(1), "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn settings_outside_their_bounds_are_named() {
+    let scene = built(room());
+    let refused = |settings: UnwrapSettings| {
+        let error = unwrap(&scene, &settings, &|| Pace::Go).err();
+        error.map(|error| error.to_string()).unwrap_or_default()
+    };
+    let density = |density| refused(UnwrapSettings { density, ..settings() });
+    assert_eq!(density(Density::PerMetre(0.0)), "the density is 0; it must be above 0");
+    assert_eq!(density(Density::PerMetre(f32::NAN)), "the density is NaN; it must be above 0");
+    assert_eq!(density(Density::Budget(0)), "the number of lumels is 0; it must be above 0");
+    let fine = UnwrapSettings { density: Density::PerMetre(1e5), page_size: 16384, ..settings() };
+    assert!(refused(fine).starts_with("the atlas would have "));
+    assert_eq!(refused(UnwrapSettings { align: 3, ..settings() }), "the alignment is 3; it must be 1 or 4");
+    let page = refused(UnwrapSettings { page_size: 1001, ..settings() });
+    assert_eq!(page, "the page size is 1001; it must be a multiple of 4 from 64 to 16384");
+    let factors = vec![1.0, -1.0];
+    assert_eq!(
+        refused(UnwrapSettings { factors, ..settings() }),
+        "the density factor is -1; it must be above 0"
+    );
+}
+
+#[test]
+fn stop_stops() {
+    let scene = built(soup(100));
+    assert_eq!(unwrap(&scene, &settings(), &|| Pace::Stop).err(), Some(UvError::Stopped));
+}
