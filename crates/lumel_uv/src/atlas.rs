@@ -97,6 +97,19 @@ impl Atlas {
         self.pages[..page].iter().map(|[width, height]| *width as usize * *height as usize).sum()
     }
 
+    /// The page of a lumel and its column and row there; the inverse of [`first_lumel`](Self::first_lumel).
+    pub fn column_and_row(&self, lumel: usize) -> (usize, [u32; 2]) {
+        let mut left = lumel;
+        for (page, &[width, height]) in self.pages.iter().enumerate() {
+            let (width, lumels) = (width as usize, width as usize * height as usize);
+            if left < lumels {
+                return (page, [(left % width) as u32, (left / width) as u32]);
+            }
+            left -= lumels;
+        }
+        (self.pages.len(), [0, 0])
+    }
+
     /// A hash of all that decides which lumels hold the light of which surface.
     pub fn identity(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();

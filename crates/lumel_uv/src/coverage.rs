@@ -179,6 +179,16 @@ impl Piece {
         SurfacePoint { tri: self.tri, bary: self.nearest }
     }
 
+    /// The point of the triangle at a place on its page, or near it; and the least of the barycentrics there, which is
+    /// negative outside.
+    pub fn at(&self, place: DVec2) -> (SurfacePoint, f64) {
+        let [a, b, c] = self.corners;
+        let whole = (b - a).perp_dot(c - a);
+        let [u, v] =
+            [(b - place).perp_dot(c - place), (c - place).perp_dot(a - place)].map(|area| area / whole);
+        (self.surface_point(place), u.min(v).min(1.0 - u - v))
+    }
+
     fn surface_point(&self, at: DVec2) -> SurfacePoint {
         let [a, b, c] = self.corners;
         let whole = (b - a).perp_dot(c - a);

@@ -1,0 +1,176 @@
+//! Light measured over the surface that each lumel of an atlas covers.
+
+use crate::area_receivers::reach_over;
+use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
+use glam::{DVec2, Vec3};
+use lumel_sample::Frame;
+use lumel_scene::{Scene, SurfacePoint, TriId};
+use lumel_uv::{Atlas, Coverage, Piece};
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// Measures the mean light over what each lumel covers of the surfaces: its pieces of triangles, by area.
+///
+/// A lumel that nothing covers, but that is read between lumels, is measured at the nearest point of its triangle. Elements
+/// and nodes are the places of lumels in [`Coverage::lumels`].
+///
+/// Light is that of the smooth surface which the vertex normals describe: the hemisphere is that of the interpolated
+/// normal, and where the smooth surface bulges over the triangle, rays start from it, so that the flat triangles around do not
+/// cast shadows on each other. After Hanika, *Hacking the Shadow Terminator*, Ray Tracing Gems II, 2021.
+#[derive(Clone, Debug)]
+pub struct LumelReceivers {
+    scene: Arc<Scene>,
+    atlas: Arc<Atlas>,
+    coverage: Arc<Coverage>,
+}
+
+/// A lumel of whose square less than this is missing counts as covered whole: rounding leaves as much.
+const WHOLE: f64 = 1.0 - 1e-4;
+
+/// A place may lie so far outside all triangles of a covered lumel by rounding, in barycentrics.
+const OUTSIDE: f64 = -1e-6;
+
+impl LumelReceivers {
+    /// Measures the lumels of an atlas of the scene.
+    pub fn new(scene: Arc<Scene>, atlas: Arc<Atlas>, coverage: Arc<Coverage>) -> Self {
+        Self { scene, atlas, coverage }
+    }
+
+    /// The pieces of triangles in a lumel.
+    fn lumel(&self, element: ElementId) -> Lumel {
+        let place = element.index();
+        let (_, [x, y]) = self.atlas.column_and_row(self.coverage.lumels()[place] as usize);
+        let shares = self.coverage.shares(place).iter();
+        let pieces: SmallVec<[Piece; 2]> =
+            shares.filter_map(|share| Piece::new(&self.atlas, share.tri, [x, y])).collect();
+        let area = pieces.iter().map(|piece| f64::from(piece.area())).sum();
+        Lumel { min: DVec2::new(f64::from(x), f64::from(y)), pieces, area }
+    }
+
+    fn site_at(&self, at: SurfacePoint) -> Site {
+        let scene = &self.scene;
+        let geometric = scene.geometric_normal(at.tri);
+        let origin = scene.ray_origin(at);
+        let skip = Some(scene.traced(at.tri));
+        let smooth = scene.shading_normal(at);
+        if scene.triangle(at.tri).iter().all(|&v| scene.normals()[v as usize].dot(geometric) > FLAT) {
+            return Site { origin, frame: Frame::from_normal(geometric), skip };
+        }
+        Site { origin: origin + self.bulge(at), frame: Frame::from_normal(smooth), skip }
+    }
+
+    /// How far the smooth surface lies above the triangle.
+    fn bulge(&self, at: SurfacePoint) -> Vec3 {
+        let (corners, point) = (self.scene.triangle(at.tri), self.scene.position(at));
+        let lift = |(&vertex, weight): (&u32, f32)| {
+            let vertex = vertex as usize;
+            let normal = self.scene.normals()[vertex];
+            let below = (self.scene.positions()[vertex] - point).dot(normal).max(0.0);
+            normal * (below * weight)
+        };
+        corners.iter().zip(at.bary.weights()).map(lift).sum()
+    }
+}
+
+/// Vertex normals as near to that of the triangle as this cosine describe no other surface.
+const FLAT: f32 = 0.999_99;
+
+/// The pieces of triangles in a lumel.
+struct Lumel {
+    /// Its smallest corner on the page.
+    min: DVec2,
+    /// At least one.
+    pieces: SmallVec<[Piece; 2]>,
+    /// That is covered, in parts of the lumel.
+    area: f64,
+}
+
+impl Lumel {
+    /// The point of the surface that a place in the unit square stands for, uniform by area.
+    fn point(&self, [u, v]: [f32; 2]) -> Option<SurfacePoint> {
+        let first = self.pieces.first()?;
+        if self.area >= WHOLE {
+            let place = self.min + DVec2::new(f64::from(u), f64::from(v));
+            let inside = self.pieces.iter().map(|piece| piece.at(place));
+            let best = inside.max_by(|(_, a), (_, b)| a.total_cmp(b));
+            if let Some((point, _)) = best.filter(|(_, inside)| *inside > OUTSIDE) {
+                return Some(point);
+            }
+        }
+        // One after the other, by their areas.
+        let mut left = f64::from(u) * self.area;
+        for piece in &self.pieces {
+            let area = f64::from(piece.area());
+            if left < area {
+                return Some(piece.point([(left / area) as f32, v]));
+            }
+            left -= area;
+        }
+        Some(self.pieces.last().unwrap_or(first).point([1.0, v]))
+    }
+}
+
+impl Receivers for LumelReceivers {
+    fn identity(&self) -> Identity {
+        let (scene, atlas) = (self.scene.geometry_hash(), self.atlas.identity());
+        Identity::new("lumels", [&scene.as_bytes()[..], atlas.as_bytes()])
+    }
+
+    fn node_count(&self) -> usize {
+        self.coverage.len()
+    }
+
+    fn element_count(&self) -> usize {
+        self.coverage.len()
+    }
+
+    fn sampling(&self) -> Sampling {
+        Sampling::Area
+    }
+
+    fn nodes_of(&self, element: ElementId, nodes: &mut Vec<NodeId>) {
+        nodes.push(NodeId(element.0));
+    }
+
+    fn site(&self, element: ElementId, u: [f32; 2]) -> Site {
+        let lumel = self.lumel(element);
+        self.site_at(self.point_of(&lumel, element, u))
+    }
+
+    fn sites(&self, element: ElementId, places: &[[f32; 2]], sites: &mut Vec<Site>) {
+        let lumel = self.lumel(element);
+        sites.extend(places.iter().map(|&u| self.site_at(self.point_of(&lumel, element, u))));
+    }
+
+    fn towards(&self, element: ElementId, _: [f32; 2], nodes: &mut NodeWeights) {
+        nodes.push(NodeId(element.0), 1.0);
+    }
+
+    fn reach(&self, element: ElementId) -> f32 {
+        let shares = self.coverage.shares(element.index()).iter();
+        let covered = |share: &lumel_uv::Share| {
+            let density = self.atlas.charts()[self.atlas.chart(share.tri)].density;
+            share.area / (density * density)
+        };
+        reach_over(shares.map(covered).sum())
+    }
+
+    fn surface(&self, element: ElementId) -> Option<TriId> {
+        Some(self.coverage.shares(element.index())[0].tri)
+    }
+
+    fn beside(&self, element: ElementId, origins: &mut Vec<Vec3>) {
+        let lumel = self.lumel(element);
+        let corners = lumel.pieces.iter().flat_map(|piece| piece.corners());
+        origins.extend(corners.map(|at| self.scene.ray_origin(at)));
+    }
+}
+
+impl LumelReceivers {
+    fn point_of(&self, lumel: &Lumel, element: ElementId, u: [f32; 2]) -> SurfacePoint {
+        lumel.point(u).unwrap_or_else(|| SurfacePoint {
+            tri: self.coverage.shares(element.index())[0].tri,
+            bary: [1.0 / 3.0; 2].into(),
+        })
+    }
+}
