@@ -28,6 +28,7 @@ mod light_entry;
 mod light_file;
 mod light_findings;
 mod light_reader;
+mod lumels;
 mod max_edge;
 mod measure;
 mod method;
@@ -75,6 +76,7 @@ pub use lumel_scene::{
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
 pub use lumel_transport::{Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError};
+pub use lumels::{LumelLight, Lumels};
 pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;

@@ -1,10 +1,9 @@
 //! Light measured over the surface that each lumel of an atlas covers.
 
-use crate::area_receivers::reach_over;
 use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
 use glam::{DVec2, Vec3};
 use lumel_sample::Frame;
-use lumel_scene::{Scene, SurfacePoint, TriId};
+use lumel_scene::{Scene, SurfacePoint};
 use lumel_uv::{Atlas, Coverage, Piece};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -13,6 +12,8 @@ use std::sync::Arc;
 ///
 /// A lumel that nothing covers, but that is read between lumels, is measured at the nearest point of its triangle. Elements
 /// and nodes are the places of lumels in [`Coverage::lumels`].
+///
+/// The scene may be another one than that whose surfaces rays meet: the same surfaces in fewer triangles, as they were given.
 ///
 /// Light is that of the smooth surface which the vertex normals describe: the hemisphere is that of the interpolated
 /// normal, and where the smooth surface bulges over the triangle, rays start from it, so that the flat triangles around do not
@@ -51,12 +52,11 @@ impl LumelReceivers {
         let scene = &self.scene;
         let geometric = scene.geometric_normal(at.tri);
         let origin = scene.ray_origin(at);
-        let skip = Some(scene.traced(at.tri));
         let smooth = scene.shading_normal(at);
         if scene.triangle(at.tri).iter().all(|&v| scene.normals()[v as usize].dot(geometric) > FLAT) {
-            return Site { origin, frame: Frame::from_normal(geometric), skip };
+            return Site { origin, frame: Frame::from_normal(geometric), skip: None };
         }
-        Site { origin: origin + self.bulge(at), frame: Frame::from_normal(smooth), skip }
+        Site { origin: origin + self.bulge(at), frame: Frame::from_normal(smooth), skip: None }
     }
 
     /// How far the smooth surface lies above the triangle.
@@ -144,19 +144,6 @@ impl Receivers for LumelReceivers {
 
     fn towards(&self, element: ElementId, _: [f32; 2], nodes: &mut NodeWeights) {
         nodes.push(NodeId(element.0), 1.0);
-    }
-
-    fn reach(&self, element: ElementId) -> f32 {
-        let shares = self.coverage.shares(element.index()).iter();
-        let covered = |share: &lumel_uv::Share| {
-            let density = self.atlas.charts()[self.atlas.chart(share.tri)].density;
-            share.area / (density * density)
-        };
-        reach_over(shares.map(covered).sum())
-    }
-
-    fn surface(&self, element: ElementId) -> Option<TriId> {
-        Some(self.coverage.shares(element.index())[0].tri)
     }
 
     fn beside(&self, element: ElementId, origins: &mut Vec<Vec3>) {

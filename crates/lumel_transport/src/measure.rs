@@ -315,10 +315,11 @@ fn add_to_nodes<B: Basis, R: Receivers>(
         if value.w == 0.0 {
             continue;
         }
-        let (place, weight) = chunk.pattern.place(number);
+        // The weights are those of a rule for triangles.
+        let (place, _) = chunk.pattern.place(number);
         towards.clear();
         op.receivers.towards(chunk.elements[i], place, &mut towards);
-        let weight = chunk.share * f64::from(weight);
+        let weight = chunk.share;
         for (k, (node, towards)) in towards.iter().enumerate() {
             sums.add(k, node, weight * f64::from(towards), value.truncate().as_dvec3());
         }

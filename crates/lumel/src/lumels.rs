@@ -1,0 +1,133 @@
+//! From a solve on vertices to light on the lumels of an atlas.
+
+use crate::Baker;
+use glam::Vec3;
+use lumel_basis::{Field, LumelReceivers};
+use lumel_scene::Scene;
+use lumel_solve::SolveState;
+use lumel_transport::{
+    CachedTransport, Control, CpuTransport, Job, Order, Source, TransportError, accumulate,
+};
+use lumel_uv::{Atlas, Coverage};
+use std::sync::Arc;
+
+/// Where lumels lie on the surfaces of a scene.
+#[derive(Clone, Debug)]
+pub struct Lumels {
+    /// The scene that was unwrapped.
+    pub scene: Arc<Scene>,
+    /// The places of its triangles.
+    pub atlas: Arc<Atlas>,
+    /// What each lumel covers.
+    pub coverage: Arc<Coverage>,
+}
+
+impl Lumels {
+    /// The lumels of an atlas of a scene.
+    pub fn new(scene: Arc<Scene>, atlas: Atlas) -> Self {
+        let coverage = Arc::new(Coverage::new(&atlas));
+        Self { scene, atlas: Arc::new(atlas), coverage }
+    }
+}
+
+/// Light at each lumel of a [`Coverage`], bounce by bounce, W·m⁻².
+#[derive(Clone, Debug, PartialEq)]
+pub struct LumelLight {
+    /// Which lumels see anything but the inside of geometry; the light of others is zero.
+    pub valid: Vec<bool>,
+    /// Bounce by bounce; the first is direct light.
+    pub bounces: Vec<Vec<Vec3>>,
+    /// The light of all bounces after those, if the solve has estimated it.
+    pub tail: Option<Vec<Vec3>>,
+}
+
+impl LumelLight {
+    /// All light.
+    pub fn irradiance(&self) -> Vec<Vec3> {
+        let parts = || self.bounces.iter().chain(&self.tail);
+        (0..self.valid.len()).map(|lumel| parts().map(|part| part[lumel]).sum()).collect()
+    }
+}
+
+impl Baker {
+    /// Measures the light of a solve over what each lumel covers, with the samples of the settings for each.
+    ///
+    /// Direct light is measured at the lumels themselves; each bounce is gathered from the light that the solve has carried
+    /// to the bounce before. All bounces share their rays, which are stored as far as the settings' memory allows: with more
+    /// lumels than that, one part of them is measured after the other. The bits do not depend on it.
+    ///
+    /// The surfaces of `lumels` must be those of the baker's scene; their triangles need not.
+    ///
+    /// # Errors
+    /// When it is cancelled or tracing fails.
+    pub fn light_at_lumels(
+        &self,
+        state: &SolveState,
+        lumels: &Lumels,
+        control: &Control,
+    ) -> Result<LumelLight, TransportError> {
+        let Lumels { scene, atlas, coverage } = lumels;
+        let receivers = LumelReceivers::new(Arc::clone(scene), Arc::clone(atlas), Arc::clone(coverage));
+        let order = Order::new(&receivers);
+        let plan = self.settings().plan();
+        let traced = CpuTransport::in_order(
+            Arc::clone(self.scene()),
+            Arc::clone(self.tracer()),
+            Arc::clone(self.basis()),
+            (Arc::new(receivers), order),
+            plan,
+        );
+        let whole = CachedTransport::new(traced, None);
+        let n_lumels = coverage.len();
+        let parts = whole.memory().div_ceil(self.settings().memory.0.max(1)).clamp(1, n_lumels.max(1) as u64);
+        let sources = sources(state);
+        let mut valid = vec![false; n_lumels];
+        let mut steps = vec![vec![Vec3::ZERO; n_lumels]; sources.len()];
+        for part in 0..parts {
+            let bound = |part: u64| (part * n_lumels as u64 / parts) as usize;
+            let range = bound(part)..bound(part + 1);
+            let chosen: Vec<bool> = (0..n_lumels).map(|lumel| range.contains(&lumel)).collect();
+            let some = (parts > 1).then(|| whole.with_samples(plan, &chosen));
+            let transport = some.as_ref().unwrap_or(&whole);
+            for (bounce, (source, light)) in sources.iter().zip(&mut steps).enumerate() {
+                let job = Job { source: source.source(), bounce: bounce as u32, pass: 0, active: None };
+                let measured = accumulate(transport, &job, control, None)?;
+                for lumel in range.clone() {
+                    valid[lumel] |= measured.known[lumel];
+                    light[lumel] = measured.field.values()[lumel];
+                }
+            }
+        }
+        let tail = (state.tail.is_some() && steps.len() > 1).then(|| steps.pop()).flatten();
+        Ok(LumelLight { valid, bounces: steps, tail })
+    }
+}
+
+/// What the light of one step at the lumels comes from.
+enum StepSource<'a> {
+    Emitters,
+    Bounce(&'a Field),
+    /// The last bounce and all after it, which arrive as the tail.
+    Rest(Field),
+}
+
+impl StepSource<'_> {
+    fn source(&self) -> Source<'_> {
+        match self {
+            Self::Emitters => Source::Emitters(None),
+            Self::Bounce(field) => Source::Field(field),
+            Self::Rest(field) => Source::Field(field),
+        }
+    }
+}
+
+/// The sources of all bounces of a state, and of its tail.
+fn sources(state: &SolveState) -> Vec<StepSource<'_>> {
+    let mut sources = vec![StepSource::Emitters];
+    let (carried, last) = state.bounces.split_at(state.bounces.len().saturating_sub(1));
+    sources.extend(carried.iter().map(StepSource::Bounce));
+    if let (Some(tail), [last]) = (&state.tail, last) {
+        sources.push(StepSource::Rest(Field::sum(tail.node_count(), [last, tail])));
+    }
+    sources
+}

@@ -1,0 +1,182 @@
+//! Light on the lumels of an atlas against known answers, wherever a scene lies.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests")]
+
+use glam::{EulerRot, Quat, Vec3};
+use lumel::{
+    Baker, BounceLimit, Control, LumelLight, Lumels, Memory, OpenOptions, PointReceivers, Scene,
+    SceneBuilder, Settings, Silent, SolveState, Tail, measure_points,
+};
+use lumel_scene::{Light, PointLight, RadiantIntensity, Radiance, Sky};
+use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
+use lumel_testkit::scene::{ceiling_light, grey, placed, reordered, scene};
+use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+fn settings() -> Settings {
+    Settings { bounces: BounceLimit::All, direct_samples: 64, indirect_samples: 64, ..Settings::default() }
+}
+
+fn built(builder: SceneBuilder) -> Arc<Scene> {
+    Arc::new(builder.build().unwrap().0)
+}
+
+fn lumels(scene: &Arc<Scene>, per_metre: f32) -> Lumels {
+    let settings = UnwrapSettings { density: Density::PerMetre(per_metre), ..UnwrapSettings::default() };
+    Lumels::new(Arc::clone(scene), unwrap(scene, &settings, &|| Pace::Go).unwrap().atlas)
+}
+
+/// Light at the lumels of a scene as given that is carried on the vertices of its tessellation.
+fn measured(builder: &SceneBuilder, max_edge: f64, per_metre: f32, settings: Settings) -> (Lumels, LumelLight) {
+    let lumels = lumels(&built(builder.clone()), per_metre);
+    let mut fine = builder.clone();
+    fine.tessellate(max_edge).unwrap();
+    let (baker, mut state) = (Baker::new(built(fine), settings), SolveState::new());
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
+    (lumels, light)
+}
+
+fn placements(builder: &SceneBuilder) -> [(&'static str, SceneBuilder); 3] {
+    let (turn, shift) = (Quat::from_euler(EulerRot::XYZ, 0.4, -1.1, 2.3), Vec3::new(300.0, -140.0, 80.0));
+    [
+        ("as given", builder.clone()),
+        ("reordered", reordered(builder.clone())),
+        ("turned and moved", placed(builder.clone(), turn, shift)),
+    ]
+}
+
+#[test]
+fn in_closed_rooms_every_lumel_has_the_known_light() {
+    for (name, per_metre) in [("furnace", 20.0), ("sphere", 12.0)] {
+        let builder = lumel::open(name, &OpenOptions::default()).unwrap().builder;
+        for (place, builder) in placements(&builder) {
+            let (_, light) = measured(&builder, 10.0, per_metre, Settings { tail: Tail::Geometric, ..settings() });
+            assert!(light.valid.iter().all(|valid| *valid), "{name}, {place}");
+            let off = light.irradiance().iter().map(|e| (*e / 2.0 - 1.0).abs().max_element()).fold(0.0, f32::max);
+            // The sphere is a polyhedron that is lit unevenly: rays have noise there.
+            let most = if name == "furnace" { 0.002 } else { 0.2 };
+            assert!(off < most, "{name}, {place}: {off}");
+            let mean = light.irradiance().iter().map(|e| e.x).sum::<f32>() / light.valid.len() as f32;
+            assert!((mean / 2.0 - 1.0).abs() < 0.006, "{name}, {place}: {mean}");
+        }
+    }
+}
+
+/// A room of twelve triangles with a lamp and a block that stands on its floor.
+fn room() -> SceneBuilder {
+    let mut meshes = cuboid(Vec3::ZERO, Vec3::new(3.0, 2.0, 3.0), 1, Facing::Inward, [0; 6]);
+    meshes.extend(cuboid(Vec3::new(0.7, 0.0, 0.8), Vec3::new(1.4, 1.1, 1.7), 1, Facing::Outward, [0; 6]));
+    let lamp = ceiling_light(Vec3::new(1.9, 1.999, 1.4), 0.6, 0.6, 20.0);
+    scene(meshes, vec![grey(0.6, 0.0)], vec![lamp.into()])
+}
+
+#[test]
+fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
+    for (place, builder) in placements(&room()) {
+        let settings = Settings { direct_samples: 32, indirect_samples: 256, ..settings() };
+        let (lumels, light) = measured(&builder, 0.12, 12.0, settings.clone());
+        // Lumels in the middle of faces, away from edges of light between them.
+        let mut fine = builder.clone();
+        fine.tessellate(0.12).unwrap();
+        let (baker, mut state) = (Baker::new(built(fine), settings), SolveState::new());
+        baker.run(&mut state, &Control::default(), &Silent).unwrap();
+        let whole = |&place: &usize| lumels.coverage.shares(place).iter().map(|s| s.area).sum::<f32>() > 0.999;
+        let chosen: Vec<usize> = (0..lumels.coverage.len()).filter(whole).step_by(97).collect();
+        let middle = |&place: &usize| {
+            let (_, [x, y]) = lumels.atlas.column_and_row(lumels.coverage.lumels()[place] as usize);
+            let tri = lumels.coverage.shares(place)[0].tri;
+            let piece = lumel_uv::Piece::new(&lumels.atlas, tri, [x, y]).unwrap();
+            let (at, _) = piece.at([f64::from(x) + 0.5, f64::from(y) + 0.5].into());
+            (at, lumels.scene.geometric_normal(tri))
+        };
+        let points = PointReceivers::on_surfaces(&lumels.scene, chosen.iter().map(middle)).unwrap();
+        let expected = measure_points(&baker, &state, &points, &Control::default()).unwrap();
+        let irradiance = light.irradiance();
+        let found: Vec<f32> = chosen.iter().map(|&place| irradiance[place].x).collect();
+        let expected: Vec<f32> = expected.irradiance.iter().map(|e| e.x).collect();
+        assert!(found.len() > 50);
+        let sum = |values: &[f32]| values.iter().sum::<f32>();
+        assert!((sum(&found) / sum(&expected) - 1.0).abs() < 0.01, "{place}: {} {}", sum(&found), sum(&expected));
+        let squares = found.iter().zip(&expected).map(|(f, e)| (f - e).powi(2)).sum::<f32>();
+        let error = (squares / expected.iter().map(|e| e * e).sum::<f32>()).sqrt();
+        assert!(error < 0.04, "{place}: {error}");
+    }
+}
+
+#[test]
+fn no_light_from_outside_reaches_the_lumels_of_a_closed_box() {
+    for (place, builder) in placements(&scene(
+        cuboid(Vec3::splat(-1.0), Vec3::splat(1.0), 1, Facing::Inward, [0; 6]),
+        vec![grey(0.5, 0.0)],
+        vec![Light::Point(PointLight::new(Vec3::new(0.0, 3.0, 0.0), RadiantIntensity::splat(100.0)))],
+    )) {
+        let lit = SceneBuilder { sky: Sky::constant(Radiance::splat(5.0)), ..builder };
+        let (_, light) = measured(&lit, 0.3, 14.0, settings());
+        assert!(light.valid.iter().all(|valid| *valid), "{place}");
+        let brightest = light.irradiance().iter().map(|e| e.max_element()).fold(0.0, f32::max);
+        assert_eq!(brightest, 0.0, "{place}");
+    }
+}
+
+#[test]
+fn under_an_even_sky_coarse_balls_are_lit_as_smooth_ones_and_floors_without_end() {
+    let ball = sphere(Vec3::ZERO, 1.0, 1, Facing::Outward, 0);
+    let builder = SceneBuilder {
+        sky: Sky::constant(Radiance::splat(1.0)),
+        ..scene(vec![ball], vec![grey(0.5, 0.0)], vec![])
+    };
+    for (place, builder) in placements(&builder) {
+        let direct = Settings { bounces: BounceLimit::Count(0), ..settings() };
+        let (_, light) = measured(&builder, 0.5, 8.0, direct);
+        for (lumel, e) in light.irradiance().iter().enumerate() {
+            assert!((e.x / PI - 1.0).abs() < 0.02, "{place}: {lumel}: {e}");
+        }
+    }
+}
+
+#[test]
+fn what_lies_under_a_block_is_no_light_of_the_floor() {
+    let floor = quad([[0.0, 0.0], [0.0, 2.0], [2.0, 2.0], [2.0, 0.0]].map(|[x, z]| Vec3::new(x, 0.0, z)), [1; 2], 0);
+    let mut meshes = vec![floor];
+    meshes.extend(cuboid(Vec3::new(0.5, -0.2, 0.5), Vec3::new(1.5, 0.6, 1.5), 1, Facing::Outward, [0; 6]));
+    let builder = SceneBuilder {
+        sky: Sky::constant(Radiance::splat(1.0)),
+        ..scene(meshes, vec![grey(0.5, 0.0)], vec![])
+    };
+    let (lumels, light) = measured(&builder, 0.1, 16.0, settings());
+    let mut n_hidden = 0;
+    for (place, (valid, e)) in light.valid.iter().zip(light.irradiance()).enumerate() {
+        let share = lumels.coverage.shares(place)[0];
+        if lumels.scene.object_id(share.tri).index() != 0 {
+            continue;
+        }
+        // Next to the block, light is still a good part of that of the open sky.
+        n_hidden += usize::from(!valid);
+        assert!(!valid || e.x > 0.3 * PI, "{place}: {e}");
+    }
+    // A square of 16 x 16 lumels, but for those at its rim.
+    assert!((14 * 14..=18 * 18).contains(&n_hidden), "{n_hidden}");
+}
+
+#[test]
+fn lumels_have_the_same_bits_on_any_number_of_threads_and_in_any_memory() {
+    let in_memory = |memory: u64, n_threads| {
+        let settings = Settings { memory: Memory(memory), direct_samples: 8, indirect_samples: 16, ..settings() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        pool.install(|| {
+            let lumels = lumels(&built(room()), 8.0);
+            let mut fine = room();
+            fine.tessellate(0.3).unwrap();
+            let baker = Baker::new(built(fine), Settings { memory: Memory(1 << 30), ..settings.clone() });
+            let mut state = SolveState::new();
+            baker.run(&mut state, &Control::default(), &Silent).unwrap();
+            let baker = baker.relit(Arc::clone(baker.scene()), settings);
+            baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap()
+        })
+    };
+    let whole = in_memory(1 << 30, 2);
+    assert!(whole == in_memory(1 << 30, 1));
+    assert!(whole == in_memory(100_000, 2), "in parts");
+}
