@@ -40,7 +40,7 @@ pub struct Unwrapped {
 
 /// Lays out the light of all triangles of a scene.
 ///
-/// Each object's surface is cut where it creases, flattened and packed. The result is [checked](check): an object with a
+/// Each object's surface is cut where it creases, flattened and packed. The result is [checked](check()): an object with a
 /// fault gets simpler charts, down to single triangles. The same scene and settings give the same atlas on any number of
 /// threads and any processor, unless `pace` says that time is up: `pace` is asked now and then, from all threads.
 ///
