@@ -201,7 +201,6 @@ fn assemble(
         pages: packed.pages.clone(),
         density: density as f32,
         gutter: settings.gutter,
-        align: settings.align,
         corners: vec![[Vec2::ZERO; 3]; scene.triangle_count()],
         charts: vec![0; scene.triangle_count()],
         places: Vec::with_capacity(charts.len()),
