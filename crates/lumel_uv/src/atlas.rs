@@ -13,7 +13,6 @@ pub struct Atlas {
     /// Lumels per metre of an object whose factor is 1.
     pub(crate) density: f32,
     pub(crate) gutter: u32,
-    pub(crate) align: u32,
     /// By triangle.
     pub(crate) corners: Vec<[Vec2; 3]>,
     /// By triangle.

@@ -16,7 +16,7 @@ const FILL: f64 = 0.85;
 /// Widths of the page that are tried, in parts of that of a square page, where one page is enough for up to so many charts:
 /// with few charts, much depends on it.
 const WIDTHS: [f64; 7] = [1.0, 0.7, 0.8, 0.9, 1.1, 1.25, 1.4];
-const MOST_FOR_WIDTHS: usize = 2000;
+const MOST_FOR_WIDTHS: usize = 500;
 
 /// Charts larger than this, in cells, are tried as they are and turned; smaller ones lie as they are.
 const TURNED_FROM: u32 = 3;

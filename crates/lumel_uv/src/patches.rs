@@ -1,19 +1,32 @@
 //! What is flat, and the rest in patches: flattening takes time that grows faster than the number of triangles.
 
+use crate::planar::MOST_TURNED;
 use crate::topology::{NONE, Topology};
 use lumel_scene::Scene;
 use std::collections::VecDeque;
 
-/// Faces that turn by less than this lie in one plane: the cosine of 0.05°, over which not even a shadow changes.
-const FLAT_COS: f32 = 1.0 - 4e-7;
+/// Faces that turn by less lie in one plane: seen from there, they lose a thousandth of their area. The cosine of 2.6°.
+const FLAT_COS: f32 = 0.999;
+
+/// The part of an area whose faces may turn more, up to what [`MOST_TURNED`] says: rounding turns small triangles.
+const UNEVEN: f32 = 0.01;
 
 /// Whether connected triangles lie in one plane.
 pub(crate) fn is_flat(scene: &Scene, topology: &Topology, part: &[u32]) -> bool {
-    let tri = |face: u32| topology.tri(face);
-    // The normals of small triangles are the least exact.
-    let largest = part.iter().copied().max_by(|&a, &b| scene.area(tri(a)).total_cmp(&scene.area(tri(b))));
-    let Some(normal) = largest.map(|face| scene.geometric_normal(tri(face))) else { return true };
-    part.iter().all(|&face| normal.dot(scene.geometric_normal(tri(face))) > FLAT_COS)
+    let area = |face: u32| scene.area(topology.tri(face));
+    let normal = |face: u32| scene.geometric_normal(topology.tri(face));
+    let largest = part.iter().copied().max_by(|&a, &b| area(a).total_cmp(&area(b)));
+    let Some(plane) = largest.map(normal) else { return true };
+    let (mut whole, mut uneven) = (0.0, 0.0);
+    for &face in part {
+        let cos = plane.dot(normal(face));
+        if f64::from(cos) <= MOST_TURNED {
+            return false;
+        }
+        whole += area(face);
+        uneven += if cos > FLAT_COS { 0.0 } else { area(face) };
+    }
+    uneven <= UNEVEN * whole
 }
 
 /// Divides the triangles that are free into connected patches of up to `most`; returns the patch of each, [`NONE`] for
@@ -46,7 +59,9 @@ mod tests {
     fn a_wall_is_flat_and_a_sphere_is_divided() {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
         let ball = sphere(Vec3::ZERO, 1.0, 4, Facing::Outward, 0);
-        let scene = scene_of(vec![quad(corners, [50, 50], 0), ball]);
+        let mut rounded = quad(corners.map(|c| c + Vec3::X), [20, 20], 0);
+        rounded.positions.iter_mut().enumerate().for_each(|(i, p)| p.z = 5e-4 * (i % 2) as f32);
+        let scene = scene_of(vec![quad(corners, [50, 50], 0), ball, rounded]);
         let flat = |range: std::ops::Range<u32>| {
             let topology = Topology::new(&scene, range);
             let parts = topology.parts();
@@ -54,6 +69,7 @@ mod tests {
             is_flat(&scene, &topology, &parts[0])
         };
         assert!(flat(0..5000) && !flat(5000..5000 + 5120));
+        assert!(flat(5000 + 5120..5000 + 5120 + 800), "rounded to half a millimetre");
         let ball = Topology::new(&scene, 5000..5000 + 5120);
         let patch = patches(&ball, &[true; 5120], 1000);
         let n_patches = patch.iter().max().unwrap() + 1;

@@ -8,7 +8,7 @@ use lumel_scene::Scene;
 use std::collections::VecDeque;
 
 /// How much a face may turn from the first one of its chart: its area shrinks to no less than this.
-const MOST_TURNED: f64 = 0.9;
+pub(crate) const MOST_TURNED: f64 = 0.9;
 
 /// How far triangles of a chart may lie on each other, as part of the side of a mean triangle: rounding leaves less.
 const TOLERANCE: f64 = 0.02;

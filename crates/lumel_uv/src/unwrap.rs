@@ -19,6 +19,10 @@ const NEAR_BUDGET: f64 = 0.94;
 /// A budget never makes lumels coarser than if no lumel were lost between charts, by more than this factor.
 const COARSEST: f64 = 1000.0;
 
+/// Charts cannot get fewer lumels than the smallest of them have. A budget below this many times that is exceeded: what is
+/// larger would get next to nothing.
+const ABOVE_LEAST: f64 = 1.25;
+
 /// How full pages are thought to get when a budget is first divided by areas.
 const USUAL_FILL: f64 = 0.85;
 
@@ -36,7 +40,7 @@ pub struct Unwrapped {
 
 /// Lays out the light of all triangles of a scene.
 ///
-/// Each object's surface is cut where it creases, flattened and packed. The result is [checked](check): an object with a
+/// Each object's surface is cut where it creases, flattened and packed. The result is [checked](check()): an object with a
 /// fault gets simpler charts, down to single triangles. The same scene and settings give the same atlas on any number of
 /// threads and any processor, unless `pace` says that time is up: `pace` is asked now and then, from all threads.
 ///
@@ -144,7 +148,7 @@ fn lay_out(
     Ok((assemble(scene, settings, density, &charts, &packed), findings))
 }
 
-/// The finest packing found that has no more lumels than `budget`, or than twice what the smallest charts take up.
+/// The finest packing found that has no more lumels than `budget`, or than a little more than the smallest charts take up.
 fn within_budget(
     charts: &[Chart],
     budget: f64,
@@ -156,8 +160,7 @@ fn within_budget(
         charts.iter().zip(scales(density)).map(|(c, s)| footprint(c, s, settings)).sum::<f64>() / USUAL_FILL
     };
     let least = most / COARSEST;
-    // The smallest charts cannot get fewer lumels: as many for all that is larger.
-    let budget = budget.max(2.0 * estimate(least));
+    let budget = budget.max(ABOVE_LEAST * estimate(least));
     let bisect = |target: f64| {
         let (mut low, mut high) = (least, most);
         for _ in 0..30 {
@@ -198,7 +201,6 @@ fn assemble(
         pages: packed.pages.clone(),
         density: density as f32,
         gutter: settings.gutter,
-        align: settings.align,
         corners: vec![[Vec2::ZERO; 3]; scene.triangle_count()],
         charts: vec![0; scene.triangle_count()],
         places: Vec::with_capacity(charts.len()),

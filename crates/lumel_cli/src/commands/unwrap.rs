@@ -11,10 +11,13 @@ use crate::report::{bytes, counted, duration, percent, significant};
 use anyhow::Context;
 use lumel::Scene;
 use lumel_export::{write_atlas_png, write_unwrapped_glb};
-use lumel_uv::{Density, Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
+use lumel_uv::{Density, Finding, Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Further findings are only counted: when time is up, every object can have one.
+const MAX_FINDINGS: usize = 20;
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,9 +50,7 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
         return Ok(Outcome::Cancelled);
     };
     let seconds = run.clock.seconds() - begun;
-    for finding in &unwrapped.report.findings {
-        console.warning(&finding.to_string());
-    }
+    warn(&unwrapped.report.findings, console);
     let mut written = Vec::new();
     for (path, format) in paths.iter().zip(formats) {
         written.extend(write(path, format, &scene, &unwrapped)?);
@@ -60,6 +61,14 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
         console::print(&summary(&scene, &unwrapped, seconds, &written))?;
     }
     Ok(console.outcome(args.strict))
+}
+
+/// Reports findings, up to some number.
+fn warn(findings: &[Finding], console: &Console) {
+    findings.iter().take(MAX_FINDINGS).for_each(|finding| console.warning(&finding.to_string()));
+    if let Some(more) = findings.len().checked_sub(MAX_FINDINGS).filter(|&n| n > 0) {
+        console.warning(&format!("{more} more objects or faults; --json lists all"));
+    }
 }
 
 fn format_of(path: &Path) -> anyhow::Result<Format> {

@@ -22,7 +22,7 @@ fn a_scene_gets_places_and_a_picture_and_comes_back() {
     let text = run(&mut place.lumel(line)).done().stdout;
     for part in [
         "atlas       1 page of ",
-        "charts      17 in ",
+        "charts      15 in ",
         " lumels per metre\n",
         "wrote box.glb, ",
         "wrote atlas.png, ",
@@ -102,6 +102,33 @@ fn what_did_not_go_as_asked_is_a_warning_that_names_the_object() {
         run.stderr
     );
     assert!(!run.stderr.contains("Shelf"), "{}", run.stderr);
+}
+
+#[test]
+fn when_time_is_up_simple_charts_are_told_of_and_many_are_only_counted() {
+    let place = Place::new();
+    let one = run(&mut place.lumel("unwrap sphere --subdivide 0 --lumels 30000 --time-limit 0")).done();
+    assert!(one.stderr.contains("it has planar charts: time was up"), "{}", one.stderr);
+    let tent = |i: u32| {
+        let (x, n) = (3 * i, 4 * i);
+        format!(
+            "o Tent{i}\ns 1\nv {x} 0 0\nv {} 0 0\nv {} 0.2 1\nv {} 0 2\nf {} {} {}\nf {} {} {}\n",
+            x + 2,
+            x + 1,
+            x + 1,
+            n + 1,
+            n + 3,
+            n + 2,
+            n + 3,
+            n + 1,
+            n + 4
+        )
+    };
+    place.write("tents.obj", &(0..30).map(tent).collect::<String>());
+    let many =
+        run(&mut place.lumel("unwrap tents.obj --two-sided none --lumels 30000 --time-limit 0")).done();
+    assert!(many.stderr.contains("warning: 10 more objects or faults; --json lists all"), "{}", many.stderr);
+    assert_eq!(many.stderr.matches("time was up").count(), 20, "{}", many.stderr);
 }
 
 #[test]

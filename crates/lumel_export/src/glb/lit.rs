@@ -27,7 +27,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Light of a different scene or that is not finite, an exposure that is not positive, a scene beyond the format's limit
-/// of 4 GiB, and the errors of [`write_atomically`].
+/// of 4 GiB, and the errors of [`write_atomically`](crate::write_atomically).
 pub fn write_glb(
     path: &Path,
     scene: &Scene,
