@@ -7,7 +7,7 @@ use lumel::{
     Baker, BounceLimit, Control, LumelLight, Lumels, Memory, OpenOptions, PointReceivers, Scene,
     SceneBuilder, Settings, Silent, SolveState, Tail, measure_points,
 };
-use lumel_scene::{Light, PointLight, RadiantIntensity, Radiance, Sky};
+use lumel_scene::{Light, PointLight, Radiance, Sky};
 use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
 use lumel_testkit::scene::{ceiling_light, grey, placed, reordered, scene};
 use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
@@ -28,7 +28,7 @@ fn lumels(scene: &Arc<Scene>, per_metre: f32) -> Lumels {
 }
 
 /// Light at the lumels of a scene as given that is carried on the vertices of its tessellation.
-fn measured(builder: &SceneBuilder, max_edge: f64, per_metre: f32, settings: Settings) -> (Lumels, LumelLight) {
+fn measured(builder: &SceneBuilder, max_edge: f32, per_metre: f32, settings: Settings) -> (Lumels, LumelLight) {
     let lumels = lumels(&built(builder.clone()), per_metre);
     let mut fine = builder.clone();
     fine.tessellate(max_edge).unwrap();
@@ -75,15 +75,14 @@ fn room() -> SceneBuilder {
 #[test]
 fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
     for (place, builder) in placements(&room()) {
-        let settings = Settings { direct_samples: 32, indirect_samples: 256, ..settings() };
+        let settings = Settings { direct_samples: 128, indirect_samples: 256, ..settings() };
         let (lumels, light) = measured(&builder, 0.12, 12.0, settings.clone());
-        // Lumels in the middle of faces, away from edges of light between them.
         let mut fine = builder.clone();
         fine.tessellate(0.12).unwrap();
         let (baker, mut state) = (Baker::new(built(fine), settings), SolveState::new());
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
         let whole = |&place: &usize| lumels.coverage.shares(place).iter().map(|s| s.area).sum::<f32>() > 0.999;
-        let chosen: Vec<usize> = (0..lumels.coverage.len()).filter(whole).step_by(97).collect();
+        let chosen: Vec<usize> = (0..lumels.coverage.len()).filter(whole).step_by(29).collect();
         let middle = |&place: &usize| {
             let (_, [x, y]) = lumels.atlas.column_and_row(lumels.coverage.lumels()[place] as usize);
             let tri = lumels.coverage.shares(place)[0].tri;
@@ -96,12 +95,13 @@ fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
         let irradiance = light.irradiance();
         let found: Vec<f32> = chosen.iter().map(|&place| irradiance[place].x).collect();
         let expected: Vec<f32> = expected.irradiance.iter().map(|e| e.x).collect();
-        assert!(found.len() > 50);
+        assert!(found.len() > 150);
         let sum = |values: &[f32]| values.iter().sum::<f32>();
         assert!((sum(&found) / sum(&expected) - 1.0).abs() < 0.01, "{place}: {} {}", sum(&found), sum(&expected));
-        let squares = found.iter().zip(&expected).map(|(f, e)| (f - e).powi(2)).sum::<f32>();
-        let error = (squares / expected.iter().map(|e| e * e).sum::<f32>()).sqrt();
-        assert!(error < 0.04, "{place}: {error}");
+        // The mean over a lumel is not the light in its middle at the edges of shadows.
+        let mut errors: Vec<f32> = found.iter().zip(&expected).map(|(f, e)| (f / e - 1.0).abs()).collect();
+        errors.sort_by(f32::total_cmp);
+        assert!(errors[errors.len() * 9 / 10] < 0.05, "{place}: {errors:?}");
     }
 }
 
@@ -110,9 +110,13 @@ fn no_light_from_outside_reaches_the_lumels_of_a_closed_box() {
     for (place, builder) in placements(&scene(
         cuboid(Vec3::splat(-1.0), Vec3::splat(1.0), 1, Facing::Inward, [0; 6]),
         vec![grey(0.5, 0.0)],
-        vec![Light::Point(PointLight::new(Vec3::new(0.0, 3.0, 0.0), RadiantIntensity::splat(100.0)))],
+        vec![Light::Point(PointLight {
+            position: Vec3::new(0.0, 3.0, 0.0),
+            intensity: Vec3::splat(100.0),
+            range: f32::INFINITY,
+        })],
     )) {
-        let lit = SceneBuilder { sky: Sky::constant(Radiance::splat(5.0)), ..builder };
+        let lit = SceneBuilder { sky: Sky::Uniform(Radiance::splat(5.0)), ..builder };
         let (_, light) = measured(&lit, 0.3, 14.0, settings());
         assert!(light.valid.iter().all(|valid| *valid), "{place}");
         let brightest = light.irradiance().iter().map(|e| e.max_element()).fold(0.0, f32::max);
@@ -124,7 +128,7 @@ fn no_light_from_outside_reaches_the_lumels_of_a_closed_box() {
 fn under_an_even_sky_coarse_balls_are_lit_as_smooth_ones_and_floors_without_end() {
     let ball = sphere(Vec3::ZERO, 1.0, 1, Facing::Outward, 0);
     let builder = SceneBuilder {
-        sky: Sky::constant(Radiance::splat(1.0)),
+        sky: Sky::Uniform(Radiance::splat(1.0)),
         ..scene(vec![ball], vec![grey(0.5, 0.0)], vec![])
     };
     for (place, builder) in placements(&builder) {
@@ -142,7 +146,7 @@ fn what_lies_under_a_block_is_no_light_of_the_floor() {
     let mut meshes = vec![floor];
     meshes.extend(cuboid(Vec3::new(0.5, -0.2, 0.5), Vec3::new(1.5, 0.6, 1.5), 1, Facing::Outward, [0; 6]));
     let builder = SceneBuilder {
-        sky: Sky::constant(Radiance::splat(1.0)),
+        sky: Sky::Uniform(Radiance::splat(1.0)),
         ..scene(meshes, vec![grey(0.5, 0.0)], vec![])
     };
     let (lumels, light) = measured(&builder, 0.1, 16.0, settings());

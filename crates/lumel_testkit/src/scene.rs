@@ -76,7 +76,10 @@ pub fn varying_sphere(level: u32) -> SceneBuilder {
 pub fn placed(mut builder: SceneBuilder, turn: Quat, shift: Vec3) -> SceneBuilder {
     let place = |p: &mut Vec3| *p = turn * *p + shift;
     let turned = |v: &mut Vec3| *v = turn * *v;
-    builder.objects.iter_mut().flat_map(|object| &mut object.positions).for_each(place);
+    for object in &mut builder.objects {
+        object.positions.iter_mut().for_each(place);
+        object.normals.iter_mut().for_each(turned);
+    }
     for light in &mut builder.lights {
         match light {
             Light::Rect(rect) => {
