@@ -81,7 +81,8 @@ fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
         fine.tessellate(0.12).unwrap();
         let (baker, mut state) = (Baker::new(built(fine), settings), SolveState::new());
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
-        let whole = |&place: &usize| lumels.coverage.shares(place).iter().map(|s| s.area).sum::<f32>() > 0.999;
+        let area = |place: usize| lumels.coverage.shares(place).iter().map(|share| share.area).sum::<f32>();
+        let whole = |&place: &usize| light.valid[place] && area(place) > 0.999;
         let chosen: Vec<usize> = (0..lumels.coverage.len()).filter(whole).step_by(29).collect();
         let middle = |&place: &usize| {
             let (_, [x, y]) = lumels.atlas.column_and_row(lumels.coverage.lumels()[place] as usize);
