@@ -1,10 +1,12 @@
 //! The command line. Its doc comments are the help texts and the manual.
 
+mod atlas;
 mod settings;
 mod shared;
 mod unwrap;
 
 use crate::parse::{self, CameraChoice};
+pub(crate) use atlas::AtlasArgs;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};

@@ -1,5 +1,6 @@
 //! One file for each command.
 
+mod atlas;
 mod bake;
 mod compare;
 mod info;
