@@ -4,6 +4,7 @@ mod atlas;
 mod bake;
 mod compare;
 mod info;
+mod lightmap;
 mod man;
 mod measure;
 mod render;
@@ -14,6 +15,7 @@ mod view;
 use crate::args::Command;
 use crate::console::Console;
 use crate::outcome::Outcome;
+pub(crate) use lightmap::Lightmapped;
 use std::sync::Arc;
 
 /// Runs a command.

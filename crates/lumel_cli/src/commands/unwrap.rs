@@ -1,15 +1,15 @@
 //! `lumel unwrap`
 
 use super::atlas;
+use super::summary::Written;
 use crate::args::{ProgressMode, UnwrapArgs};
 use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::hinted;
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
-use crate::outputs;
+use crate::outputs::{self, path_of_page, sized};
 use crate::report::{bytes, counted, duration, percent, significant};
-use anyhow::Context;
 use lumel::Scene;
 use lumel_export::{write_atlas_png, write_unwrapped_glb};
 use lumel_uv::Unwrapped;
@@ -24,12 +24,6 @@ enum Format {
     Glb,
     /// A picture of each page.
     Png,
-}
-
-/// A file that was written.
-struct Written {
-    path: PathBuf,
-    bytes: u64,
 }
 
 /// Unwraps and writes.
@@ -88,20 +82,7 @@ fn write(path: &Path, format: Format, scene: &Scene, unwrapped: &Unwrapped) -> a
             paths
         }
     };
-    let size = |path: PathBuf| {
-        let found = std::fs::metadata(&path).with_context(|| format!("cannot find {}", path.display()))?;
-        Ok(Written { path, bytes: found.len() })
-    };
-    paths.into_iter().map(size).collect()
-}
-
-/// The file itself if there is one page.
-fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
-    if pages == 1 {
-        return path.to_owned();
-    }
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{page}.png"))
+    paths.into_iter().map(|path| sized(path).map(|(path, bytes)| Written { path, bytes })).collect()
 }
 
 fn summary(
