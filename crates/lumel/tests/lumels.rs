@@ -7,9 +7,9 @@ use lumel::{
     Baker, BounceLimit, Control, LumelLight, Lumels, Memory, OpenOptions, PointReceivers, Scene,
     SceneBuilder, Settings, Silent, SolveState, Tail, measure_points,
 };
-use lumel_scene::{Light, PointLight, Radiance, Sky};
+use lumel_scene::{Light, PointLight, Radiance, RectLight, Sky};
 use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
-use lumel_testkit::scene::{ceiling_light, grey, placed, reordered, scene};
+use lumel_testkit::scene::{grey, placed, reordered, scene};
 use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -75,14 +75,21 @@ fn in_closed_rooms_every_lumel_has_the_known_light() {
 fn room() -> SceneBuilder {
     let mut meshes = cuboid(Vec3::ZERO, Vec3::new(3.0, 2.0, 3.0), 1, Facing::Inward, [0; 6]);
     meshes.extend(cuboid(Vec3::new(0.7, 0.0, 0.8), Vec3::new(1.4, 1.1, 1.7), 1, Facing::Outward, [0; 6]));
-    let lamp = ceiling_light(Vec3::new(1.9, 1.999, 1.4), 0.6, 0.6, 20.0);
+    let (u, v) = (Vec3::X * 0.3, Vec3::Z * 0.3);
+    let lamp = RectLight {
+        center: Vec3::new(1.9, 1.999, 1.4),
+        u,
+        v,
+        radiance: Radiance::splat(20.0),
+        texture: None,
+    };
     scene(meshes, vec![grey(0.6, 0.0)], vec![lamp.into()])
 }
 
 #[test]
 fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
     for (place, builder) in placements(&room()) {
-        let settings = Settings { direct_samples: 128, indirect_samples: 256, ..settings() };
+        let settings = Settings { direct_samples: 32, indirect_samples: 128, ..settings() };
         let (lumels, light) = measured(&builder, 0.12, 12.0, settings.clone());
         let mut fine = builder.clone();
         fine.tessellate(0.12).unwrap();
@@ -111,10 +118,11 @@ fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
             sum(&found),
             sum(&expected)
         );
-        // The mean over a lumel is not the light in its middle at the edges of shadows.
+        // Both have a noise of 2 %, and at the edges of shadows the mean over a lumel is not the light in its middle.
         let mut errors: Vec<f32> = found.iter().zip(&expected).map(|(f, e)| (f / e - 1.0).abs()).collect();
         errors.sort_by(f32::total_cmp);
-        assert!(errors[errors.len() * 9 / 10] < 0.05, "{place}: {errors:?}");
+        let [middle, most] = [errors.len() / 2, errors.len() * 9 / 10].map(|i| errors[i]);
+        assert!(middle < 0.02 && most < 0.06, "{place}: {middle} {most}");
     }
 }
 
