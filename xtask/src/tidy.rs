@@ -19,6 +19,7 @@ const ORDER: &[&str] = &[
     "lumel_accel",
     "lumel_uv",
     "lumel_basis",
+    "lumel_lightmap",
     "lumel_transport",
     "lumel_solve",
     "lumel_render_cpu",

@@ -1,0 +1,63 @@
+use crate::{Stage, moved, of, pair, settings, stages};
+use glam::{DVec3, Vec3};
+
+/// Linear in space, positive around our scenes.
+fn linear(at: DVec3) -> Vec3 {
+    let one = 4.0 + at.dot(DVec3::new(0.31, -0.17, 0.23));
+    DVec3::new(one, 2.0 * one, 9.0 - one).as_vec3()
+}
+
+#[test]
+fn light_that_is_linear_in_space_is_read_exactly_on_flat_charts() {
+    for (name, stage) in stages().into_iter().filter(|(name, _)| *name != "ball") {
+        let mut lightmap = stage.lightmap(stage.measured(|_, at| linear(at)), |_| true);
+        lightmap.finish(&stage.scene, &stage.coverage);
+        for at in stage.points() {
+            let (read, is) = (lightmap.at(0, at).0, linear(stage.scene.position(at).as_dvec3()));
+            assert!((read - is).abs().max_element() < 1e-5 * is.max_element(), "{name}: {read} {is}");
+        }
+    }
+}
+
+#[test]
+fn a_constant_stays_itself_to_the_bit() {
+    let constant = Vec3::new(0.1, 2.7, 311.3);
+    for (name, stage) in stages() {
+        let mut lightmap = stage.lightmap(stage.measured(|_, _| constant), |_| true);
+        lightmap.finish(&stage.scene, &stage.coverage);
+        assert!(lightmap.layers[0].values.iter().all(|value| *value == constant), "{name}");
+        for at in stage.points() {
+            assert!((lightmap.at(0, at).0 - constant).abs().cmple(constant * 1e-6).all(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn all_layers_are_finished_and_still_add_up() {
+    let stage = Stage::new(moved(of(pair())), &settings(256));
+    let parts = [stage.measured(|_, at| linear(at)), stage.measured(|tri, _| Vec3::splat(tri.0 as f32))];
+    let sum = parts[0].iter().zip(&parts[1]).map(|(&a, &b)| a + b).collect();
+    let mut lightmap = stage.lightmap(sum, |lumel| lumel % 5 != 0);
+    for (name, values) in ["direct", "bounce 1"].into_iter().zip(parts) {
+        lightmap.layers.push(lumel_lightmap::LightmapLayer { name: name.into(), values });
+    }
+    lightmap.finish(&stage.scene, &stage.coverage);
+    let [all, direct, bounce] = [0, 1, 2].map(|layer: usize| &lightmap.layers[layer].values);
+    for ((&all, &direct), &bounce) in all.iter().zip(direct).zip(bounce) {
+        assert!((all - direct - bounce).abs().max_element() < 1e-5, "{all} {direct} {bounce}");
+    }
+}
+
+#[test]
+fn results_have_the_same_bits_on_any_number_of_threads() {
+    for (name, stage) in stages() {
+        let measured = stage.measured(|tri, at| linear(at) + Vec3::splat((tri.0 % 3) as f32));
+        let finished = |threads: usize| {
+            let mut lightmap = stage.lightmap(measured.clone(), |lumel| lumel % 7 > 1);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| lightmap.finish(&stage.scene, &stage.coverage));
+            lightmap.layers
+        };
+        assert!(finished(1) == finished(3), "{name}");
+    }
+}
