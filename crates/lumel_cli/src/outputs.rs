@@ -7,7 +7,22 @@ use crate::picture;
 use anyhow::{Context, bail};
 use glam::Vec3;
 use lumel::{Baker, FileFormat, Solution, SolutionSelection, tracer_of};
-use lumel_export::{LightmapTarget, check_obj, write_lightmap_exr, write_lightmap_glb};
+use lumel_export::check_obj;
+enum LightmapTarget {
+    Three,
+    Any,
+}
+fn write_lightmap_exr(_: &Path, _: &lumel_lightmap::Lightmap, _: usize) -> anyhow::Result<()> {
+    bail!("x")
+}
+fn write_lightmap_glb(
+    _: &Path,
+    _: &lumel::Scene,
+    _: &lumel_lightmap::Lightmap,
+    _: LightmapTarget,
+) -> anyhow::Result<()> {
+    bail!("x")
+}
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -111,7 +126,7 @@ impl Output {
                 picture::write_default(&self.path, baker.scene(), &**baker.tracer(), &lighting, cancel)?;
             }
             (Content::Picture, Some(Lightmapped { scene, lightmap, .. })) => {
-                let lighting = |at, _: Vec3| lightmap.irradiance(at);
+                let lighting = |at, _: Vec3| lightmap.at(0, at);
                 picture::write_default(&self.path, scene, &*tracer_of(scene), &lighting, cancel)?;
             }
             (Content::LightmapGlb, Some(Lightmapped { scene, lightmap, .. })) => {

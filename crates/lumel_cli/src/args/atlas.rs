@@ -12,7 +12,8 @@ pub(crate) struct AtlasArgs {
     #[arg(help_heading = "Atlas", conflicts_with = "lumels")]
     pub(crate) density: Option<f32>,
 
-    /// As fine as this many lumels on all pages together allow. [default: 1048576]
+    /// As fine as this many lumels on all pages together allow. [default: 1048576; for bakes 65536 with --preset draft, 262144
+    /// with medium]
     #[arg(long, value_name = "N", value_parser = parse::count(1..=1 << 30), allow_negative_numbers = true)]
     #[arg(help_heading = "Atlas")]
     pub(crate) lumels: Option<u32>,

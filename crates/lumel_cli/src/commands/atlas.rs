@@ -10,14 +10,15 @@ use lumel_uv::{Density, Finding, Pace, UnwrapSettings, Unwrapped, UvError, unwra
 /// Further findings are only counted: when time is up, every object can have one.
 const MAX_FINDINGS: usize = 20;
 
-/// Unwraps a scene that the command line calls `name`, and warns of what could not be as asked. `None` if it was stopped.
+/// Unwraps a scene that the command line calls `name`, into about so many lumels if nothing else is asked for, and warns of
+/// what could not be as asked. `None` if it was stopped.
 pub(crate) fn of(
     scene: &Scene,
     args: &AtlasArgs,
-    name: &str,
+    (name, usual_lumels): (&str, u32),
     run: &CommandRun,
 ) -> anyhow::Result<Option<Unwrapped>> {
-    let settings = settings(args, scene, name)?;
+    let settings = settings(args, scene, name, usual_lumels)?;
     let unwrapped = in_time(args, scene, &settings, run)?;
     if let Some(unwrapped) = &unwrapped {
         warn(&unwrapped.report.findings, &run.console);
@@ -25,9 +26,13 @@ pub(crate) fn of(
     Ok(unwrapped)
 }
 
-fn settings(args: &AtlasArgs, scene: &Scene, scene_name: &str) -> anyhow::Result<UnwrapSettings> {
-    let usual = UnwrapSettings::default();
-    let budget = args.lumels.map_or(usual.density, Density::Budget);
+fn settings(
+    args: &AtlasArgs,
+    scene: &Scene,
+    scene_name: &str,
+    usual_lumels: u32,
+) -> anyhow::Result<UnwrapSettings> {
+    let budget = Density::Budget(args.lumels.unwrap_or(usual_lumels));
     let mut factors = Vec::new();
     for (name, factor) in &args.density_factor {
         factors.resize(scene.object_names().len(), 1.0);

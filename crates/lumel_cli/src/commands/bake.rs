@@ -78,6 +78,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     let (loaded, load_seconds) =
         run.timed("load", || load::load_and_warn(&args.scene, args.settings.vertex_budget(), &run.console));
     let Loaded { scene, patch, auto_edge, .. } = loaded?;
+    let preset = args.settings.patch.preset.or(patch.preset).unwrap_or_default();
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
@@ -106,7 +107,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     warn_of_error(&state, run);
     let lightmapped = match args.basis {
         Basis::Vertex => None,
-        Basis::Lightmap => match lightmap::of(args, &baker, &state, run)? {
+        Basis::Lightmap => match lightmap::of(args, &baker, &state, preset, run)? {
             Some(lightmapped) => Some(lightmapped),
             None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
         },

@@ -6,8 +6,8 @@ use crate::args::BakeArgs;
 use crate::command_run::CommandRun;
 use crate::load;
 use glam::Vec3;
-use lumel::{Baker, LumelLight, Lumels, Scene, SolveState, TransportError};
-use lumel_lightmap::{Lightmap, LightmapLayer, Seams, dilate};
+use lumel::{Baker, LumelLight, Lumels, Preset, Scene, SolveState, TransportError};
+use lumel_lightmap::{Lightmap, LightmapLayer};
 use lumel_uv::{Coverage, Unwrapped};
 use std::sync::Arc;
 
@@ -24,12 +24,13 @@ pub(crate) fn of(
     args: &BakeArgs,
     baker: &Baker,
     state: &SolveState,
+    preset: Preset,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Lightmapped>> {
     let (scene, _) = run.timed("load", || load::load_whole(&args.scene));
     let scene = scene?;
-    let (unwrapped, unwrap_seconds) =
-        run.timed("unwrap", || atlas::of(&scene, &args.atlas, &args.scene.scene, run));
+    let (unwrapped, unwrap_seconds) = run
+        .timed("unwrap", || atlas::of(&scene, &args.atlas, (&args.scene.scene, preset.lumel_budget()), run));
     let Some(Unwrapped { atlas, report }) = unwrapped? else { return Ok(None) };
     let lumels = Lumels::new(Arc::clone(&scene), atlas);
     let measured = || {
@@ -73,15 +74,14 @@ fn finished(lumels: &Lumels, light: &LumelLight) -> Lightmap {
     let tail = light.tail.iter().map(|values| ("tail".to_owned(), values));
     let irradiance = light.irradiance();
     let all = std::iter::once(("irradiance".to_owned(), &irradiance)).chain(names).chain(tail);
-    let seams = Seams::new(scene, atlas);
-    let layer = |(name, values): (String, &Vec<Vec3>)| {
-        let mut values = on_pages(coverage, values, n_lumels);
-        seams.close(&mut values, &valid);
-        dilate(atlas, &valid, &mut values);
-        LightmapLayer { name, values }
+    let layer = |(name, values): (String, &Vec<Vec3>)| LightmapLayer {
+        name,
+        values: on_pages(coverage, values, n_lumels),
     };
     let layers = all.map(layer).collect();
-    Lightmap { atlas: Arc::clone(atlas), valid, layers }
+    let mut lightmap = Lightmap { atlas: Arc::clone(atlas), valid, layers };
+    lightmap.finish(scene, coverage);
+    lightmap
 }
 
 /// Values of the lumels of a coverage among all lumels of the pages; zero elsewhere.

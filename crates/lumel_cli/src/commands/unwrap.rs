@@ -17,6 +17,9 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Lumels on all pages, if nothing else is asked for.
+const LUMELS: u32 = 1 << 20;
+
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -36,7 +39,7 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
     let (Loaded { scene, warnings, .. }, _) = load::load_as_it_is(&args.scene)?;
     load::warn(&warnings, &args.scene, console);
     let begun = run.clock.seconds();
-    let unwrapped = pool.install(|| atlas::of(&scene, &args.atlas, &args.scene.scene, &run))?;
+    let unwrapped = pool.install(|| atlas::of(&scene, &args.atlas, (&args.scene.scene, LUMELS), &run))?;
     let Some(unwrapped) = unwrapped else {
         console.note("stopped; no file was written");
         return Ok(Outcome::Cancelled);
