@@ -22,8 +22,8 @@ const INSET: f32 = 0.01;
 /// Rays from a light that look for a surface.
 const RAYS: u32 = 256;
 /// Places that tell whether a closed shell is lit, and shells that are looked at.
-const PLACES_ON_SHELL: usize = 16;
-const MAX_SHELLS: usize = 1024;
+const PLACES_ON_SHELL: usize = 4;
+const MAX_SHELLS: usize = 512;
 /// How many times as much light back faces must get as surfaces do for it to be said.
 const MOSTLY: f64 = 2.0;
 
