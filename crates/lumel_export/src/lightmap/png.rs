@@ -103,6 +103,8 @@ mod tests {
             values[0] = Vec3::ONE;
             let (scale, bytes) = dithered(&values, width);
             assert_eq!((scale, &bytes[..3]), (1.0, &[255; 3][..]));
+            let differ = bytes.chunks(3).filter(|channels| channels[0] != channels[1]).count();
+            assert!(step == 0 || differ > 0, "channels are rounded up in different places");
             for (bx, by, channel) in
                 (0..8).flat_map(|x| (1..8).flat_map(move |y| (0..3).map(move |c| (x, y, c))))
             {
