@@ -1,8 +1,10 @@
 //! Lit scenes as binary glTF 2.0.
 
 mod binary;
+mod lightmapped;
 mod lit;
 mod material;
+mod page_image;
 mod primitive;
 mod unwrapped;
 
@@ -15,6 +17,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
+pub use lightmapped::{LightmapTarget, write_lightmap_glb};
 pub use lit::write_glb;
 pub use unwrapped::write_unwrapped_glb;
 

@@ -3,7 +3,8 @@
 //! - [`Solution`] is the result of a bake: a NumPy archive that Python opens in one line,
 //!   `numpy.load("a.npz")["irradiance"]`.
 //! - [`write_glb`], [`write_ply`] and [`write_obj`] write the lit mesh for other programs, [`RadFile`] the course's
-//!   format; [`write_unwrapped_glb`] a mesh with its places in an atlas.
+//!   format; [`write_unwrapped_glb`] a mesh with its places in an atlas, [`write_lightmap_glb`] with the light of it.
+//! - [`write_lightmap_exr`] and [`write_lightmap_png`] write the pages of a lightmap.
 //! - [`write_png`] writes pictures, [`write_atlas_png`] those of an atlas.
 //!
 //! Writers read light through [`Lighting`](lumel_basis::Lighting), at the vertices that these formats have; those of a
@@ -20,6 +21,7 @@ mod checkpoint;
 mod display;
 mod error;
 mod glb;
+mod lightmap;
 mod members;
 mod npy;
 mod npz;
@@ -35,7 +37,8 @@ pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
-pub use glb::{write_glb, write_unwrapped_glb};
+pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};
+pub use lightmap::{Precision, write_lightmap_exr, write_lightmap_png};
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};
 pub use obj::{check_obj, write_obj};

@@ -36,8 +36,9 @@ pub fn write_glb(
 ) -> Result<f32, ExportError> {
     let irradiance = &*finite_irradiance(path, scene, lighting)?;
     let exposure = exposure.factor(path, irradiance)?;
-    let materials = Materials::new(scene, Appearance::Light).map_err(|error| ExportError::io(path, error))?;
     let primitives = split(scene, None);
+    let materials = Materials::new(scene, &primitives, Appearance::Light, None)
+        .map_err(|error| ExportError::io(path, error))?;
     let color = move |material, corner| color(scene, irradiance, exposure, material, corner);
     let colors = if scene.alphas().is_empty() {
         Attribute::new("COLOR_0", move |material, corner| color(material, corner).to_array())
@@ -72,11 +73,11 @@ fn color(scene: &Scene, irradiance: &[Vec3], exposure: f32, material: MaterialId
     let vertex = vertex(scene, corner);
     let irradiance = irradiance[vertex];
     let color = match Shown::of(&scene.materials()[material.index()]) {
-        Shown::Reflection | Shown::Apart => white_radiance(irradiance) * scene.tints()[vertex],
         Shown::Colors => {
             let bary = Barycentrics::CORNERS[corner as usize % 3];
             seen_radiance(scene, SurfacePoint { tri: TriId(corner / 3), bary }, irradiance).0
         }
+        _ => white_radiance(irradiance) * scene.tints()[vertex],
     };
     (color * exposure).clamp(Vec3::ZERO, Vec3::ONE)
 }

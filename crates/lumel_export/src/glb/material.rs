@@ -1,30 +1,37 @@
 //! The materials and images of a GLB file.
 
 use super::binary::Binary;
+use super::page_image::PageImages;
+use super::primitive::Primitive;
 use crate::pixels::{self, opacity_pixels, srgb_pixels};
 use crate::png::encode_png;
 use glam::Vec3;
 use lumel_scene::{
     AlphaMode, Filter, MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, Transparency,
-    TriId, UvTransform, Wrap,
+    UvTransform, Wrap,
 };
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 
-/// Magnification and minification of linear and nearest filters.
+/// Magnification and minification of linear and nearest filters. Smaller pictures of a lightmap would mix charts.
 const LINEAR: [u32; 2] = [9729, 9987];
 const NEAREST: [u32; 2] = [9728, 9986];
+const LIGHTMAP: [u32; 2] = [9729, 9729];
+const CLAMP: u32 = 33071;
 const UNLIT: &str = "KHR_materials_unlit";
 const STRENGTH: &str = "KHR_materials_emissive_strength";
 const TRANSFORM: &str = "KHR_texture_transform";
-const NO_INDEX: usize = usize::MAX;
+const MOZ_LIGHTMAP: &str = "MOZ_lightmap";
 
 /// Materials and textures that the scene's triangles use, ready to be written.
 pub(super) struct Materials {
-    /// Index in the file of each of the scene's materials; `NO_INDEX` for unused ones.
-    index: Vec<usize>,
-    textured: Vec<bool>,
+    /// Index in the file by the scene's material and the page whose light it shows; page 0 if it shows none.
+    index: BTreeMap<(MaterialId, usize), usize>,
+    /// Whether a material of the scene has textures beside light.
+    textured: BTreeSet<MaterialId>,
+    /// Whether it shows the light of pages.
+    by_page: bool,
     json: Vec<Value>,
     images: Vec<Image>,
     extensions: BTreeSet<&'static str>,
@@ -39,6 +46,8 @@ pub(super) enum Shown {
     Colors,
     /// `COLOR_0` has what is reflected; the emission is the material's own, and viewers must light the rest.
     Apart,
+    /// A lightmap has all that is seen, as emission.
+    Emission,
 }
 
 /// What a file shows.
@@ -48,11 +57,17 @@ pub(super) enum Appearance {
     Light,
     /// Surfaces that viewers light.
     Surfaces,
+    /// Surfaces that emit all that is seen of them.
+    Emitters,
 }
 
 impl Appearance {
     fn of(self, material: &Material) -> Shown {
-        if self == Self::Light { Shown::of(material) } else { Shown::Apart }
+        match self {
+            Self::Light => Shown::of(material),
+            Self::Surfaces => Shown::Apart,
+            Self::Emitters => Shown::Emission,
+        }
     }
 }
 
@@ -70,8 +85,7 @@ impl Shown {
 struct Image {
     name: String,
     png: Vec<u8>,
-    wrap: [Wrap; 2],
-    filter: Filter,
+    sampler: Value,
 }
 
 /// The textures of a file under construction.
@@ -80,43 +94,58 @@ struct Images {
     list: Vec<Image>,
     /// By texture, and whether with its alpha.
     index: BTreeMap<(TextureId, bool), usize>,
+    /// By place in [`PageImages`].
+    pages: BTreeMap<usize, usize>,
     extensions: BTreeSet<&'static str>,
 }
 
 impl Materials {
-    pub(super) fn new(scene: &Scene, appearance: Appearance) -> io::Result<Self> {
-        let n = scene.materials().len();
-        let mut used = vec![false; n];
-        for tri in 0..scene.triangle_count() as u32 {
-            used[scene.material_id(TriId(tri)).index()] = true;
-        }
+    /// Those of the primitives, with the light of pages if there are any.
+    pub(super) fn new(
+        scene: &Scene,
+        primitives: &[Primitive],
+        appearance: Appearance,
+        pages: Option<&PageImages>,
+    ) -> io::Result<Self> {
         let mut materials = Self {
-            index: vec![NO_INDEX; n],
-            textured: vec![false; n],
+            index: BTreeMap::new(),
+            textured: BTreeSet::new(),
+            by_page: pages.is_some(),
             json: Vec::new(),
             images: Vec::new(),
             extensions: BTreeSet::new(),
         };
+        let used: BTreeSet<_> = primitives.iter().map(|primitive| materials.key(primitive)).collect();
         let mut images = Images::default();
-        for (id, material) in scene.materials().iter().enumerate().filter(|(id, _)| used[*id]) {
-            materials.index[id] = materials.json.len();
-            let json = describe(scene, material, appearance.of(material), &mut images)?;
+        for (id, page) in used {
+            let material = &scene.materials()[id.index()];
+            let mut json = describe(scene, material, appearance.of(material), &mut images)?;
             let slots = [&json["pbrMetallicRoughness"]["baseColorTexture"], &json["emissiveTexture"]];
-            materials.textured[id] = slots.iter().any(|slot| !slot.is_null());
+            if slots.iter().any(|slot| !slot.is_null()) {
+                materials.textured.insert(id);
+            }
+            if let Some(pages) = pages {
+                images.add_light(&mut json, appearance, pages, page, material);
+            }
+            materials.index.insert((id, page), materials.json.len());
             materials.json.push(json);
         }
         (materials.images, materials.extensions) = (images.list, images.extensions);
         Ok(materials)
     }
 
-    /// Index in the file.
-    pub(super) fn index(&self, material: MaterialId) -> usize {
-        self.index[material.index()]
+    fn key(&self, primitive: &Primitive) -> (MaterialId, usize) {
+        (primitive.material, if self.by_page { primitive.page } else { 0 })
     }
 
-    /// Whether it has textures.
+    /// Index in the file.
+    pub(super) fn index(&self, primitive: &Primitive) -> usize {
+        self.index[&self.key(primitive)]
+    }
+
+    /// Whether it has textures that are placed by `TEXCOORD_0`.
     pub(super) fn is_textured(&self, material: MaterialId) -> bool {
-        self.textured[material.index()]
+        self.textured.contains(&material)
     }
 
     /// Adds materials, textures, samplers and images to the document.
@@ -126,7 +155,7 @@ impl Materials {
             let indices = 0..self.images.len();
             document["textures"] =
                 indices.map(|index| json!({ "source": index, "sampler": index })).collect();
-            document["samplers"] = self.images.iter().map(sampler).collect();
+            document["samplers"] = self.images.iter().map(|image| image.sampler.clone()).collect();
             document["images"] = (self.images.iter())
                 .map(|image| {
                     let view = binary.add_view(image.png.len() as u64, json!({}));
@@ -159,11 +188,13 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
     });
     let Transparency { mode, alpha, texture, transmission } = material.transparency;
     let is_opaque = mode == AlphaMode::Opaque;
-    let (albedo, albedo_texture) = if is_opaque {
+    let (albedo, albedo_texture) = if is_opaque && shown == Shown::Emission {
+        (Vec3::ZERO, None)
+    } else if is_opaque {
         images.slot(scene, material.albedo, material.albedo_texture, false)?
     } else {
         // A file has one image for colour and alpha; alpha of another image is left out.
-        let surface = material.albedo_texture.or(texture);
+        let surface = if shown == Shown::Emission { texture } else { material.albedo_texture.or(texture) };
         images.slot(scene, material.albedo, surface, texture.is_some() && texture == surface)?
     };
     // Glass is written as clear as it is.
@@ -171,6 +202,7 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
     let opacity = if is_opaque { clarity } else { alpha * clarity };
     let base = match albedo_texture {
         _ if shown == Shown::Colors => Vec3::ONE,
+        _ if shown == Shown::Emission => Vec3::ZERO,
         Some(_) => albedo.clamp(Vec3::ZERO, Vec3::ONE),
         None => albedo.clamp(Vec3::ZERO, Vec3::splat(MAX_ALBEDO)),
     };
@@ -187,7 +219,7 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
         AlphaMode::Opaque if transmission == Vec3::ZERO => {}
         AlphaMode::Opaque | AlphaMode::Blend => json["alphaMode"] = json!("BLEND"),
     }
-    if material.emits() {
+    if material.emits() && shown != Shown::Emission {
         let (emission, texture) =
             images.slot(scene, material.emission.0, material.emission_texture, false)?;
         let strength = emission.max_element().max(1.0);
@@ -201,7 +233,7 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
             images.extensions.insert(STRENGTH);
         }
     }
-    if shown != Shown::Apart {
+    if matches!(shown, Shown::Reflection | Shown::Colors) {
         json["extensions"][UNLIT] = json!({});
         images.extensions.insert(UNLIT);
     }
@@ -209,6 +241,35 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
 }
 
 impl Images {
+    /// Lets a material show the light of a page: in the extension that three.js adds to what it computes, or as emission.
+    fn add_light(
+        &mut self,
+        json: &mut Value,
+        appearance: Appearance,
+        pages: &PageImages,
+        page: usize,
+        material: &Material,
+    ) {
+        let place = pages.place(page, material);
+        let image = pages.image(place);
+        let list = &mut self.list;
+        let index = *self.pages.entry(place).or_insert_with(|| {
+            let name = format!("lightmap {place}");
+            list.push(Image { name, png: image.png.clone(), sampler: sampler([CLAMP; 2], LIGHTMAP) });
+            list.len() - 1
+        });
+        if appearance == Appearance::Emitters {
+            json["emissiveFactor"] = json!([1.0, 1.0, 1.0]);
+            json["emissiveTexture"] = json!({ "index": index, "texCoord": 1 });
+            json["extensions"][STRENGTH] = json!({ "emissiveStrength": image.scale });
+            self.extensions.insert(STRENGTH);
+        } else {
+            json["extensions"][MOZ_LIGHTMAP] =
+                json!({ "index": index, "texCoord": 1, "intensity": image.scale });
+            self.extensions.insert(MOZ_LIGHTMAP);
+        }
+    }
+
     /// The factor and the texture of a colour; an image holds the texture over its largest value.
     fn slot(
         &mut self,
@@ -263,19 +324,18 @@ fn encode(texture: &Texture, with_alpha: bool) -> io::Result<Image> {
     } else {
         encode_png(&mut png, width, height, &colors, &[])?;
     }
-    let (wrap, filter) = ([texture.wrap_u, texture.wrap_v], texture.filter);
-    Ok(Image { name: texture.name.clone(), png, wrap, filter })
-}
-
-fn sampler(image: &Image) -> Value {
-    let [s, t] = image.wrap.map(|wrap| match wrap {
+    let wrap = [texture.wrap_u, texture.wrap_v].map(|wrap| match wrap {
         Wrap::Repeat => 10497,
         Wrap::Mirror => 33648,
-        Wrap::Clamp => 33071,
+        Wrap::Clamp => CLAMP,
     });
-    let [mag, min] = match image.filter {
+    let filter = match texture.filter {
         Filter::Linear => LINEAR,
         Filter::Nearest => NEAREST,
     };
+    Ok(Image { name: texture.name.clone(), png, sampler: sampler(wrap, filter) })
+}
+
+fn sampler([s, t]: [u32; 2], [mag, min]: [u32; 2]) -> Value {
     json!({ "wrapS": s, "wrapT": t, "magFilter": mag, "minFilter": min })
 }

@@ -141,7 +141,7 @@ impl Streams<'_> {
             }));
             described.push(json!({
                 "attributes": attributes, "indices": indices,
-                "material": self.materials.index(primitive.material),
+                "material": self.materials.index(primitive),
             }));
             first_index += primitive.indices.len() as u64;
         }

@@ -1,13 +1,13 @@
 //! Scenes whose vertices know their place in an atlas.
 
 use super::material::{Appearance, Materials};
-use super::primitive::{Attribute, Streams, place, split, vertex};
+use super::primitive::{Attribute, Primitive, Streams, place, split, vertex};
 use super::write;
 use crate::ExportError;
 use glam::Vec3;
 use lumel_scene::Scene;
 use lumel_uv::Atlas;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// Writes a scene with its places in an atlas as a GLB file, atomically.
@@ -22,6 +22,21 @@ use std::path::Path;
 /// An atlas of another scene, a scene beyond the format's limit of 4 GiB, and the errors of
 /// [`write_atomically`](crate::write_atomically).
 pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<(), ExportError> {
+    let primitives = split_by_place(path, scene, atlas)?;
+    let materials = Materials::new(scene, &primitives, Appearance::Surfaces, None)
+        .map_err(|error| ExportError::io(path, error))?;
+    let attributes = placed_attributes(scene, atlas);
+    let extras = extras(scene, atlas);
+    let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
+    write(path, &streams, &extras)
+}
+
+/// The primitives of a scene by pages, once it is clear that the atlas is its own.
+pub(super) fn split_by_place(
+    path: &Path,
+    scene: &Scene,
+    atlas: &Atlas,
+) -> Result<Vec<Primitive>, ExportError> {
     if atlas.triangle_count() != scene.triangle_count() {
         let problem = format!(
             "an atlas of {} triangles does not belong to a scene with {}",
@@ -30,9 +45,11 @@ pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<
         );
         return Err(ExportError::content(path, problem));
     }
-    let materials =
-        Materials::new(scene, Appearance::Surfaces).map_err(|error| ExportError::io(path, error))?;
-    let primitives = split(scene, Some(atlas));
+    Ok(split(scene, Some(atlas)))
+}
+
+/// Geometry, tints and alphas where there are any, and both sets of texture coordinates.
+pub(super) fn placed_attributes<'a>(scene: &'a Scene, atlas: &'a Atlas) -> Vec<Attribute<'a>> {
     let mut attributes = vec![
         Attribute::new("POSITION", |_, corner| scene.positions()[vertex(scene, corner)].to_array()),
         Attribute::new("NORMAL", |_, corner| scene.normals()[vertex(scene, corner)].to_array()),
@@ -49,7 +66,12 @@ pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<
         Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array()),
         Attribute::new("TEXCOORD_1", |_, corner| place(atlas, corner).to_array()),
     ]);
-    let extras = json!({
+    attributes
+}
+
+/// What the file tells about its atlas.
+pub(super) fn extras(scene: &Scene, atlas: &Atlas) -> Value {
+    json!({
         "scene": scene.name(),
         "geometry_hash": scene.geometry_hash().to_hex().as_str(),
         "lightmap": {
@@ -58,7 +80,5 @@ pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<
             "gutter": atlas.gutter(),
             "hash": atlas.identity().to_hex().as_str(),
         },
-    });
-    let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
-    write(path, &streams, &extras)
+    })
 }

@@ -49,7 +49,7 @@ impl Glb {
         assert_eq!(end.next_multiple_of(4), self.binary.len());
     }
 
-    fn view(&self, index: &Value) -> &[u8] {
+    pub(crate) fn view(&self, index: &Value) -> &[u8] {
         let view = &self.json["bufferViews"][number(index)];
         &self.binary[number(&view["byteOffset"])..][..number(&view["byteLength"])]
     }
@@ -199,7 +199,7 @@ fn lamps_and_screens_are_bright() {
     assert_eq!((size, &pixels[..6]), ((3, 1), [99, 99, 99, 255, 188, 137].as_slice()));
 }
 
-fn decode(png: &[u8]) -> (Vec<u8>, (u32, u32)) {
+pub(crate) fn decode(png: &[u8]) -> (Vec<u8>, (u32, u32)) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut pixels).unwrap();

@@ -7,6 +7,10 @@ mod glb;
 #[cfg(test)]
 mod lighting;
 #[cfg(test)]
+mod lightmap;
+#[cfg(test)]
+mod lightmapped;
+#[cfg(test)]
 mod npz;
 #[cfg(test)]
 mod obj;

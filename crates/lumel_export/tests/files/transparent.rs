@@ -11,7 +11,7 @@ use lumel_scene::{
 use std::path::Path;
 
 /// Squares side by side: one half there, one with holes, one whose alpha is in a texture of its own.
-fn cards() -> Scene {
+pub(crate) fn cards() -> Scene {
     let rgba = |alpha: [u8; 2]| alpha.map(|alpha| [200, 100, 50, alpha]).to_vec();
     let texture = |name, alpha| Texture::from_bytes(name, 2, 1, rgba(alpha), Encoding::Srgb).unwrap();
     let map = |index| Some(TextureRef::plain(TextureId(index)));

@@ -1,0 +1,44 @@
+//! The pages of a lightmap as images in a GLB file.
+
+use crate::lightmap::{dithered, encode_linear};
+use glam::Vec3;
+use lumel_scene::Material;
+use std::io;
+
+/// A page as a PNG image of 8 bits.
+pub(super) struct PageImage {
+    pub(super) png: Vec<u8>,
+    /// What the largest byte stands for.
+    pub(super) scale: f32,
+}
+
+/// Images that materials show.
+pub(super) struct PageImages {
+    images: Vec<PageImage>,
+    n_pages: usize,
+}
+
+impl PageImages {
+    /// Of light by lumel of each page. If there are twice as many as pages, the second half is for what emits: what is
+    /// bright has an image of its own, because all that is in one image with it has few steps.
+    pub(super) fn new(pages: &[[u32; 2]], light: &[Vec<Vec3>]) -> io::Result<Self> {
+        let encoded = |(values, &size): (&Vec<Vec3>, &[u32; 2])| {
+            let (scale, bytes) = dithered(values, size[0]);
+            let mut png = Vec::new();
+            encode_linear(&mut png, size, ::png::BitDepth::Eight, &bytes, &[])?;
+            Ok(PageImage { png, scale })
+        };
+        let images = light.iter().zip(pages.iter().cycle()).map(encoded).collect::<io::Result<_>>()?;
+        Ok(Self { images, n_pages: pages.len() })
+    }
+
+    /// Which image has the light of a material on a page.
+    pub(super) fn place(&self, page: usize, material: &Material) -> usize {
+        let apart = material.emits() && self.images.len() > self.n_pages;
+        if apart { page + self.n_pages } else { page }
+    }
+
+    pub(super) fn image(&self, place: usize) -> &PageImage {
+        &self.images[place]
+    }
+}
