@@ -7,22 +7,7 @@ use crate::picture;
 use anyhow::{Context, bail};
 use glam::Vec3;
 use lumel::{Baker, FileFormat, Solution, SolutionSelection, tracer_of};
-use lumel_export::check_obj;
-enum LightmapTarget {
-    Three,
-    Any,
-}
-fn write_lightmap_exr(_: &Path, _: &lumel_lightmap::Lightmap, _: usize) -> anyhow::Result<()> {
-    bail!("x")
-}
-fn write_lightmap_glb(
-    _: &Path,
-    _: &lumel::Scene,
-    _: &lumel_lightmap::Lightmap,
-    _: LightmapTarget,
-) -> anyhow::Result<()> {
-    bail!("x")
-}
+use lumel_export::{LightmapTarget, Precision, check_obj, write_lightmap_exr, write_lightmap_glb};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -139,8 +124,10 @@ impl Output {
             (Content::Pages, Some(Lightmapped { lightmap, .. })) => {
                 let pages = lightmap.atlas.pages().len();
                 paths = (0..pages).map(|page| path_of_page(&self.path, page, pages)).collect();
+                let settings = solution.meta.settings.to_string();
+                let attributes = [("scene", baker.scene().name()), ("settings", &*settings)];
                 for (page, path) in paths.iter().enumerate() {
-                    write_lightmap_exr(path, lightmap, page)?;
+                    write_lightmap_exr(path, lightmap, page, Precision::Float, &attributes)?;
                 }
             }
             (Content::Pages | Content::LightmapGlb, None) => {}

@@ -111,7 +111,7 @@ pub(crate) struct BakeArgs {
     pub(crate) basis: Basis,
 
     /// What a .glb file with a lightmap is made for.
-    #[arg(long, value_enum, value_name = "TARGET", default_value_t = Target::Three, help_heading = "Atlas")]
+    #[arg(long, value_enum, value_name = "TARGET", default_value_t = Target::Any, help_heading = "Atlas")]
     pub(crate) target: Target,
 
     #[command(flatten)]

@@ -182,16 +182,6 @@ mod tests {
     }
 
     #[test]
-    fn former_names_are_still_options() {
-        for (basis, projection) in [("vertex", Projection::Point), ("vertex-area", Projection::Area)] {
-            let expected = SettingsPatch { projection: Some(projection), ..SettingsPatch::default() };
-            assert_eq!(parsed(&["--basis", basis]), Ok(expected));
-        }
-        let error = parsed(&["--basis", "lightmap"]).unwrap_err();
-        assert!(error.contains("least-squares") && !error.contains("vertex"), "{error}");
-    }
-
-    #[test]
     fn options_are_set_together_and_the_last_of_two_counts() {
         let options =
             ["--seed", "1", "--preset", "draft", "--no-emissive", "--bounces", "all", "--seed", "2"];

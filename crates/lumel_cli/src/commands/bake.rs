@@ -1,6 +1,6 @@
 //! `lumel bake`
 
-use super::lightmap;
+use super::lightmap::{self, Lightmapped};
 use super::summary::{Step, Summary, Written};
 use crate::args::{BakeArgs, Basis};
 use crate::checkpoint::{self, Checkpoint};
@@ -133,7 +133,9 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     summary.auto_edge = auto_edge.and_then(|auto| auto.length);
     summary.resumed_bounces = first_bounce;
     summary.files = written;
-    summary.lightmap = lightmapped.map(|lightmapped| lightmapped.report);
+    if let Some(Lightmapped { report, .. }) = lightmapped {
+        summary.add_lightmap(report);
+    }
     summary.seconds.load = load_seconds;
     summary.seconds.build = build_seconds;
     summary.seconds.write = write_seconds;

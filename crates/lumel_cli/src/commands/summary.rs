@@ -34,7 +34,7 @@ pub(crate) struct Summary {
     mrays_per_second: f64,
     threads: usize,
     /// The lightmap, if light is stored in one.
-    pub(crate) lightmap: Option<LightmapReport>,
+    lightmap: Option<LightmapReport>,
     pub(crate) seconds: Seconds,
     pub(crate) files: Vec<Written>,
     pub(crate) warnings: usize,
@@ -281,6 +281,13 @@ impl Summary {
             files: Vec::new(),
             warnings: 0,
         }
+    }
+
+    /// Adds a lightmap, whose rays are among those of the summary.
+    pub(crate) fn add_lightmap(&mut self, report: LightmapReport) {
+        let seconds = self.seconds.solve + report.seconds;
+        self.mrays_per_second = 1e-6 * self.rays as f64 / seconds.max(1e-9);
+        self.lightmap = Some(report);
     }
 
     /// One JSON object on a line.

@@ -8,6 +8,7 @@ mod common;
 mod compare;
 mod help;
 mod info;
+mod lightmaps;
 mod lights;
 mod measure;
 mod names;

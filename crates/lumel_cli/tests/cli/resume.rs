@@ -8,12 +8,15 @@ use std::time::{Duration, Instant};
 #[test]
 fn a_bake_resumed_at_any_bounce_has_the_same_bits() {
     let place = Place::new();
-    for basis in ["vertex", "vertex-area"] {
-        place.bake_furnace(&format!("--basis {basis} --bounces 3 --tail geometric -o whole.npz")).done();
+    for projection in ["point", "area"] {
+        place
+            .bake_furnace(&format!("--projection {projection} --bounces 3 --tail geometric -o whole.npz"))
+            .done();
         for k in 0..=3 {
-            place.bake_furnace(&format!("--basis {basis} --bounces {k} -o part.npz")).done();
-            let resumed =
-                format!("--basis {basis} --bounces 3 --tail geometric --resume part.npz -o resumed.npz");
+            place.bake_furnace(&format!("--projection {projection} --bounces {k} -o part.npz")).done();
+            let resumed = format!(
+                "--projection {projection} --bounces 3 --tail geometric --resume part.npz -o resumed.npz"
+            );
             let run = place.bake_furnace(&resumed).done();
             assert!(run.stdout.contains("from the checkpoint"), "{}", run.stdout);
             assert_same_light(&place.solution("whole.npz"), &place.solution("resumed.npz"));

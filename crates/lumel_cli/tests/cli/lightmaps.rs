@@ -1,0 +1,91 @@
+use crate::common::{Place, run};
+use serde_json::Value;
+
+/// A room of twelve triangles, its ceiling a lamp.
+const ROOM: &str = "\
+mtllib room.mtl
+v 0 0 0\nv 3 0 0\nv 3 2 0\nv 0 2 0\nv 0 0 3\nv 3 0 3\nv 3 2 3\nv 0 2 3
+usemtl wall
+o Walls
+f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 5 6 2 1
+usemtl lamp
+o Lamp
+f 4 3 7 8
+";
+
+const MATERIALS: &str = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0 0 0\nKe 1 1 1\n";
+
+const QUICK: &str =
+    "--basis lightmap --lumels 4096 --max-edge 0.4 --bounces 2 --direct-samples 4 --indirect-samples 16";
+
+fn room() -> Place {
+    let place = Place::new();
+    place.write("room.obj", ROOM);
+    place.write("room.mtl", MATERIALS);
+    place
+}
+
+fn bake(place: &Place, line: &str) -> crate::common::Run {
+    run(&mut place.lumel(&format!("bake room.obj {QUICK} {line}")))
+}
+
+#[test]
+fn a_lightmap_is_written_as_pages_as_a_lit_mesh_and_as_a_picture() {
+    let place = room();
+    let text = bake(&place, "-o a.exr -o a.glb -o a.png").done().stdout;
+    for part in [
+        "lightmap 1 page of ",
+        " used by 6 charts; ",
+        " per metre\n",
+        "lumels ",
+        "wrote a.exr, ",
+        "wrote a.glb, ",
+    ] {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    assert_eq!(place.files(), ["a.exr", "a.glb", "a.png", "room.mtl", "room.obj"]);
+    // The floor lies a room's height below a lamp of radiance 1; light on walls is brightest where they meet it.
+    let page = image::open(place.path("a.exr")).unwrap().to_rgb32f();
+    let values: Vec<f32> = page.pixels().map(|pixel| pixel.0[0]).collect();
+    assert!(values.iter().all(|value| value.is_finite() && *value >= 0.0));
+    let brightest = values.iter().copied().fold(0.0, f32::max);
+    assert!((1.5..4.0).contains(&brightest), "{brightest}");
+    let picture = image::open(place.path("a.png")).unwrap().to_rgb8();
+    assert!(picture.pixels().any(|pixel| pixel.0 != [0; 3]));
+    // The mesh is the one that was given.
+    let info = run(&mut place.lumel("info a.glb --json")).done();
+    let info: Value = serde_json::from_str(&info.stdout).unwrap();
+    assert_eq!(info["triangles"]["total"], 12, "{info}");
+}
+
+#[test]
+fn threads_make_no_difference_and_the_default_output_is_an_image() {
+    let place = room();
+    bake(&place, "--threads 1 -o one.exr").done();
+    bake(&place, "--threads 2").done();
+    assert_eq!(place.files(), ["one.exr", "room.exr", "room.mtl", "room.obj"]);
+    let [one, two] = ["one.exr", "room.exr"].map(|name| std::fs::read(place.path(name)).unwrap());
+    assert!(one == two);
+}
+
+#[test]
+fn pages_that_are_too_small_for_all_become_several_files() {
+    let place = room();
+    let run = bake(&place, "--density 24 --atlas-size 64 -o a.exr --json").done();
+    let summary: Value = serde_json::from_str(&run.stdout).unwrap();
+    let pages = summary["lightmap"]["pages"].as_array().unwrap().len();
+    assert!(pages > 1, "{summary}");
+    let files = place.files();
+    assert_eq!(files.iter().filter(|name| name.starts_with("a-")).count(), pages, "{files:?}");
+    assert_eq!(summary["files"].as_array().unwrap().len(), pages);
+    assert!(summary["lightmap"]["lumels"].as_u64().unwrap() > 4000, "{summary}");
+}
+
+#[test]
+fn what_a_basis_cannot_write_is_refused_before_anything_is_computed() {
+    let place = room();
+    bake(&place, "-o a.npz").failed("--basis lightmap writes no .npz files");
+    run(&mut place.lumel("bake room.obj -o a.exr")).failed("--basis vertex writes no .exr files");
+    bake(&place, "--density-factor Table=2 -o a.exr").failed("has no object \"Table\"");
+    assert_eq!(place.files(), ["room.mtl", "room.obj"]);
+}
