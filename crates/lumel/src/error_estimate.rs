@@ -10,6 +10,10 @@ use lumel_solve::SolveState;
 /// What differs from its surroundings by this share of their light lies at an edge of light, or is very noisy.
 const EDGE: f64 = 0.2;
 
+/// The share of the surfaces that is left out: where light is worst, in slits and at the rims of lamps, it says little about
+/// the rest.
+const WORST: f64 = 0.02;
+
 /// What remains of noise changes its sign from vertex to vertex: its correlation with that of the neighbours is -0.24 on a
 /// regular mesh. What remains of light that bends is the same for neighbours.
 const BENT: f64 = 0.2;
@@ -17,7 +21,7 @@ const BENT: f64 = 0.2;
 /// An estimate of the error of the light at vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
-    /// Root mean square over the surfaces, relative to that of the light.
+    /// Root mean square over the surfaces but for the worst 2 % of them, relative to that of the light.
     pub error: f64,
     /// What most of it comes from.
     pub cause: ErrorCause,
@@ -58,10 +62,15 @@ impl Baker {
                 light += area * of_node(&all, node).powi(2);
             }
         }
-        let error = ((of_direct.sum + of_indirect.sum) / light).sqrt();
-        let larger = if of_direct.sum > of_indirect.sum { &of_direct } else { &of_indirect };
-        let cause = match of_direct.sum > of_indirect.sum {
-            _ if larger.is_from_edges() || larger.correlation(basis) > BENT => ErrorCause::CoarseMesh,
+        let ([direct, at_edges_of_direct], [indirect, at_edges_of_indirect]) =
+            (of_direct.integrals(), of_indirect.integrals());
+        let error = ((direct + indirect) / light).sqrt();
+        let (larger, all, at_edges) = match direct > indirect {
+            true => (&of_direct, direct, at_edges_of_direct),
+            false => (&of_indirect, indirect, at_edges_of_indirect),
+        };
+        let cause = match direct > indirect {
+            _ if 2.0 * at_edges > all || larger.correlation(basis) > BENT => ErrorCause::CoarseMesh,
             true => ErrorCause::DirectNoise,
             false => ErrorCause::IndirectNoise,
         };
@@ -130,27 +139,34 @@ struct Residual {
 
 /// What remains of a field.
 struct Residuals {
-    /// Of squares, by area.
-    sum: f64,
-    sum_at_edges: f64,
+    /// Squares, with the area that each stands for and whether it lies at an edge.
+    squares: Vec<(f64, f64, bool)>,
     /// By node; zero where there is none.
     at: Vec<f64>,
 }
 
 impl Residuals {
     fn new(nodes: usize) -> Self {
-        Self { sum: 0.0, sum_at_edges: 0.0, at: vec![0.0; nodes] }
+        Self { squares: Vec::new(), at: vec![0.0; nodes] }
     }
 
     fn add(&mut self, node: NodeId, area: f64, Residual { value, is_edge }: Residual) {
-        let square = area * value * value;
-        self.sum += square;
-        self.sum_at_edges += if is_edge { square } else { 0.0 };
+        self.squares.push((value * value, area, is_edge));
         self.at[node.index()] = value;
     }
 
-    fn is_from_edges(&self) -> bool {
-        2.0 * self.sum_at_edges > self.sum
+    /// The integral of the squares but for the largest, on [`WORST`] of the area; and of those at edges.
+    fn integrals(&mut self) -> [f64; 2] {
+        self.squares.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut left = (1.0 - WORST) * self.squares.iter().map(|(_, area, _)| area).sum::<f64>();
+        let mut integrals = [0.0; 2];
+        for (square, area, is_edge) in &self.squares {
+            let area = area.min(left);
+            left -= area;
+            integrals[0] += square * area;
+            integrals[1] += if *is_edge { square * area } else { 0.0 };
+        }
+        integrals
     }
 
     /// How much neighbours are alike.

@@ -9,6 +9,7 @@ use lumel_scene::{Light, Scene, SurfacePoint, TriId, luminance};
 use lumel_transport::{
     Control, CpuTransport, Emitter, EmitterMask, Job, LightSampling, Plan, Source, TransportError, accumulate,
 };
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -20,6 +21,9 @@ const MANY_PLACES: u32 = 1 << 16;
 const INSET: f32 = 0.01;
 /// Rays from a light that look for a surface.
 const RAYS: u32 = 256;
+/// Places that tell whether a closed shell is lit, and shells that are looked at.
+const PLACES_ON_SHELL: usize = 4;
+const MAX_SHELLS: usize = 512;
 /// How many times as much light back faces must get as surfaces do for it to be said.
 const MOSTLY: f64 = 2.0;
 
@@ -38,6 +42,11 @@ pub enum LightFinding {
         /// The material or object that most of it arrives at.
         name: String,
     },
+    /// Closed objects that get light at their backs and none at their faces.
+    InsideOut {
+        /// Their names, each once; at least one.
+        objects: Vec<String>,
+    },
 }
 
 impl fmt::Display for LightFinding {
@@ -54,6 +63,18 @@ impl fmt::Display for LightFinding {
                  \"{name}\": its faces may be wound the wrong way round",
                 100.0 * share
             ),
+            Self::InsideOut { objects } => {
+                let more = match objects.len() - 1 {
+                    0 => String::new(),
+                    n => format!(" and {n} more"),
+                };
+                write!(
+                    f,
+                    "all light on object \"{}\"{more} arrives at the backs of faces, which are black: they may be wound \
+                     the wrong way round",
+                    objects[0]
+                )
+            }
         }
     }
 }
@@ -63,6 +84,9 @@ impl LightFinding {
     pub fn remedy(&self) -> String {
         match self {
             Self::Unreached { .. } => "move or turn the light, or remove what encloses it".to_owned(),
+            Self::InsideOut { objects } => {
+                format!("light both sides with --two-sided '{}' (in project files two_sided)", objects[0])
+            }
             Self::BackFaces { name, .. } => {
                 format!(
                     "light both sides with --two-sided '{name}' or --two-sided all (in project files two_sided)"
@@ -101,7 +125,12 @@ impl Baker {
                 findings.push(LightFinding::Unreached { light: name.clone() });
             }
         }
-        findings.extend(self.light_at_back_faces(control)?);
+        let at_backs = self.light_at_back_faces(control)?;
+        let is_told = at_backs.is_some();
+        findings.extend(at_backs);
+        if !is_told {
+            findings.extend(self.inside_out(control)?);
+        }
         Ok(findings)
     }
 
@@ -163,6 +192,37 @@ impl Baker {
         Ok(Some(LightFinding::BackFaces { share: lost / (lost + lit), name }))
     }
 
+    /// Closed shells whose faces get no light while their backs do.
+    fn inside_out(&self, control: &Control) -> Result<Option<LightFinding>, TransportError> {
+        let scene = self.scene();
+        let mut shells: BTreeMap<TriId, Vec<TriId>> = BTreeMap::new();
+        for tri in (0..scene.traced_count() as u32).map(TriId).filter(|tri| scene.bounds_solid(*tri)) {
+            shells.entry(scene.shell(tri)).or_default().push(tri);
+        }
+        let stream = stream(2);
+        let place = |shell: &Vec<TriId>, i: usize| {
+            let (tri, n) = (shell[i * shell.len() / PLACES_ON_SHELL], PLACES_ON_SHELL as u32);
+            self.both_sides(tri, stream.sample_2d((i as u32) % n))
+        };
+        let mut objects = Vec::new();
+        // Those with most triangles, in a scene of very many.
+        let mut shells: Vec<Vec<TriId>> = shells.into_values().collect();
+        shells.sort_by_key(|shell| std::cmp::Reverse(shell.len()));
+        shells.truncate(MAX_SHELLS);
+        let places: Vec<Place> =
+            shells.iter().flat_map(|shell| (0..PLACES_ON_SHELL).flat_map(move |i| place(shell, i))).collect();
+        let light = self.light_at(&places, None, control)?;
+        for (shell, light) in shells.iter().zip(light.chunks(2 * PLACES_ON_SHELL)) {
+            let sum = |first: usize| light.iter().skip(first).step_by(2).sum::<f64>();
+            let (lit, lost) = (sum(0), sum(1));
+            let name = &scene.object_names()[scene.object_id(shell[0]).index()];
+            if lost > 0.0 && lit == 0.0 && !objects.contains(name) {
+                objects.push(name.clone());
+            }
+        }
+        Ok((!objects.is_empty()).then_some(LightFinding::InsideOut { objects }))
+    }
+
     /// Places on both sides of faces, evenly by area; at least one on each face while there are fewer faces than places.
     fn places(&self, n: u32) -> Vec<Place> {
         let scene: &Scene = self.scene();
@@ -170,14 +230,18 @@ impl Baker {
         let each = each.filter(|_| n == MANY_PLACES);
         places::by_area(scene, stream(1), n)
             .chain(each)
-            .flat_map(|(tri, u)| {
-                let [a, b] = uniform_triangle(u).map(|weight| weight + INSET * (1.0 / 3.0 - weight));
-                let at = scene.position(SurfacePoint { tri, bary: [a, b].into() });
-                let normal = scene.geometric_normal(tri);
-                let is_black = !scene.is_two_sided(tri);
-                [Place { at, normal, tri, is_black: false }, Place { at, normal: -normal, tri, is_black }]
-            })
+            .flat_map(|(tri, u)| self.both_sides(tri, u))
             .collect()
+    }
+
+    /// The place of a triangle that `u` in the unit square chooses, on its front and on its back.
+    fn both_sides(&self, tri: TriId, u: [f32; 2]) -> [Place; 2] {
+        let scene = self.scene();
+        let [a, b] = uniform_triangle(u).map(|weight| weight + INSET * (1.0 / 3.0 - weight));
+        let at = scene.position(SurfacePoint { tri, bary: [a, b].into() });
+        let normal = scene.geometric_normal(tri);
+        let is_black = !scene.is_two_sided(tri);
+        [Place { at, normal, tri, is_black: false }, Place { at, normal: -normal, tri, is_black }]
     }
 
     /// Luminance of the direct light at places.
@@ -241,7 +305,7 @@ mod tests {
     fn unreached(scene: &SceneBuilder) -> Vec<String> {
         let names = findings(scene).into_iter().filter_map(|finding| match finding {
             LightFinding::Unreached { light } => Some(light),
-            LightFinding::BackFaces { .. } => None,
+            LightFinding::BackFaces { .. } | LightFinding::InsideOut { .. } => None,
         });
         names.collect()
     }
@@ -301,6 +365,25 @@ mod tests {
         let found = findings(&with(room(false, Material::diffuse("", WHITE)), &lamp));
         assert!(matches!(&found[1], LightFinding::BackFaces { name, .. } if name == "walls"), "{found:?}");
         assert_eq!(findings(&with(room(false, Material::diffuse("a", WHITE).two_sided()), &lamp)), []);
+    }
+
+    #[test]
+    fn a_closed_object_that_is_inside_out_is_named() {
+        let found = |inwards: bool, light: &str| {
+            let mut scene = room(inwards, Material::diffuse("white", WHITE));
+            let material = lumel_scene::MaterialId(0);
+            let ground = [[-9.0, 0.0, -9.0], [-9.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, -9.0]];
+            scene.add_mesh("ground", ground, [[0, 1, 2], [0, 2, 3]], material);
+            findings(&with(scene, &[light]))
+        };
+        let sun = "sun direction=-1,-2,-1 irradiance=1,1,1";
+        assert_eq!(found(true, sun), [LightFinding::InsideOut { objects: vec!["walls".into()] }]);
+        assert_eq!(found(false, sun), []);
+        // A room with a lamp of its own is one.
+        assert_eq!(found(true, "point position=0.5,0.5,0.5 intensity=1,1,1"), []);
+        let text = found(true, sun)[0].to_string();
+        assert!(text.starts_with("all light on object \"walls\" arrives at the backs of faces"), "{text}");
+        assert!(found(true, sun)[0].remedy().contains("--two-sided 'walls'"));
     }
 
     #[test]

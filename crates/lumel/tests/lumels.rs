@@ -7,9 +7,9 @@ use lumel::{
     Baker, BounceLimit, Control, LumelLight, Lumels, Memory, OpenOptions, PointReceivers, Scene,
     SceneBuilder, Settings, Silent, SolveState, Tail, measure_points,
 };
-use lumel_scene::{Light, PointLight, Radiance, Sky};
+use lumel_scene::{Light, PointLight, Radiance, RectLight, Sky};
 use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
-use lumel_testkit::scene::{ceiling_light, grey, placed, reordered, scene};
+use lumel_testkit::scene::{grey, placed, reordered, scene};
 use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -28,7 +28,12 @@ fn lumels(scene: &Arc<Scene>, per_metre: f32) -> Lumels {
 }
 
 /// Light at the lumels of a scene as given that is carried on the vertices of its tessellation.
-fn measured(builder: &SceneBuilder, max_edge: f32, per_metre: f32, settings: Settings) -> (Lumels, LumelLight) {
+fn measured(
+    builder: &SceneBuilder,
+    max_edge: f32,
+    per_metre: f32,
+    settings: Settings,
+) -> (Lumels, LumelLight) {
     let lumels = lumels(&built(builder.clone()), per_metre);
     let mut fine = builder.clone();
     fine.tessellate(max_edge).unwrap();
@@ -52,9 +57,11 @@ fn in_closed_rooms_every_lumel_has_the_known_light() {
     for (name, per_metre) in [("furnace", 20.0), ("sphere", 12.0)] {
         let builder = lumel::open(name, &OpenOptions::default()).unwrap().builder;
         for (place, builder) in placements(&builder) {
-            let (_, light) = measured(&builder, 10.0, per_metre, Settings { tail: Tail::Geometric, ..settings() });
+            let (_, light) =
+                measured(&builder, 10.0, per_metre, Settings { tail: Tail::Geometric, ..settings() });
             assert!(light.valid.iter().all(|valid| *valid), "{name}, {place}");
-            let off = light.irradiance().iter().map(|e| (*e / 2.0 - 1.0).abs().max_element()).fold(0.0, f32::max);
+            let off =
+                light.irradiance().iter().map(|e| (*e / 2.0 - 1.0).abs().max_element()).fold(0.0, f32::max);
             // The sphere is a polyhedron that is lit unevenly: rays have noise there.
             let most = if name == "furnace" { 0.002 } else { 0.2 };
             assert!(off < most, "{name}, {place}: {off}");
@@ -68,20 +75,28 @@ fn in_closed_rooms_every_lumel_has_the_known_light() {
 fn room() -> SceneBuilder {
     let mut meshes = cuboid(Vec3::ZERO, Vec3::new(3.0, 2.0, 3.0), 1, Facing::Inward, [0; 6]);
     meshes.extend(cuboid(Vec3::new(0.7, 0.0, 0.8), Vec3::new(1.4, 1.1, 1.7), 1, Facing::Outward, [0; 6]));
-    let lamp = ceiling_light(Vec3::new(1.9, 1.999, 1.4), 0.6, 0.6, 20.0);
+    let (u, v) = (Vec3::X * 0.3, Vec3::Z * 0.3);
+    let lamp = RectLight {
+        center: Vec3::new(1.9, 1.999, 1.4),
+        u,
+        v,
+        radiance: Radiance::splat(20.0),
+        texture: None,
+    };
     scene(meshes, vec![grey(0.6, 0.0)], vec![lamp.into()])
 }
 
 #[test]
 fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
     for (place, builder) in placements(&room()) {
-        let settings = Settings { direct_samples: 128, indirect_samples: 256, ..settings() };
+        let settings = Settings { direct_samples: 32, indirect_samples: 128, ..settings() };
         let (lumels, light) = measured(&builder, 0.12, 12.0, settings.clone());
         let mut fine = builder.clone();
         fine.tessellate(0.12).unwrap();
         let (baker, mut state) = (Baker::new(built(fine), settings), SolveState::new());
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
-        let whole = |&place: &usize| lumels.coverage.shares(place).iter().map(|s| s.area).sum::<f32>() > 0.999;
+        let area = |place: usize| lumels.coverage.shares(place).iter().map(|share| share.area).sum::<f32>();
+        let whole = |&place: &usize| light.valid[place] && area(place) > 0.999;
         let chosen: Vec<usize> = (0..lumels.coverage.len()).filter(whole).step_by(29).collect();
         let middle = |&place: &usize| {
             let (_, [x, y]) = lumels.atlas.column_and_row(lumels.coverage.lumels()[place] as usize);
@@ -97,11 +112,17 @@ fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
         let expected: Vec<f32> = expected.irradiance.iter().map(|e| e.x).collect();
         assert!(found.len() > 150);
         let sum = |values: &[f32]| values.iter().sum::<f32>();
-        assert!((sum(&found) / sum(&expected) - 1.0).abs() < 0.01, "{place}: {} {}", sum(&found), sum(&expected));
-        // The mean over a lumel is not the light in its middle at the edges of shadows.
+        assert!(
+            (sum(&found) / sum(&expected) - 1.0).abs() < 0.01,
+            "{place}: {} {}",
+            sum(&found),
+            sum(&expected)
+        );
+        // Both have a noise of 2 %, and at the edges of shadows the mean over a lumel is not the light in its middle.
         let mut errors: Vec<f32> = found.iter().zip(&expected).map(|(f, e)| (f / e - 1.0).abs()).collect();
         errors.sort_by(f32::total_cmp);
-        assert!(errors[errors.len() * 9 / 10] < 0.05, "{place}: {errors:?}");
+        let [middle, most] = [errors.len() / 2, errors.len() * 9 / 10].map(|i| errors[i]);
+        assert!(middle < 0.02 && most < 0.06, "{place}: {middle} {most}");
     }
 }
 
@@ -142,7 +163,8 @@ fn under_an_even_sky_coarse_balls_are_lit_as_smooth_ones_and_floors_without_end(
 
 #[test]
 fn what_lies_under_a_block_is_no_light_of_the_floor() {
-    let floor = quad([[0.0, 0.0], [0.0, 2.0], [2.0, 2.0], [2.0, 0.0]].map(|[x, z]| Vec3::new(x, 0.0, z)), [1; 2], 0);
+    let floor =
+        quad([[0.0, 0.0], [0.0, 2.0], [2.0, 2.0], [2.0, 0.0]].map(|[x, z]| Vec3::new(x, 0.0, z)), [1; 2], 0);
     let mut meshes = vec![floor];
     meshes.extend(cuboid(Vec3::new(0.5, -0.2, 0.5), Vec3::new(1.5, 0.6, 1.5), 1, Facing::Outward, [0; 6]));
     let builder = SceneBuilder {
@@ -167,7 +189,8 @@ fn what_lies_under_a_block_is_no_light_of_the_floor() {
 #[test]
 fn lumels_have_the_same_bits_on_any_number_of_threads_and_in_any_memory() {
     let in_memory = |memory: u64, n_threads| {
-        let settings = Settings { memory: Memory(memory), direct_samples: 8, indirect_samples: 16, ..settings() };
+        let settings =
+            Settings { memory: Memory(memory), direct_samples: 8, indirect_samples: 16, ..settings() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         pool.install(|| {
             let lumels = lumels(&built(room()), 8.0);

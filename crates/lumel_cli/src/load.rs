@@ -52,6 +52,12 @@ pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<(Loaded, Option<
     Ok((build(args, opened)?, auto))
 }
 
+/// The scene with no edge split at all, for lightmaps. Its warnings were those of the scene that was baked.
+pub(crate) fn load_whole(args: &SceneArgs) -> anyhow::Result<Arc<Scene>> {
+    let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..args.open_options(None) };
+    Ok(build(args, open(args, &options)?)?.scene)
+}
+
 /// The length of edges that a project gives, if it is one and does.
 fn length_of_project(scene: &str) -> Option<MaxEdge> {
     let path = Path::new(scene);

@@ -1,10 +1,28 @@
 //! Files that a bake writes.
 
+use crate::args::{Basis, Target};
+use crate::commands::Lightmapped;
 use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
-use lumel::{Baker, FileFormat, Solution, SolutionSelection};
+use glam::Vec3;
+use lumel::{Baker, FileFormat, Solution, SolutionSelection, tracer_of};
 use lumel_export::check_obj;
+enum LightmapTarget {
+    Three,
+    Any,
+}
+fn write_lightmap_exr(_: &Path, _: &lumel_lightmap::Lightmap, _: usize) -> anyhow::Result<()> {
+    bail!("x")
+}
+fn write_lightmap_glb(
+    _: &Path,
+    _: &lumel::Scene,
+    _: &lumel_lightmap::Lightmap,
+    _: LightmapTarget,
+) -> anyhow::Result<()> {
+    bail!("x")
+}
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -12,16 +30,28 @@ use std::sync::atomic::AtomicBool;
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
-    /// Light, or a lit mesh.
+    /// Light at vertices, or a lit mesh.
     Light(FileFormat),
+    /// The pages of a lightmap.
+    Pages,
+    /// The mesh with a lightmap.
+    LightmapGlb,
     /// A picture.
     Picture,
 }
 
 /// All contents by their extension.
-fn contents() -> impl Iterator<Item = (&'static str, Content)> {
-    let light = FileFormat::ALL.into_iter().map(|(extension, format)| (extension, Content::Light(format)));
-    light.chain([("png", Content::Picture)])
+fn contents(basis: Basis) -> Vec<(&'static str, Content)> {
+    match basis {
+        Basis::Vertex => {
+            let light =
+                FileFormat::ALL.into_iter().map(|(extension, format)| (extension, Content::Light(format)));
+            light.chain([("png", Content::Picture)]).collect()
+        }
+        Basis::Lightmap => {
+            vec![("exr", Content::Pages), ("glb", Content::LightmapGlb), ("png", Content::Picture)]
+        }
+    }
 }
 
 /// A file to write.
@@ -32,20 +62,40 @@ pub(crate) struct Output {
     content: Content,
 }
 
+/// What there is to write.
+pub(crate) struct Light<'a> {
+    pub(crate) baker: &'a Baker,
+    /// At vertices.
+    pub(crate) solution: &'a Solution,
+    /// In lumels, if it was asked for.
+    pub(crate) lightmapped: Option<&'a Lightmapped>,
+    /// What a GLB file with a lightmap is made for.
+    pub(crate) target: Target,
+}
+
 impl Output {
-    /// A file whose extension selects the format.
-    pub(crate) fn new(path: &Path) -> anyhow::Result<Self> {
+    /// A file whose extension selects the format, among those for light that is stored in this basis.
+    pub(crate) fn new(path: &Path, basis: Basis) -> anyhow::Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let Some((_, content)) = contents().find(|(known, _)| *known == extension) else {
-            let all: Vec<String> = contents().map(|(extension, _)| format!(".{extension}")).collect();
-            let all = all.join(", ");
-            let problem = if extension.is_empty() { "no extension" } else { "an unknown extension" };
-            return Err(hinted(
-                format!("the output has {problem}: {}", path.display()),
-                format!("use one of {all}"),
-            ));
+        let contents = contents(basis);
+        let find = |contents: &[(&str, Content)]| {
+            contents.iter().find(|(known, _)| *known == extension).map(|(_, content)| *content)
         };
-        Ok(Self { path: path.to_owned(), content })
+        if let Some(content) = find(&contents) {
+            return Ok(Self { path: path.to_owned(), content });
+        }
+        let all: Vec<String> = contents.iter().map(|(extension, _)| format!(".{extension}")).collect();
+        let all = all.join(", ");
+        let other = if basis == Basis::Vertex { Basis::Lightmap } else { Basis::Vertex };
+        let problem = match extension.as_str() {
+            "" => "the output has no extension".to_owned(),
+            _ if find(&self::contents(other)).is_some() => {
+                let name = if basis == Basis::Vertex { "--basis vertex" } else { "--basis lightmap" };
+                format!("{name} writes no .{extension} files")
+            }
+            _ => "the output has an unknown extension".to_owned(),
+        };
+        Err(hinted(format!("{problem}: {}", path.display()), format!("use one of {all}")))
     }
 
     /// Whether it is a picture.
@@ -61,23 +111,58 @@ impl Output {
         Ok(())
     }
 
-    /// Writes the file. Returns its size in bytes.
+    /// Writes the file, or one for each page. Returns each with its size in bytes.
     pub(crate) fn write(
         &self,
-        baker: &Baker,
-        solution: &Solution,
+        light: &Light<'_>,
         cancel: &AtomicBool,
-    ) -> anyhow::Result<u64> {
-        let (path, scene) = (&self.path, baker.scene());
-        match self.content {
-            Content::Light(format) => format.write(path, scene, solution)?,
-            Content::Picture => {
-                let lighting = solution.lighting(scene, &SolutionSelection::Sum)?;
-                picture::write_default(path, scene, &**baker.tracer(), &lighting, cancel)?;
+    ) -> anyhow::Result<Vec<(PathBuf, u64)>> {
+        let Light { baker, solution, target, .. } = light;
+        let mut paths = vec![self.path.clone()];
+        match (self.content, light.lightmapped) {
+            (Content::Light(format), _) => format.write(&self.path, baker.scene(), solution)?,
+            (Content::Picture, None) => {
+                let lighting = solution.lighting(baker.scene(), &SolutionSelection::Sum)?;
+                picture::write_default(&self.path, baker.scene(), &**baker.tracer(), &lighting, cancel)?;
             }
+            (Content::Picture, Some(Lightmapped { scene, lightmap, .. })) => {
+                let lighting = |at, _: Vec3| lightmap.at(0, at);
+                picture::write_default(&self.path, scene, &*tracer_of(scene), &lighting, cancel)?;
+            }
+            (Content::LightmapGlb, Some(Lightmapped { scene, lightmap, .. })) => {
+                let target = match target {
+                    Target::Three => LightmapTarget::Three,
+                    Target::Any => LightmapTarget::Any,
+                };
+                write_lightmap_glb(&self.path, scene, lightmap, target)?;
+            }
+            (Content::Pages, Some(Lightmapped { lightmap, .. })) => {
+                let pages = lightmap.atlas.pages().len();
+                paths = (0..pages).map(|page| path_of_page(&self.path, page, pages)).collect();
+                for (page, path) in paths.iter().enumerate() {
+                    write_lightmap_exr(path, lightmap, page)?;
+                }
+            }
+            (Content::Pages | Content::LightmapGlb, None) => {}
         }
-        Ok(fs::metadata(path).with_context(|| format!("cannot find {}", path.display()))?.len())
+        paths.into_iter().map(sized).collect()
     }
+}
+
+/// A file that was written and its size.
+pub(crate) fn sized(path: PathBuf) -> anyhow::Result<(PathBuf, u64)> {
+    let found = fs::metadata(&path).with_context(|| format!("cannot find {}", path.display()))?;
+    Ok((path, found.len()))
+}
+
+/// The file of one of several pages; the file itself if there is one.
+pub(crate) fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
+    if pages == 1 {
+        return path.to_owned();
+    }
+    let [stem, extension] =
+        [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
+    path.with_file_name(format!("{stem}-{page}.{extension}"))
 }
 
 /// Checks before a long bake that all files can be written and that none would replace a source of the scene.
@@ -143,14 +228,33 @@ mod tests {
 
     #[test]
     fn extensions_tell_the_format_in_any_case() {
-        assert_eq!(Output::new(Path::new("a.GLB")).unwrap().content, Content::Light(FileFormat::Glb));
-        assert_eq!(Output::new(Path::new("x/a.b.npz")).unwrap().content, Content::Light(FileFormat::Npz));
+        assert_eq!(
+            Output::new(Path::new("a.GLB"), Basis::Vertex).unwrap().content,
+            Content::Light(FileFormat::Glb)
+        );
+        assert_eq!(
+            Output::new(Path::new("x/a.b.npz"), Basis::Vertex).unwrap().content,
+            Content::Light(FileFormat::Npz)
+        );
         for bad in ["a", "a.mtl", ".npz", "a.npz/"] {
-            let result = Output::new(Path::new(bad));
+            let result = Output::new(Path::new(bad), Basis::Vertex);
             assert!(result.is_err() || bad.ends_with('/'), "{bad}");
         }
-        let error = Output::new(Path::new("a.exr")).unwrap_err();
-        assert_eq!(crate::failure::hint(&error), Some("use one of .npz, .glb, .ply, .obj, .rad, .png"));
+        for (name, basis, problem, hint) in [
+            ("a.tif", Basis::Vertex, "unknown extension", "use one of .npz, .glb, .ply, .obj, .rad, .png"),
+            ("a.exr", Basis::Vertex, "--basis vertex writes no .exr files", "use one of .npz, .glb, .ply"),
+            (
+                "a.npz",
+                Basis::Lightmap,
+                "--basis lightmap writes no .npz files",
+                "use one of .exr, .glb, .png",
+            ),
+        ] {
+            let error = Output::new(Path::new(name), basis).unwrap_err();
+            assert!(error.to_string().contains(problem), "{error}");
+            assert!(crate::failure::hint(&error).unwrap().starts_with(hint), "{error}");
+        }
+        assert_eq!(Output::new(Path::new("a.glb"), Basis::Lightmap).unwrap().content, Content::LightmapGlb);
     }
 
     #[test]

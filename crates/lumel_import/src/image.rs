@@ -170,7 +170,12 @@ fn decode_as(
     limits.max_alloc = Some(MAX_BYTES);
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(failed)?;
+    let decoder = reader.into_decoder().map_err(|error| match (&error, dimensions(bytes, format)) {
+        (image::ImageError::Limits(_), Some((width, height))) => {
+            TextureError::TooLarge { name: name.to_owned(), width, height }
+        }
+        _ => failed(error),
+    })?;
     let (width, height) = decoder.dimensions();
     let as_texture = u64::from(width) * u64::from(height) * bytes_per_texel(decoder.color_type());
     if decoder.total_bytes().max(as_texture) > MAX_BYTES {
@@ -183,6 +188,13 @@ fn decode_as(
     let image = DynamicImage::from_decoder(decoder).map_err(failed)?;
     budget.left = left;
     Ok(image)
+}
+
+/// Width and height as the header of an image has them.
+fn dimensions(bytes: &[u8], format: ImageFormat) -> Option<(u32, u32)> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.no_limits();
+    reader.into_dimensions().ok()
 }
 
 /// Memory of a texel in a [`Texture`], bytes.
@@ -353,7 +365,7 @@ mod tests {
         };
         let error = set_size(20_000, 20_000);
         assert!(matches!(error, TextureError::TooLarge { width: 20_000, .. }), "{error}");
-        assert!(matches!(set_size(60_000, 1), TextureError::Decode { .. }));
+        assert!(matches!(set_size(60_000, 1), TextureError::TooLarge { width: 60_000, .. }));
     }
 
     #[test]

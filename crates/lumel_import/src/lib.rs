@@ -38,8 +38,13 @@ use text::escaped;
 /// # Errors
 /// See [`ImportError`].
 pub fn load(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
+    let is_empty = std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() == 0);
     let imported = Format::of(path).and_then(|format| match format {
         Format::Obj => obj::load(path, options),
+        // Their parsers would tell of a missing header.
+        Format::Gltf | Format::Ply if is_empty => {
+            Err(ImportError::malformed(path, "the file is empty; export or copy it again"))
+        }
         Format::Gltf => gltf::load(path, options),
         Format::Ply => ply::load(path, options),
     });

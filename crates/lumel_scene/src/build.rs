@@ -32,13 +32,13 @@ impl SceneBuilder {
             .iter_mut()
             .map(|object| sanitize::absent_faces(object, &looks, &mut warnings))
             .collect();
-        let smallest = 1e-12 * self.diagonal_squared();
+        let mut smallest = sanitize::Smallest::of(self.diagonal_squared());
         let mut faces = FaceList::default();
         let mut objects = std::mem::take(&mut self.objects);
         let mut kept = Vec::with_capacity(objects.len());
         for (object, present) in objects.iter_mut().zip(present) {
             resolution::check(object, &mut warnings)?;
-            kept.push(sanitize::object(object, present, smallest, &mut warnings));
+            kept.push(sanitize::object(object, present, &mut smallest, &mut warnings));
         }
         let pairs = coincident::resolve(&mut objects, &mut kept, &self.materials, &mut warnings);
         for ((mut object, kept), face_count) in objects.into_iter().zip(kept).zip(face_counts) {
@@ -52,7 +52,10 @@ impl SceneBuilder {
             faces.append(object, Given { vertex_count, vertices, face_count, faces: kept });
         }
         if faces.triangles.is_empty() {
-            return Err(SceneError::Empty { scene: self.name });
+            return Err(match smallest.was_undercut {
+                true => SceneError::TooSmall { scene: self.name, diagonal: smallest.diagonal },
+                false => SceneError::Empty { scene: self.name },
+            });
         }
         faces.add_back_sides(&self.materials, &pairs);
         if looks.vary() {
@@ -121,6 +124,27 @@ mod tests {
         assert_eq!(warnings.len(), 1);
         broken.positions[1] = Vec3::ZERO;
         assert_eq!(builder(vec![broken]).build().unwrap_err(), SceneError::Empty { scene: "test".into() });
+    }
+
+    #[test]
+    fn objects_too_far_from_each_other_are_told_from_empty_ones() {
+        let mut far = quad("far");
+        far.positions.iter_mut().for_each(|p| *p += Vec3::splat(3e6));
+        let error = builder(vec![quad("near"), far.clone()]).build().unwrap_err();
+        assert!(matches!(error, SceneError::TooSmall { .. }), "{error}");
+        assert!(error.to_string().contains("the scene is 519615"), "{error}");
+        // What is large enough stays, and the other is named.
+        far.positions.iter_mut().for_each(|p| *p *= 10.0);
+        let large = ObjectMesh {
+            positions: quad("large").positions.iter().map(|p| *p * 1e4).collect(),
+            ..quad("large")
+        };
+        let (_, warnings) = builder(vec![quad("near"), large, far]).build().unwrap();
+        let text = warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        assert!(
+            text.contains("object \"near\": 2 triangles dropped: they are smaller than a millionth"),
+            "{text}"
+        );
     }
 
     #[test]

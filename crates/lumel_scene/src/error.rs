@@ -12,6 +12,17 @@ pub enum SceneError {
         /// The scene's name.
         scene: String,
     },
+    /// All triangles are too small for the extent of the scene.
+    #[error(
+        "scene \"{scene}\" has no triangles that can be lit: all are smaller than a millionth of its extent; the scene is \
+         {diagonal:.0} m across, so some object lies very far from the others: move it nearer"
+    )]
+    TooSmall {
+        /// The scene's name.
+        scene: String,
+        /// The diagonal of its bounds, metres.
+        diagonal: f64,
+    },
     /// More triangles or vertices than indices can address.
     #[error("scene \"{scene}\" would have {triangles} triangles; the limit is {MAX_TRIANGLES}")]
     TooLarge {

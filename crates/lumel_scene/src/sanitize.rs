@@ -24,24 +24,45 @@ pub(crate) fn absent_faces(mesh: &mut ObjectMesh, looks: &Looks, warnings: &mut 
     numbers
 }
 
-/// Drops the triangles of an object that have no area above `smallest_area` (m²) or positions that are not finite, and
+/// Triangles below this share of the squared diagonal of their scene are dropped.
+const SMALLEST_SHARE: f64 = 1e-12;
+
+/// How small triangles may be.
+pub(crate) struct Smallest {
+    /// The diagonal of the scene, metres.
+    pub(crate) diagonal: f64,
+    /// Whether any was smaller.
+    pub(crate) was_undercut: bool,
+}
+
+impl Smallest {
+    /// In a scene with this squared diagonal, m².
+    pub(crate) fn of(diagonal_squared: f64) -> Self {
+        Self { diagonal: diagonal_squared.sqrt(), was_undercut: false }
+    }
+}
+
+/// Drops the triangles of an object that are smaller than that or have positions that are not finite, and
 /// makes its attributes finite. Returns which of the faces, which have these `numbers`, are kept.
 pub(crate) fn object(
     mesh: &mut ObjectMesh,
     numbers: Vec<u32>,
-    smallest_area: f64,
+    smallest: &mut Smallest,
     warnings: &mut Warnings,
 ) -> Runs {
     let positions = &mesh.positions;
-    let (mut n_infinite, mut n_flat) = (0, 0);
+    let smallest_area = SMALLEST_SHARE * smallest.diagonal * smallest.diagonal;
+    let (mut n_infinite, mut n_flat, mut n_tiny) = (0, 0, 0);
     let mut kept = Runs::default();
     let mut numbers = numbers.into_iter();
     mesh.faces.retain(|face| {
         let corners = face.vertices.map(|v| positions[v as usize]);
         let is_finite = corners.iter().all(|p| p.is_finite());
-        let has_area = is_finite && triangle::area(corners) > smallest_area;
+        let area = if is_finite { triangle::area(corners) } else { 0.0 };
+        let has_area = area > smallest_area;
         n_infinite += usize::from(!is_finite);
-        n_flat += usize::from(is_finite && !has_area);
+        n_flat += usize::from(is_finite && area == 0.0);
+        n_tiny += usize::from(area > 0.0 && !has_area);
         kept.extend(numbers.next().filter(|_| has_area));
         has_area
     });
@@ -54,6 +75,17 @@ pub(crate) fn object(
     }
     if n_flat > 0 {
         warnings.push(&subject, format!("{n_flat} triangles dropped: they have no area"));
+    }
+    if n_tiny > 0 {
+        smallest.was_undercut = true;
+        let across = smallest.diagonal;
+        warnings.push(
+            &subject,
+            format!(
+                "{n_tiny} triangles dropped: they are smaller than a millionth of the scene, which is {across:.3} m across; \
+                 move what lies far away nearer"
+            ),
+        );
     }
     for uv in &mut mesh.uvs {
         *uv = if uv.is_finite() { *uv } else { Vec2::ZERO };

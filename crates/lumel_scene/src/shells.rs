@@ -21,9 +21,14 @@ impl Scene {
         !self.is_two_sided(tri) && shells.all[shells.of(self.traced(tri))].is_closed()
     }
 
+    /// The triangle that stands for the shell of another one: the same for all of a shell.
+    pub fn shell(&self, tri: TriId) -> TriId {
+        TriId(self.shells().of(self.traced(tri)) as u32)
+    }
+
     /// Whether two triangles belong to one shell.
     pub fn hang_together(&self, a: TriId, b: TriId) -> bool {
-        self.shells().of(self.traced(a)) == self.shells().of(self.traced(b))
+        self.shell(a) == self.shell(b)
     }
 }
 

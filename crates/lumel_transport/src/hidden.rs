@@ -115,6 +115,12 @@ impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
         is_cut_off
     }
 
+    /// Whether what a ray from an element has met nearby may [cover](Self::is_covered) it: another surface.
+    pub(crate) fn may_cover(&self, element: ElementId, hit: Hit) -> bool {
+        let own = self.op.receivers.surface(element);
+        own.is_some_and(|own| !self.op.scene.hang_together(own, hit.at.tri))
+    }
+
     /// Whether other surfaces almost touch the one that a site lies on: within its [reach](Receivers::reach)
     /// they are all that is seen.
     ///

@@ -69,7 +69,7 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
     let reach: Vec<f32> = chunk.elements.iter().map(|&element| op.receivers.reach(element)).collect();
     gather.trace(&*op.tracer, &sites, samples as usize, control, |i, hit| {
         let (at, end) = (next[i] * lanes + i, RayEnd::new(&op.scene, hit));
-        let is_near = hit.is_some_and(|hit| hit.t < reach[i]);
+        let is_near = hit.is_some_and(|hit| hit.t < reach[i] && lookout.may_cover(chunk.elements[i], hit));
         if is_near || end == RayEnd::BackFace {
             doubtful.push((at, is_near));
         }
@@ -83,11 +83,13 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
         (element, op.receivers.site(element, chunk.pattern.place(number).0), key.pass(number))
     };
     let mut covered = vec![false; lanes];
+    let mut behind = vec![Verdict::default(); lanes];
     for (at, is_near) in doubtful {
         control.check()?;
         let (element, site, key) = place(at);
         let is_covered = is_near && lookout.is_covered(element, &site);
-        if is_covered || ends[at] == Some(RayEnd::BackFace) && lookout.is_behind(element, &site, key) {
+        let mut is_behind = || behind[at % lanes].or_ask(|| lookout.is_behind(element, &site, key));
+        if is_covered || ends[at] == Some(RayEnd::BackFace) && is_behind() {
             ends[at] = None;
         }
         covered[at % lanes] |= is_covered;
@@ -102,4 +104,28 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
     }
     control.count(0, ends.len() as u64 + lookout.n_rays());
     Ok(ends)
+}
+
+/// How often the same answer is needed before it goes for all of an element.
+const UNANIMOUS: u32 = 8;
+
+/// What was found of some places of an element: most elements lie on one side of everything with all of their places.
+#[derive(Clone, Copy, Default)]
+struct Verdict {
+    yes: u32,
+    no: u32,
+}
+
+impl Verdict {
+    /// The answer of all places so far, if there are enough; otherwise a new one.
+    fn or_ask(&mut self, ask: impl FnOnce() -> bool) -> bool {
+        match *self {
+            Self { yes, no: 0 } if yes >= UNANIMOUS => return true,
+            Self { yes: 0, no } if no >= UNANIMOUS => return false,
+            _ => {}
+        }
+        let answer = ask();
+        *if answer { &mut self.yes } else { &mut self.no } += 1;
+        answer
+    }
 }

@@ -28,6 +28,15 @@ impl Preset {
             Self::Production => 500_000,
         }
     }
+
+    /// How many lumels the pages of a lightmap have, about.
+    pub fn lumel_budget(self) -> u32 {
+        match self {
+            Self::Draft => 1 << 16,
+            Self::Medium => 1 << 18,
+            Self::Production => 1 << 20,
+        }
+    }
 }
 
 choices! {

@@ -1,11 +1,13 @@
 //! The command line. Its doc comments are the help texts and the manual.
 
+mod atlas;
 mod settings;
 mod shared;
 mod unwrap;
 
 use crate::parse::{self, CameraChoice};
-use clap::{Args, Parser, Subcommand};
+pub(crate) use atlas::AtlasArgs;
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};
 use lumel::{SolutionSelection, spec};
@@ -104,6 +106,17 @@ pub(crate) struct BakeArgs {
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) outputs: Vec<PathBuf>,
 
+    /// Where light is stored.
+    #[arg(long, value_enum, value_name = "BASIS", default_value_t = Basis::Vertex)]
+    pub(crate) basis: Basis,
+
+    /// What a .glb file with a lightmap is made for.
+    #[arg(long, value_enum, value_name = "TARGET", default_value_t = Target::Three, help_heading = "Atlas")]
+    pub(crate) target: Target,
+
+    #[command(flatten)]
+    pub(crate) atlas: AtlasArgs,
+
     #[command(flatten)]
     pub(crate) settings: SettingsArgs,
 
@@ -122,6 +135,25 @@ pub(crate) struct BakeArgs {
     /// Print the summary as one JSON object.
     #[arg(long, help_heading = "Run")]
     pub(crate) json: bool,
+}
+
+/// Where a bake stores light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Basis {
+    /// At the vertices of the mesh, whose long edges are split.
+    #[value(alias = "vertex-area")]
+    Vertex,
+    /// In lumels, the texels of a lightmap: the mesh stays as it is.
+    Lightmap,
+}
+
+/// What a GLB file with a lightmap is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Target {
+    /// three.js, by the extension MOZ_lightmap: irradiance, apart from albedo.
+    Three,
+    /// Any viewer: reflected light, as emission of black surfaces.
+    Any,
 }
 
 /// What `--light` means to `lumel render`.

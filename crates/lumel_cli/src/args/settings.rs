@@ -8,6 +8,9 @@ use lumel::{EmitterSampling, Preset, SettingsPatch};
 /// What the help lists them under.
 const HEADING: &str = "Settings";
 
+/// Former names of settings that are options of their own now.
+const TAKEN: [&str; 1] = ["basis"];
+
 /// The name of the option for a preset.
 const PRESET: &str = "preset";
 
@@ -80,7 +83,7 @@ fn option(setting: &'static dyn Setting) -> Arg {
     let help = format!("{} [default: {default}]", about.help());
     let option = Arg::new(about.name)
         .long(about.flag())
-        .aliases(about.former)
+        .aliases(about.former.iter().filter(|name| !TAKEN.contains(name)))
         .value_name(about.placeholder)
         .value_parser(parser)
         .allow_negative_numbers(true)

@@ -1,14 +1,15 @@
 //! `lumel bake`
 
+use super::lightmap;
 use super::summary::{Step, Summary, Written};
-use crate::args::BakeArgs;
+use crate::args::{BakeArgs, Basis};
 use crate::checkpoint::{self, Checkpoint};
 use crate::command_run::{CommandRun, SolveLog, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::with_hint;
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
-use crate::outputs::{self, Output};
+use crate::outputs::{self, Light, Output};
 use anyhow::bail;
 use lumel::{Baker, Control, Ended, ResumeError, Saved, Solution, SolveState};
 use std::path::{Path, PathBuf};
@@ -50,10 +51,15 @@ struct BakeFiles {
 impl BakeFiles {
     /// Checks everything that can be checked in advance.
     fn new(args: &BakeArgs) -> anyhow::Result<Self> {
-        let mut outputs =
-            args.outputs.iter().map(|path| Output::new(path)).collect::<anyhow::Result<Vec<_>>>()?;
+        let mut outputs = args
+            .outputs
+            .iter()
+            .map(|path| Output::new(path, args.basis))
+            .collect::<anyhow::Result<Vec<_>>>()?;
         if outputs.is_empty() {
-            outputs.push(Output::new(Path::new(&format!("{}.npz", load::file_stem(&args.scene.scene))))?);
+            let extension = if args.basis == Basis::Lightmap { "exr" } else { "npz" };
+            let name = format!("{}.{extension}", load::file_stem(&args.scene.scene));
+            outputs.push(Output::new(Path::new(&name), args.basis)?);
         }
         let checkpoint = checkpoint::path_for(&outputs[0].path);
         let mut paths: Vec<&Path> = outputs.iter().map(|output| output.path.as_path()).collect();
@@ -72,6 +78,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     let (loaded, load_seconds) =
         run.timed("load", || load::load_and_warn(&args.scene, args.settings.vertex_budget(), &run.console));
     let Loaded { scene, patch, auto_edge, .. } = loaded?;
+    let preset = args.settings.patch.preset.or(patch.preset).unwrap_or_default();
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
@@ -98,11 +105,26 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     }
     warn_of_dark_faces(&baker, &state, run);
     warn_of_error(&state, run);
+    let lightmapped = match args.basis {
+        Basis::Vertex => None,
+        Basis::Lightmap => match lightmap::of(args, &baker, &state, preset, run)? {
+            Some(lightmapped) => Some(lightmapped),
+            None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
+        },
+    };
     let mut solution = solution(&baker, &state, run, &log);
     solution.meta.vertex_budget = auto_edge.map(|auto| auto.vertex_budget);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
     let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
-    let (written, write_seconds) = run.timed("write", || write(files, &baker, &solution, kept, run));
+    let (written, write_seconds) = run.timed("write", || {
+        let light = Light {
+            baker: &baker,
+            solution: &solution,
+            lightmapped: lightmapped.as_ref(),
+            target: args.target,
+        };
+        write(files, &light, kept, run)
+    });
     let Some(written) = written? else {
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
     };
@@ -111,6 +133,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     summary.auto_edge = auto_edge.and_then(|auto| auto.length);
     summary.resumed_bounces = first_bounce;
     summary.files = written;
+    summary.lightmap = lightmapped.map(|lightmapped| lightmapped.report);
     summary.seconds.load = load_seconds;
     summary.seconds.build = build_seconds;
     summary.seconds.write = write_seconds;
@@ -221,8 +244,7 @@ fn solution(baker: &Baker, state: &SolveState, run: &CommandRun, log: &SolveLog)
 /// Writes all outputs in order. `None` if cancelled. The file `kept` also contains all light.
 fn write(
     files: &BakeFiles,
-    baker: &Baker,
-    solution: &Solution,
+    light: &Light<'_>,
     kept: Option<&Path>,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Vec<Written>>> {
@@ -232,11 +254,11 @@ fn write(
         if run.interrupt.is_requested() {
             return Ok(None);
         }
-        let result = output.write(baker, solution, run.interrupt.picture());
+        let result = output.write(light, run.interrupt.picture());
         if result.is_err() && output.is_picture() && run.interrupt.is_requested() {
             return Ok(None);
         }
-        let bytes = result.map_err(|error| match kept {
+        let files = result.map_err(|error| match kept {
             Some(file) => {
                 let hint =
                     format!("the bake itself is done; to write the files, use --resume {}", file.display());
@@ -244,7 +266,7 @@ fn write(
             }
             None => error,
         })?;
-        written.push(Written { path: output.path.clone(), bytes });
+        written.extend(files.into_iter().map(|(path, bytes)| Written { path, bytes }));
     }
     Ok(Some(written))
 }

@@ -133,7 +133,7 @@ fn stored_settings(saved: &Saved) -> anyhow::Result<Settings> {
     let settings: Settings = serde_json::from_value(saved.settings().clone())?;
     settings.validate()?;
     let last = saved.bounce_count().checked_sub(1).context("it holds no light")?;
-    let tail = if saved.has_tail() { settings.tail } else { Tail::Off };
+    let tail = if saved.has_tail() { Tail::Geometric } else { Tail::Off };
     Ok(Settings { bounces: BounceLimit::Count(last as u32), tail, ..settings })
 }
 

@@ -1,8 +1,10 @@
 //! One file for each command.
 
+mod atlas;
 mod bake;
 mod compare;
 mod info;
+mod lightmap;
 mod man;
 mod measure;
 mod render;
@@ -13,6 +15,7 @@ mod view;
 use crate::args::Command;
 use crate::console::Console;
 use crate::outcome::Outcome;
+pub(crate) use lightmap::Lightmapped;
 use std::sync::Arc;
 
 /// Runs a command.

@@ -1,6 +1,6 @@
 //! `lumel render`
 
-use crate::args::{ProgressMode, RenderArgs};
+use crate::args::{Basis, ProgressMode, RenderArgs};
 use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::hinted;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Draws.
 pub(crate) fn run(args: &RenderArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
     let display = display(args)?;
-    if !Output::new(&args.output).is_ok_and(|output| output.is_picture()) {
+    if !Output::new(&args.output, Basis::Vertex).is_ok_and(|output| output.is_picture()) {
         let message = format!("images can only be written as .png: {}", args.output.display());
         return Err(hinted(message, "use a file name that ends in .png"));
     }

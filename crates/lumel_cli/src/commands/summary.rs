@@ -33,9 +33,51 @@ pub(crate) struct Summary {
     rays: u64,
     mrays_per_second: f64,
     threads: usize,
+    /// The lightmap, if light is stored in one.
+    pub(crate) lightmap: Option<LightmapReport>,
     pub(crate) seconds: Seconds,
     pub(crate) files: Vec<Written>,
     pub(crate) warnings: usize,
+}
+
+/// A lightmap.
+#[derive(Debug, Serialize)]
+pub(crate) struct LightmapReport {
+    pub(crate) pages: Vec<[u32; 2]>,
+    /// Lumels with light of their own.
+    pub(crate) lumels: usize,
+    /// Lumels that see nothing but the inside of geometry.
+    pub(crate) invalid_lumels: usize,
+    /// Lumels per metre.
+    pub(crate) density: f32,
+    pub(crate) charts: usize,
+    pub(crate) utilization: f64,
+    pub(crate) unwrap_seconds: f64,
+    /// For measuring light in lumels.
+    pub(crate) seconds: f64,
+    pub(crate) finish_seconds: f64,
+}
+
+impl LightmapReport {
+    fn text(&self) -> String {
+        let sizes: Vec<String> = self.pages.iter().map(|[w, h]| format!("{w} x {h}")).collect();
+        let pages = counted(self.pages.len(), "page", "pages");
+        let inside = match self.invalid_lumels {
+            0 => String::new(),
+            n => format!(", {} inside geometry", counted(n, "lies", "lie")),
+        };
+        format!(
+            "lightmap {pages} of {}, {} used by {}; {} of {} per metre{inside}\nunwrap {:.2} s\nlumels {:.2} s\nfinish {:.2} s",
+            sizes.join(", "),
+            report::percent(self.utilization),
+            counted(self.charts, "chart", "charts"),
+            counted(self.lumels, "lumel", "lumels"),
+            report::significant(f64::from(self.density)),
+            self.unwrap_seconds,
+            self.seconds,
+            self.finish_seconds,
+        )
+    }
 }
 
 /// Times by phase.
@@ -235,6 +277,7 @@ impl Summary {
                 checkpoints: log.checkpoint_seconds,
                 ..Seconds::default()
             },
+            lightmap: None,
             files: Vec::new(),
             warnings: 0,
         }
@@ -267,6 +310,7 @@ impl Summary {
         if checkpoints >= 0.005 {
             lines.push(format!("checkpoints {checkpoints:.2} s"));
         }
+        lines.extend(self.lightmap.as_ref().map(LightmapReport::text));
         lines.push(format!("write {write:.2} s"));
         lines.push(format!("total {total:.2} s"));
         let threads = counted(self.threads, "thread", "threads");

@@ -1,23 +1,24 @@
 //! `lumel unwrap`
 
+use super::atlas;
+use super::summary::Written;
 use crate::args::{ProgressMode, UnwrapArgs};
 use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
-use crate::failure::{hinted, with_hint};
+use crate::failure::hinted;
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
-use crate::outputs;
+use crate::outputs::{self, path_of_page, sized};
 use crate::report::{bytes, counted, duration, percent, significant};
-use anyhow::Context;
 use lumel::Scene;
 use lumel_export::{write_atlas_png, write_unwrapped_glb};
-use lumel_uv::{Density, Finding, Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
+use lumel_uv::Unwrapped;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Further findings are only counted: when time is up, every object can have one.
-const MAX_FINDINGS: usize = 20;
+/// Lumels on all pages, if nothing else is asked for.
+const LUMELS: u32 = 1 << 20;
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,12 +27,6 @@ enum Format {
     Glb,
     /// A picture of each page.
     Png,
-}
-
-/// A file that was written.
-struct Written {
-    path: PathBuf,
-    bytes: u64,
 }
 
 /// Unwraps and writes.
@@ -43,14 +38,13 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
     let run = CommandRun::start(ProgressMode::None, console)?;
     let (Loaded { scene, warnings, .. }, _) = load::load_as_it_is(&args.scene)?;
     load::warn(&warnings, &args.scene, console);
-    let settings = settings(args, &scene)?;
     let begun = run.clock.seconds();
-    let Some(unwrapped) = pool.install(|| unwrap_in_time(args, &scene, &settings, &run))? else {
+    let unwrapped = pool.install(|| atlas::of(&scene, &args.atlas, (&args.scene.scene, LUMELS), &run))?;
+    let Some(unwrapped) = unwrapped else {
         console.note("stopped; no file was written");
         return Ok(Outcome::Cancelled);
     };
     let seconds = run.clock.seconds() - begun;
-    warn(&unwrapped.report.findings, console);
     let mut written = Vec::new();
     for (path, format) in paths.iter().zip(formats) {
         written.extend(write(path, format, &scene, &unwrapped)?);
@@ -63,14 +57,6 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
     Ok(console.outcome(args.strict))
 }
 
-/// Reports findings, up to some number.
-fn warn(findings: &[Finding], console: &Console) {
-    findings.iter().take(MAX_FINDINGS).for_each(|finding| console.warning(&finding.to_string()));
-    if let Some(more) = findings.len().checked_sub(MAX_FINDINGS).filter(|&n| n > 0) {
-        console.warning(&format!("{more} more objects or faults; --json lists all"));
-    }
-}
-
 fn format_of(path: &Path) -> anyhow::Result<Format> {
     match path.extension().unwrap_or_default().to_string_lossy().to_lowercase().as_str() {
         "glb" => Ok(Format::Glb),
@@ -79,57 +65,6 @@ fn format_of(path: &Path) -> anyhow::Result<Format> {
             format!("an unwrapped scene cannot be written as this: {}", path.display()),
             "use a file name that ends in .glb, or in .png for a picture of the atlas",
         )),
-    }
-}
-
-fn settings(args: &UnwrapArgs, scene: &Scene) -> anyhow::Result<UnwrapSettings> {
-    let usual = UnwrapSettings::default();
-    let budget = args.lumels.map_or(usual.density, Density::Budget);
-    let mut factors = Vec::new();
-    for (name, factor) in &args.density_factor {
-        factors.resize(scene.object_names().len(), 1.0);
-        let named = || scene.object_names().iter().enumerate().filter(|(_, object)| *object == name);
-        if named().next().is_none() {
-            return Err(hinted(
-                format!("scene \"{}\" has no object \"{name}\"", scene.name()),
-                format!("`lumel unwrap {} --json` lists its objects", args.scene.scene),
-            ));
-        }
-        named().for_each(|(object, _)| factors[object] = *factor);
-    }
-    Ok(UnwrapSettings {
-        density: args.density.map_or(budget, Density::PerMetre),
-        factors,
-        page_size: args.atlas_size,
-        gutter: args.gutter,
-        // The parser lets nothing else pass.
-        align: args.align.parse()?,
-    })
-}
-
-/// `None` if it was stopped.
-fn unwrap_in_time(
-    args: &UnwrapArgs,
-    scene: &Scene,
-    settings: &UnwrapSettings,
-    run: &CommandRun,
-) -> anyhow::Result<Option<Unwrapped>> {
-    let ends = run.clock.seconds() + f64::from(args.time_limit);
-    let pace = || {
-        if run.interrupt.is_requested() {
-            Pace::Stop
-        } else if run.clock.seconds() >= ends {
-            Pace::Hurry
-        } else {
-            Pace::Go
-        }
-    };
-    let _heeding = run.interrupt.heed();
-    match unwrap(scene, settings, &pace) {
-        Ok(unwrapped) => Ok(Some(unwrapped)),
-        Err(UvError::Stopped) => Ok(None),
-        Err(error @ UvError::TooLarge { .. }) => Err(with_hint(error, "choose a smaller --density")),
-        Err(error @ UvError::Setting { .. }) => Err(with_hint(error, "see `lumel unwrap --help`")),
     }
 }
 
@@ -150,20 +85,7 @@ fn write(path: &Path, format: Format, scene: &Scene, unwrapped: &Unwrapped) -> a
             paths
         }
     };
-    let size = |path: PathBuf| {
-        let found = std::fs::metadata(&path).with_context(|| format!("cannot find {}", path.display()))?;
-        Ok(Written { path, bytes: found.len() })
-    };
-    paths.into_iter().map(size).collect()
-}
-
-/// The file itself if there is one page.
-fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
-    if pages == 1 {
-        return path.to_owned();
-    }
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{page}.png"))
+    paths.into_iter().map(|path| sized(path).map(|(path, bytes)| Written { path, bytes })).collect()
 }
 
 fn summary(

@@ -83,7 +83,9 @@ fn rich() -> Model {
 fn survive(bytes: &[u8]) {
     match read_bytes(bytes) {
         Ok(imported) => match imported.scene.build() {
-            Ok(_) | Err(SceneError::Empty { .. } | SceneError::Unresolved { .. }) => {}
+            Ok(_)
+            | Err(SceneError::Empty { .. } | SceneError::TooSmall { .. } | SceneError::Unresolved { .. }) => {
+            }
             Err(error) => panic!("read, but cannot be built: {error}"),
         },
         Err(message) => assert!(!message.is_empty() && message.len() < 1000, "{message}"),

@@ -1,0 +1,43 @@
+//! Options for the atlas of a lightmap.
+
+use crate::parse;
+use clap::Args;
+use lumel_uv::MAX_PAGE;
+
+/// How a scene is unwrapped.
+#[derive(Debug, Args)]
+pub(crate) struct AtlasArgs {
+    /// Lumels per metre; replaces --lumels.
+    #[arg(long, value_name = "N", value_parser = parse::above_zero, allow_negative_numbers = true)]
+    #[arg(help_heading = "Atlas", conflicts_with = "lumels")]
+    pub(crate) density: Option<f32>,
+
+    /// As fine as this many lumels on all pages together allow. [default: 1048576; for bakes 65536 with --preset draft, 262144
+    /// with medium]
+    #[arg(long, value_name = "N", value_parser = parse::count(1..=1 << 30), allow_negative_numbers = true)]
+    #[arg(help_heading = "Atlas")]
+    pub(crate) lumels: Option<u32>,
+
+    /// What multiplies the density of the objects NAME. May be repeated.
+    #[arg(long, value_name = "NAME=X", value_parser = parse::named_factor, help_heading = "Atlas")]
+    pub(crate) density_factor: Vec<(String, f32)>,
+
+    /// The largest width and height of a page, lumels, a multiple of 4; what does not fit is on further pages.
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = parse::count(64..=MAX_PAGE))]
+    #[arg(help_heading = "Atlas", allow_negative_numbers = true)]
+    pub(crate) atlas_size: u32,
+
+    /// Lumels that stay free between charts: 2 for bilinear, 3 for bicubic reading.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = parse::count(0..=16))]
+    #[arg(help_heading = "Atlas", allow_negative_numbers = true)]
+    pub(crate) gutter: u32,
+
+    /// Charts share no block of N by N lumels: 1, or 4 for formats that compress blocks.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = ["1", "4"], help_heading = "Atlas")]
+    pub(crate) align: String,
+
+    /// After this many seconds, objects that are left get simple charts, and are named.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = parse::count(0..=1_000_000))]
+    #[arg(help_heading = "Run", allow_negative_numbers = true)]
+    pub(crate) time_limit: u32,
+}

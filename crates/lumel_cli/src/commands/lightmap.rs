@@ -1,0 +1,94 @@
+//! The lightmap of a bake.
+
+use super::atlas;
+use super::summary::LightmapReport;
+use crate::args::BakeArgs;
+use crate::command_run::CommandRun;
+use crate::load;
+use glam::Vec3;
+use lumel::{Baker, LumelLight, Lumels, Preset, Scene, SolveState, TransportError};
+use lumel_lightmap::{Lightmap, LightmapLayer};
+use lumel_uv::{Coverage, Unwrapped};
+use std::sync::Arc;
+
+/// A scene as it was given and its light.
+pub(crate) struct Lightmapped {
+    pub(crate) scene: Arc<Scene>,
+    /// Finished: seams are closed, and all lumels have light.
+    pub(crate) lightmap: Lightmap,
+    pub(crate) report: LightmapReport,
+}
+
+/// Unwraps the scene as it is in its files and measures the light of a solve in its lumels. `None` if it was stopped.
+pub(crate) fn of(
+    args: &BakeArgs,
+    baker: &Baker,
+    state: &SolveState,
+    preset: Preset,
+    run: &CommandRun,
+) -> anyhow::Result<Option<Lightmapped>> {
+    let (scene, _) = run.timed("load", || load::load_whole(&args.scene));
+    let scene = scene?;
+    let (unwrapped, unwrap_seconds) = run
+        .timed("unwrap", || atlas::of(&scene, &args.atlas, (&args.scene.scene, preset.lumel_budget()), run));
+    let Some(Unwrapped { atlas, report }) = unwrapped? else { return Ok(None) };
+    let lumels = Lumels::new(Arc::clone(&scene), atlas);
+    let measured = || {
+        let _heeding = run.interrupt.heed();
+        baker.light_at_lumels(state, &lumels, run.interrupt.control())
+    };
+    let (light, seconds) = run.timed("lumels", measured);
+    let light = match light {
+        Ok(light) => light,
+        Err(TransportError::Cancelled) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let (lightmap, finish_seconds) = run.timed("finish", || finished(&lumels, &light));
+    let report = LightmapReport {
+        pages: lumels.atlas.pages().to_vec(),
+        lumels: lumels.coverage.len(),
+        invalid_lumels: light.valid.iter().filter(|valid| !**valid).count(),
+        density: lumels.atlas.density(),
+        charts: report.chart_count(),
+        utilization: report.utilization,
+        unwrap_seconds,
+        seconds,
+        finish_seconds,
+    };
+    Ok(Some(Lightmapped { scene, lightmap, report }))
+}
+
+/// All pages: what was measured, with seams closed and the light of lumels that were not measured taken from their neighbours.
+fn finished(lumels: &Lumels, light: &LumelLight) -> Lightmap {
+    let Lumels { scene, atlas, coverage } = lumels;
+    let n_lumels = atlas.lumel_count();
+    let mut valid = vec![false; n_lumels];
+    for (&lumel, &is_valid) in coverage.lumels().iter().zip(&light.valid) {
+        valid[lumel as usize] = is_valid;
+    }
+    let bounces = light.bounces.iter().enumerate();
+    let names = bounces.map(|(bounce, values)| match bounce {
+        0 => ("direct".to_owned(), values),
+        _ => (format!("bounce {bounce}"), values),
+    });
+    let tail = light.tail.iter().map(|values| ("tail".to_owned(), values));
+    let irradiance = light.irradiance();
+    let all = std::iter::once(("irradiance".to_owned(), &irradiance)).chain(names).chain(tail);
+    let layer = |(name, values): (String, &Vec<Vec3>)| LightmapLayer {
+        name,
+        values: on_pages(coverage, values, n_lumels),
+    };
+    let layers = all.map(layer).collect();
+    let mut lightmap = Lightmap { atlas: Arc::clone(atlas), valid, layers };
+    lightmap.finish(scene, coverage);
+    lightmap
+}
+
+/// Values of the lumels of a coverage among all lumels of the pages; zero elsewhere.
+fn on_pages(coverage: &Coverage, values: &[Vec3], n_lumels: usize) -> Vec<Vec3> {
+    let mut all = vec![Vec3::ZERO; n_lumels];
+    for (&lumel, &value) in coverage.lumels().iter().zip(values) {
+        all[lumel as usize] = value;
+    }
+    all
+}
