@@ -1,5 +1,6 @@
 //! Light for lumels that were not measured.
 
+use crate::charts::charts;
 use crate::nearest::{NONE, nearest};
 use glam::Vec3;
 use lumel_uv::{Atlas, Coverage};
@@ -21,10 +22,7 @@ pub struct Dilation {
 impl Dilation {
     /// `valid` tells by lumel of all pages whether it has light of its own.
     pub fn new(atlas: &Atlas, coverage: &Coverage, valid: &[bool]) -> Self {
-        let mut charts = vec![NONE; atlas.lumel_count()];
-        for (place, &lumel) in coverage.lumels().iter().enumerate() {
-            charts[lumel as usize] = atlas.chart(coverage.shares(place)[0].tri) as u32;
-        }
+        let charts = charts(atlas, coverage);
         let mut sources: Vec<u32> =
             (0..valid.len()).map(|lumel| if valid[lumel] { lumel as u32 } else { NONE }).collect();
         let mut incomplete: Vec<u32> = (charts.iter().zip(valid))

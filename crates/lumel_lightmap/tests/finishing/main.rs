@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are no tests to Clippy")]
 
+mod denoising;
 mod dilation;
 mod reading;
 mod seams;
