@@ -81,6 +81,13 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     let preset = args.settings.patch.preset.or(patch.preset).unwrap_or_default();
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
+    let prepared = match args.basis {
+        Basis::Vertex => None,
+        Basis::Lightmap => match lightmap::prepare(args, preset, run)? {
+            Some(prepared) => Some(prepared),
+            None => return Ok(Baked::Stopped("stopped; nothing was computed".to_owned())),
+        },
+    };
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
     let has_lost_light = load::warn_of_lost_light(&baker, &run.console);
     let mut state = match &args.resume {
@@ -105,9 +112,9 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     }
     warn_of_dark_faces(&baker, &state, run);
     warn_of_error(&state, run);
-    let lightmapped = match args.basis {
-        Basis::Vertex => None,
-        Basis::Lightmap => match lightmap::of(args, &baker, &state, preset, run)? {
+    let lightmapped = match prepared {
+        None => None,
+        Some(prepared) => match lightmap::measure(prepared, &baker, &state, run)? {
             Some(lightmapped) => Some(lightmapped),
             None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
         },

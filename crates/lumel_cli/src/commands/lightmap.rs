@@ -8,7 +8,7 @@ use crate::load;
 use glam::Vec3;
 use lumel::{Baker, LumelLight, Lumels, Preset, Scene, SolveState, TransportError};
 use lumel_lightmap::{Lightmap, LightmapLayer};
-use lumel_uv::{Coverage, Unwrapped};
+use lumel_uv::{Coverage, Report, Unwrapped};
 use std::sync::Arc;
 
 /// A scene as it was given and its light.
@@ -19,20 +19,33 @@ pub(crate) struct Lightmapped {
     pub(crate) report: LightmapReport,
 }
 
-/// Unwraps the scene as it is in its files and measures the light of a solve in its lumels. `None` if it was stopped.
-pub(crate) fn of(
-    args: &BakeArgs,
-    baker: &Baker,
-    state: &SolveState,
-    preset: Preset,
-    run: &CommandRun,
-) -> anyhow::Result<Option<Lightmapped>> {
+/// Where light is to be measured.
+pub(crate) struct Prepared {
+    lumels: Lumels,
+    report: Report,
+    seconds: f64,
+}
+
+/// Unwraps the scene as it is in its files. `None` if it was stopped.
+pub(crate) fn prepare(args: &BakeArgs, preset: Preset, run: &CommandRun) -> anyhow::Result<Option<Prepared>> {
     let (scene, _) = run.timed("load", || load::load_whole(&args.scene));
     let scene = scene?;
-    let (unwrapped, unwrap_seconds) = run
-        .timed("unwrap", || atlas::of(&scene, &args.atlas, (&args.scene.scene, preset.lumel_budget()), run));
-    let Some(Unwrapped { atlas, report }) = unwrapped? else { return Ok(None) };
-    let lumels = Lumels::new(Arc::clone(&scene), atlas);
+    let named = (&*args.scene.scene, preset.lumel_budget());
+    let (unwrapped, seconds) = run.timed("unwrap", || atlas::of(&scene, &args.atlas, named, run));
+    Ok(unwrapped?.map(|Unwrapped { atlas, report }| Prepared {
+        lumels: Lumels::new(scene, atlas),
+        report,
+        seconds,
+    }))
+}
+
+/// Measures the light of a solve in all lumels. `None` if it was stopped.
+pub(crate) fn measure(
+    Prepared { lumels, report, seconds: unwrap_seconds }: Prepared,
+    baker: &Baker,
+    state: &SolveState,
+    run: &CommandRun,
+) -> anyhow::Result<Option<Lightmapped>> {
     let measured = || {
         let _heeding = run.interrupt.heed();
         baker.light_at_lumels(state, &lumels, run.interrupt.control())
@@ -55,7 +68,7 @@ pub(crate) fn of(
         seconds,
         finish_seconds,
     };
-    Ok(Some(Lightmapped { scene, lightmap, report }))
+    Ok(Some(Lightmapped { scene: Arc::clone(&lumels.scene), lightmap, report }))
 }
 
 /// All pages: what was measured, with seams closed and the light of lumels that were not measured taken from their neighbours.

@@ -127,7 +127,11 @@ fn when_time_is_up_simple_charts_are_told_of_and_many_are_only_counted() {
     place.write("tents.obj", &(0..30).map(tent).collect::<String>());
     let many =
         run(&mut place.lumel("unwrap tents.obj --two-sided none --lumels 30000 --time-limit 0")).done();
-    assert!(many.stderr.contains("warning: 10 more objects or faults; --json lists all"), "{}", many.stderr);
+    assert!(
+        many.stderr.contains("warning: 10 more objects or faults; `lumel unwrap --json` lists all"),
+        "{}",
+        many.stderr
+    );
     assert_eq!(many.stderr.matches("time was up").count(), 20, "{}", many.stderr);
 }
 
