@@ -50,7 +50,8 @@ impl LumelLight {
 }
 
 impl Baker {
-    /// Measures the light of a solve over what each lumel covers, with the samples of the settings for each.
+    /// Measures the light of a solve over what each lumel covers, each with as many samples as a triangle of mean size: half of
+    /// those of the settings.
     ///
     /// Direct light is measured at the lumels themselves; each bounce is gathered from the light that the solve has carried
     /// to the bounce before. All bounces share their rays, which are stored as far as the settings' memory allows: with more

@@ -233,7 +233,7 @@ settings! {
     ///
     /// What is measured over areas also counts the light between vertices, and carries all of its power from bounce to
     /// bounce. Least squares reads the same measurements more sharply, and may overshoot beside the edges of shadows.
-    /// The former name basis, with vertex for point and vertex-area for area, is still accepted.
+    /// Project files may still use the former name basis, with vertex for point and vertex-area for area.
     PROJECTION = projection | "basis": Projection {
         presets: always(Projection::LeastSquares),
         label: "Projection",
