@@ -3,10 +3,11 @@
 use crate::Baker;
 use glam::Vec3;
 use lumel_basis::{Field, LumelReceivers};
-use lumel_scene::Scene;
+use lumel_sample::SamplerKind;
+use lumel_scene::{Scene, luminance};
 use lumel_solve::SolveState;
 use lumel_transport::{
-    CachedTransport, Control, CpuTransport, Job, Order, Source, TransportError, accumulate,
+    CachedTransport, Control, CpuTransport, Job, Order, Plan, SampleRange, Source, TransportError, accumulate,
 };
 use lumel_uv::{Atlas, Coverage};
 use std::sync::Arc;
@@ -39,14 +40,21 @@ pub struct LumelLight {
     pub bounces: Vec<Vec<Vec3>>,
     /// The light of all bounces after those, if the solve has estimated it.
     pub tail: Option<Vec<Vec3>>,
+    /// The standard error of the luminance of all light, W·m⁻²: half of how far two halves of the samples differ. A single one
+    /// says little; those of neighbours together say how noisy light is there.
+    pub errors: Vec<f32>,
 }
 
 impl LumelLight {
     /// All light.
     pub fn irradiance(&self) -> Vec<Vec3> {
-        let parts = || self.bounces.iter().chain(&self.tail);
-        (0..self.valid.len()).map(|lumel| parts().map(|part| part[lumel]).sum()).collect()
+        sums(self.bounces.iter().chain(&self.tail), self.valid.len())
     }
+}
+
+/// The sum of all steps at each lumel.
+fn sums<'a>(steps: impl Iterator<Item = &'a Vec<Vec3>> + Clone, n_lumels: usize) -> Vec<Vec3> {
+    (0..n_lumels).map(|lumel| steps.clone().map(|step| step[lumel]).sum()).collect()
 }
 
 impl Baker {
@@ -67,10 +75,30 @@ impl Baker {
         lumels: &Lumels,
         control: &Control,
     ) -> Result<LumelLight, TransportError> {
+        let n_lumels = lumels.coverage.len();
+        let sources = sources(state);
+        let [first, second] = halves(self.settings().plan());
+        let mut whole = self.steps_at_lumels(&sources, lumels, first, control)?;
+        let half = self.steps_at_lumels(&sources, lumels, second, control)?;
+        let [a, b] = [&whole, &half].map(|half| sums(half.steps.iter(), n_lumels));
+        let errors = a.iter().zip(&b).map(|(a, b)| 0.5 * (luminance(*a) - luminance(*b)).abs()).collect();
+        whole.add(&half);
+        let Steps { valid, mut steps } = whole;
+        let tail = (state.tail.is_some() && steps.len() > 1).then(|| steps.pop()).flatten();
+        Ok(LumelLight { valid, bounces: steps, tail, errors })
+    }
+
+    /// Light from each source, by samples of their own.
+    fn steps_at_lumels(
+        &self,
+        sources: &[StepSource<'_>],
+        lumels: &Lumels,
+        plan: Plan,
+        control: &Control,
+    ) -> Result<Steps, TransportError> {
         let Lumels { scene, atlas, coverage } = lumels;
         let receivers = LumelReceivers::new(Arc::clone(scene), Arc::clone(atlas), Arc::clone(coverage));
         let order = Order::new(&receivers);
-        let plan = self.settings().plan();
         let traced = CpuTransport::in_order(
             Arc::clone(self.scene()),
             Arc::clone(self.tracer()),
@@ -78,29 +106,61 @@ impl Baker {
             (Arc::new(receivers), order),
             plan,
         );
-        let whole = CachedTransport::new(traced, None);
+        let all = CachedTransport::new(traced, None);
         let n_lumels = coverage.len();
-        let parts = whole.memory().div_ceil(self.settings().memory.0.max(1)).clamp(1, n_lumels.max(1) as u64);
-        let sources = sources(state);
-        let mut valid = vec![false; n_lumels];
-        let mut steps = vec![vec![Vec3::ZERO; n_lumels]; sources.len()];
+        let parts = all.memory().div_ceil(self.settings().memory.0.max(1)).clamp(1, n_lumels.max(1) as u64);
+        let mut found =
+            Steps { valid: vec![false; n_lumels], steps: vec![vec![Vec3::ZERO; n_lumels]; sources.len()] };
         for part in 0..parts {
             let bound = |part: u64| (part * n_lumels as u64 / parts) as usize;
             let range = bound(part)..bound(part + 1);
             let chosen: Vec<bool> = (0..n_lumels).map(|lumel| range.contains(&lumel)).collect();
-            let some = (parts > 1).then(|| whole.with_samples(plan, &chosen));
-            let transport = some.as_ref().unwrap_or(&whole);
-            for (bounce, (source, light)) in sources.iter().zip(&mut steps).enumerate() {
+            let some = (parts > 1).then(|| all.with_samples(plan, &chosen));
+            let transport = some.as_ref().unwrap_or(&all);
+            for (bounce, (source, light)) in sources.iter().zip(&mut found.steps).enumerate() {
                 let job = Job { source: source.source(), bounce: bounce as u32, pass: 0, active: None };
                 let measured = accumulate(transport, &job, control, None)?;
                 for lumel in range.clone() {
-                    valid[lumel] |= measured.known[lumel];
+                    found.valid[lumel] |= measured.known[lumel];
                     light[lumel] = measured.field.values()[lumel];
                 }
             }
         }
-        let tail = (state.tail.is_some() && steps.len() > 1).then(|| steps.pop()).flatten();
-        Ok(LumelLight { valid, bounces: steps, tail })
+        Ok(found)
+    }
+}
+
+/// Two halves of the samples of a plan: of one sequence, where the second half of its points continues the first.
+fn halves(plan: Plan) -> [Plan; 2] {
+    let half = |samples: u32| samples.div_ceil(2);
+    let (direct_samples, indirect_samples) = (half(plan.direct_samples), half(plan.indirect_samples));
+    let first = Plan { direct_samples, indirect_samples, ..plan };
+    let second = match plan.sampler {
+        SamplerKind::Stratified => Plan { seed: plan.seed.wrapping_add(1), ..first },
+        _ => Plan { range: SampleRange::Second, ..first },
+    };
+    [first, second]
+}
+
+/// Light at all lumels, source by source.
+struct Steps {
+    valid: Vec<bool>,
+    steps: Vec<Vec<Vec3>>,
+}
+
+impl Steps {
+    /// Makes it the mean of itself and another half; lumels that only one of them has seen have its light.
+    fn add(&mut self, other: &Self) {
+        for (step, others) in self.steps.iter_mut().zip(&other.steps) {
+            for (lumel, (light, other_light)) in step.iter_mut().zip(others).enumerate() {
+                *light = match (self.valid[lumel], other.valid[lumel]) {
+                    (true, true) => (*light + *other_light) / 2.0,
+                    (true, false) => *light,
+                    (false, _) => *other_light,
+                };
+            }
+        }
+        self.valid.iter_mut().zip(&other.valid).for_each(|(valid, other)| *valid |= other);
     }
 }
 

@@ -17,7 +17,33 @@ const ERRORS: f32 = 2.0;
 /// A cubic B-spline at whole numbers, which weighs neighbours along each axis.
 const SPLINE: [f32; 5] = [1.0, 4.0, 6.0, 4.0, 1.0];
 
+/// The median of how far a normally distributed number lies from its mean, in standard deviations.
+const MEDIAN: f32 = 0.6745;
+
 impl Lightmap {
+    /// The standard error of each lumel from differences of one pair of estimates each, halved: what those around it on its chart
+    /// say together.
+    ///
+    /// It is the median, so that a hard edge of light, which few lumels lie on, counts as light and not as noise.
+    ///
+    /// # Panics
+    /// If there are fewer errors than lumels.
+    pub fn pooled(&self, coverage: &Coverage, errors: &[f32]) -> Vec<f32> {
+        let lumels: Vec<u32> =
+            coverage.lumels().iter().copied().filter(|&lumel| self.valid[lumel as usize]).collect();
+        let surface = Surface::new(&self.atlas, charts(&self.atlas, coverage), &lumels);
+        let pooled = |place: usize| {
+            let mut near = Vec::with_capacity(SPLINE.len() * SPLINE.len());
+            surface.around(place, 1, |place, _| near.push(errors[lumels[place] as usize]));
+            let middle = near.len() / 2;
+            *near.select_nth_unstable_by(middle, f32::total_cmp).1 / MEDIAN
+        };
+        let found: Vec<f32> = (0..lumels.len()).into_par_iter().map(pooled).collect();
+        let mut all = errors.to_vec();
+        lumels.iter().zip(found).for_each(|(&lumel, error)| all[lumel as usize] = error);
+        all
+    }
+
     /// Mixes the light of each lumel with that around it on its chart, as far as the difference may be noise.
     ///
     /// `errors` has the standard error of the luminance of the first layer by lumel of all pages, W·m⁻². Where it is 0 or no
@@ -135,7 +161,7 @@ impl Noisy {
     /// 1 if two places have the same light, less the more their difference exceeds what errors make.
     fn likeness(&self, a: usize, b: usize) -> f32 {
         let difference = (luminance(self.layer(a, 0)) - luminance(self.layer(b, 0))).abs();
-        let error = (self.variances[a] + self.variances[b]).sqrt();
+        let error = (2.0 * self.variances[a].min(self.variances[b])).sqrt();
         if difference == 0.0 { 1.0 } else { (-difference / (ERRORS * error)).exp() }
     }
 }

@@ -114,6 +114,13 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_enum, value_name = "TARGET", default_value_t = Target::Any, help_heading = "Atlas")]
     pub(crate) target: Target,
 
+    /// Whether noise is taken off a lightmap where its standard error says that it is noise. [default: on, with --preset
+    /// production off]
+    ///
+    /// The error comes from two halves of the samples. .exr files have it as "error", and the light with its noise as "noisy".
+    #[arg(long, value_enum, value_name = "SWITCH", help_heading = "Atlas")]
+    pub(crate) denoise: Option<Switch>,
+
     #[command(flatten)]
     pub(crate) atlas: AtlasArgs,
 
@@ -145,6 +152,15 @@ pub(crate) enum Basis {
     Vertex,
     /// In lumels, the texels of a lightmap: the mesh stays as it is.
     Lightmap,
+}
+
+/// On or off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Switch {
+    /// Yes.
+    On,
+    /// No.
+    Off,
 }
 
 /// What a GLB file with a lightmap is made for.

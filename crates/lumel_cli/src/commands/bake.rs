@@ -2,7 +2,7 @@
 
 use super::lightmap::{self, Lightmapped};
 use super::summary::{Step, Summary, Written};
-use crate::args::{BakeArgs, Basis};
+use crate::args::{BakeArgs, Basis, Switch};
 use crate::checkpoint::{self, Checkpoint};
 use crate::command_run::{CommandRun, SolveLog, thread_pool};
 use crate::console::{self, Console};
@@ -11,7 +11,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Light, Output};
 use anyhow::bail;
-use lumel::{Baker, Control, Ended, ResumeError, Saved, Solution, SolveState};
+use lumel::{Baker, Control, Ended, Preset, ResumeError, Saved, Solution, SolveState};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -112,9 +112,10 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     }
     warn_of_dark_faces(&baker, &state, run);
     warn_of_error(&state, run);
+    let denoises = args.denoise.map_or(preset != Preset::Production, |switch| switch == Switch::On);
     let lightmapped = match prepared {
         None => None,
-        Some(prepared) => match lightmap::measure(prepared, &baker, &state, run)? {
+        Some(prepared) => match lightmap::measure(prepared, &baker, &state, denoises, run)? {
             Some(lightmapped) => Some(lightmapped),
             None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
         },

@@ -44,6 +44,7 @@ pub(crate) fn measure(
     Prepared { lumels, report, seconds: unwrap_seconds }: Prepared,
     baker: &Baker,
     state: &SolveState,
+    denoises: bool,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Lightmapped>> {
     let measured = || {
@@ -56,7 +57,7 @@ pub(crate) fn measure(
         Err(TransportError::Cancelled) => return Ok(None),
         Err(error) => return Err(error.into()),
     };
-    let (lightmap, finish_seconds) = run.timed("finish", || finished(&lumels, &light));
+    let (lightmap, finish_seconds) = run.timed("finish", || finished(&lumels, &light, denoises));
     let report = LightmapReport {
         pages: lumels.atlas.pages().to_vec(),
         lumels: lumels.coverage.len(),
@@ -71,14 +72,12 @@ pub(crate) fn measure(
     Ok(Some(Lightmapped { scene: Arc::clone(&lumels.scene), lightmap, report }))
 }
 
-/// All pages: what was measured, with seams closed and the light of lumels that were not measured taken from their neighbours.
-fn finished(lumels: &Lumels, light: &LumelLight) -> Lightmap {
+/// All pages: what was measured, less its noise if that is wanted, with seams closed and the light of lumels that were not
+/// measured taken from their neighbours. The last layers are all light with its noise, and its standard error.
+fn finished(lumels: &Lumels, light: &LumelLight, denoises: bool) -> Lightmap {
     let Lumels { scene, atlas, coverage } = lumels;
     let n_lumels = atlas.lumel_count();
-    let mut valid = vec![false; n_lumels];
-    for (&lumel, &is_valid) in coverage.lumels().iter().zip(&light.valid) {
-        valid[lumel as usize] = is_valid;
-    }
+    let valid = on_pages(coverage, &light.valid, n_lumels);
     let bounces = light.bounces.iter().enumerate();
     let names = bounces.map(|(bounce, values)| match bounce {
         0 => ("direct".to_owned(), values),
@@ -93,13 +92,22 @@ fn finished(lumels: &Lumels, light: &LumelLight) -> Lightmap {
     };
     let layers = all.map(layer).collect();
     let mut lightmap = Lightmap { atlas: Arc::clone(atlas), valid, layers };
+    let errors = on_pages(coverage, &light.errors, n_lumels);
+    let errors = lightmap.pooled(coverage, &errors);
+    if denoises {
+        let raw = lightmap.layers[0].values.clone();
+        lightmap.denoise(coverage, &errors);
+        lightmap.layers.push(LightmapLayer { name: "noisy".to_owned(), values: raw });
+    }
+    let errors = errors.into_iter().map(Vec3::splat).collect();
+    lightmap.layers.push(LightmapLayer { name: "error".to_owned(), values: errors });
     lightmap.finish(scene, coverage);
     lightmap
 }
 
 /// Values of the lumels of a coverage among all lumels of the pages; zero elsewhere.
-fn on_pages(coverage: &Coverage, values: &[Vec3], n_lumels: usize) -> Vec<Vec3> {
-    let mut all = vec![Vec3::ZERO; n_lumels];
+fn on_pages<T: Copy + Default>(coverage: &Coverage, values: &[T], n_lumels: usize) -> Vec<T> {
+    let mut all = vec![T::default(); n_lumels];
     for (&lumel, &value) in coverage.lumels().iter().zip(values) {
         all[lumel as usize] = value;
     }

@@ -57,6 +57,43 @@ fn a_lightmap_is_written_as_pages_as_a_lit_mesh_and_as_a_picture() {
     assert_eq!(info["triangles"]["total"], 12, "{info}");
 }
 
+/// The names of the layers of an image.
+fn layers(place: &Place, name: &str) -> Vec<String> {
+    let bytes = std::fs::read(place.path(name)).unwrap();
+    // Names of channels are text in the header.
+    let header = String::from_utf8_lossy(&bytes[..4096.min(bytes.len())]).into_owned();
+    let is_there = |layer: &&str| header.contains(&format!("{layer}.R"));
+    ["direct", "bounce 1", "bounce 2", "noisy", "error"]
+        .into_iter()
+        .filter(is_there)
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn noise_is_taken_off_unless_it_is_wanted_and_the_noisy_light_is_kept() {
+    let place = room();
+    bake(&place, "--lumels 4096 -o on.exr").done();
+    bake(&place, "--lumels 4096 --denoise off -o off.exr").done();
+    bake(&place, "--lumels 4096 --preset production -o production.exr").done();
+    let all = ["direct", "bounce 1", "bounce 2", "noisy", "error"];
+    assert_eq!(layers(&place, "on.exr"), all);
+    for name in ["off.exr", "production.exr"] {
+        assert_eq!(layers(&place, name), [&all[..3], &all[4..]].concat(), "{name}");
+    }
+    // Neighbours in the middle of a page are more alike.
+    let roughness = |name: &str| {
+        let page = image::open(place.path(name)).unwrap().to_rgb32f();
+        let pairs = page.rows().flat_map(|row| {
+            let values: Vec<f32> = row.map(|pixel| pixel.0[0]).collect();
+            values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect::<Vec<f32>>()
+        });
+        pairs.sum::<f32>()
+    };
+    let [on, off] = ["on.exr", "off.exr"].map(roughness);
+    assert!(on < 0.8 * off, "{on} {off}");
+}
+
 #[test]
 fn threads_make_no_difference_and_the_default_output_is_an_image() {
     let place = room();

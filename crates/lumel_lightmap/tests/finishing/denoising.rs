@@ -129,3 +129,24 @@ fn layers_still_add_up_and_threads_do_not_matter() {
         assert!((all - direct - bounce).abs().max_element() < 1e-5);
     }
 }
+
+#[test]
+fn neighbours_together_know_the_error_and_an_edge_is_none() {
+    let stage = fine();
+    let edge = stage.scene.bounds().center().as_dvec3();
+    // What two halves of the samples differ by: noise of 0.1 everywhere, and of 5 in lumels that an edge of light cuts.
+    let is_cut = |at: DVec3| (at - edge).dot(DVec3::new(0.3, -0.7, 0.4)).abs() < 0.005;
+    let places = stage.measured(|_, at| if is_cut(at) { Vec3::splat(5.0) } else { Vec3::splat(0.1) });
+    let errors: Vec<f32> =
+        places.iter().enumerate().map(|(i, error)| (error.x * normal(3 * i)).abs()).collect();
+    let pooled = stage.lightmap(places, |_| true).pooled(&stage.coverage, &errors);
+    let found: Vec<f32> = stage.coverage.lumels().iter().map(|&lumel| pooled[lumel as usize]).collect();
+    let mean = found.iter().sum::<f32>() / found.len() as f32;
+    assert!((mean / 0.1 - 1.0).abs() < 0.1, "{mean}");
+    // A median of 25 has a standard deviation of a quarter of itself.
+    assert!(
+        found.iter().all(|error| (0.0..0.3).contains(error)),
+        "{:?}",
+        found.iter().copied().fold(0.0, f32::max)
+    );
+}
