@@ -19,10 +19,7 @@ impl Baker {
 
     /// All light of a state at every vertex of the scene, W·m⁻², never negative.
     pub fn light_at_vertices(&self, state: &SolveState) -> Vec<Vec3> {
-        if state.bounces.is_empty() {
-            return vec![Vec3::ZERO; self.scene().vertex_count()];
-        }
-        self.light_reader(state).positive_at_vertices(&state.total())
+        self.light_reader(state).all_at_vertices(state)
     }
 
     /// All light at every vertex of the scene, W·m⁻², with each layer dimmed to a share: no ray is traced.
@@ -52,7 +49,7 @@ impl Baker {
             meta: SolutionMeta::new(self.scene(), settings),
             positions: self.scene().world_positions().collect(),
             normals: self.scene().normals().to_vec(),
-            irradiance: self.light_at_vertices(state),
+            irradiance: reader.all_at_vertices(state),
             bounces: state.bounces.iter().map(at_vertices).collect(),
             tail: state.tail.as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),

@@ -2,10 +2,10 @@
 
 use crate::Baker;
 use glam::{DMat3, DVec2, DVec3};
-use lumel_basis::{Basis, Field, NodeId, VertexBasis};
+use lumel_basis::{Basis, NodeId, VertexBasis};
+use lumel_export::Solution;
 use lumel_sample::Frame;
 use lumel_scene::luminance;
-use lumel_solve::SolveState;
 
 /// What differs from its surroundings by this share of their light lies at an edge of light, or is very noisy.
 const EDGE: f64 = 0.2;
@@ -44,22 +44,24 @@ impl Baker {
     /// At each vertex inside a surface, light is compared with what a linear function through its neighbours says. What is
     /// left is noise, and detail that the mesh does not resolve. It says nothing of
     /// [bounces that are missing](Self::remainder). `None` if there are no such vertices, or no light.
-    pub fn error_estimate(&self, state: &SolveState) -> Option<ErrorEstimate> {
-        let (direct, _) = state.bounces.split_first()?;
-        let total = state.total();
-        let reader = self.light_reader(state);
-        let [all, direct] = [&total, direct].map(|field| reader.read(field));
-        let indirect =
-            Field::from_values(all.values().iter().zip(direct.values()).map(|(a, d)| *a - *d).collect());
+    ///
+    /// `solution` must be one of this baker's.
+    pub fn error_estimate(&self, solution: &Solution) -> Option<ErrorEstimate> {
+        let direct = solution.bounces.first()?;
+        let at_nodes = || self.basis().first_vertices().iter().map(|&vertex| vertex as usize);
+        let valid: Vec<bool> = at_nodes().map(|vertex| solution.valid[vertex]).collect();
+        let all: Vec<f64> = at_nodes().map(|vertex| luminance(solution.irradiance[vertex]).into()).collect();
+        let direct: Vec<f64> = at_nodes().map(|vertex| luminance(direct[vertex]).into()).collect();
+        let indirect: Vec<f64> = all.iter().zip(&direct).map(|(all, direct)| all - direct).collect();
         let basis = self.basis();
         let [mut of_direct, mut of_indirect] = [(); 2].map(|()| Residuals::new(basis.node_count()));
         let mut light = 0.0;
-        for node in (0..basis.node_count() as u32).map(NodeId).filter(|node| state.valid[node.index()]) {
-            if let Some(fit) = Fit::around(basis, node, &state.valid) {
+        for node in (0..basis.node_count() as u32).map(NodeId).filter(|node| valid[node.index()]) {
+            if let Some(fit) = Fit::around(basis, node, &valid) {
                 let area = f64::from(basis.node_areas()[node.index()]);
                 of_direct.add(node, area, fit.residual(&direct));
                 of_indirect.add(node, area, fit.residual(&indirect));
-                light += area * of_node(&all, node).powi(2);
+                light += area * all[node.index()].powi(2);
             }
         }
         let ([direct, at_edges_of_direct], [indirect, at_edges_of_indirect]) =
@@ -76,10 +78,6 @@ impl Baker {
         };
         error.is_finite().then_some(ErrorEstimate { error, cause })
     }
-}
-
-fn of_node(field: &Field, node: NodeId) -> f64 {
-    f64::from(luminance(field.node(node).0))
 }
 
 /// What a linear function through the neighbours of a node has to be multiplied with to be compared with the node.
@@ -121,11 +119,10 @@ impl Fit {
         Some(Self { node, prediction, deviation: (1.0 + inverse.z_axis.z).sqrt() })
     }
 
-    /// The noise of a field at the node, as far as one value can say.
-    fn residual(&self, field: &Field) -> Residual {
-        let predicted: f64 =
-            self.prediction.iter().map(|&(node, weight)| weight * of_node(field, node)).sum();
-        let found = of_node(field, self.node);
+    /// The noise of light at the node, as far as one value can say.
+    fn residual(&self, light: &[f64]) -> Residual {
+        let predicted: f64 = self.prediction.iter().map(|&(node, weight)| weight * light[node.index()]).sum();
+        let found = light[self.node.index()];
         let is_edge = (found - predicted).abs() > EDGE * found.abs().max(predicted.abs());
         Residual { value: (found - predicted) / self.deviation, is_edge }
     }

@@ -38,6 +38,14 @@ impl LightReader<'_> {
         self.baker.carried_at_vertices(&self.read(field))
     }
 
+    /// All light of the solve at every vertex of the scene, W·m⁻², never negative.
+    pub(crate) fn all_at_vertices(&self, state: &SolveState) -> Vec<Vec3> {
+        if state.bounces.is_empty() {
+            return vec![Vec3::ZERO; self.baker.scene().vertex_count()];
+        }
+        self.positive_at_vertices(&state.total())
+    }
+
     /// All light, or a mixture of all layers, at every vertex of the scene, W·m⁻², never negative.
     pub(crate) fn positive_at_vertices(&self, field: &Field) -> Vec<Vec3> {
         let mut values = self.at_vertices(field);

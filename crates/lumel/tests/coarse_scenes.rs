@@ -44,7 +44,7 @@ fn errors(builder: SceneBuilder, settings: &Settings) -> (SurfaceError, Option<E
     let reference = Reference::measured(&scene, 600, 3, towards, Some(&reflecting), 4);
     println!("noise of the reference {:.4}", reference.noise());
     let error = reference.error_of(&VertexLighting::new(&scene, &values).unwrap());
-    (error, baker.error_estimate(&state), scene)
+    (error, baker.error_estimate(&baker.solution(&state)), scene)
 }
 
 #[test]

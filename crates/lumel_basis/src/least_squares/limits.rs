@@ -1,7 +1,7 @@
 //! Taking back what overshoots beside the edges of light.
 
 use super::LeastSquares;
-use crate::{Field, NodeId};
+use crate::Field;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -56,9 +56,15 @@ impl LeastSquares {
         let (coefficients, _) = self.solve(&means);
         let room: Vec<[DVec3; 2]> = (0..n).into_par_iter().map(|i| self.room(i, &means)).collect();
         let mut limits = Limits { shares: vec![[1.0; 2]; n], coefficients };
-        for _ in 0..ROUNDS {
-            let shares = (0..n).into_par_iter().map(|i| self.shares(i, &limits, room[i])).collect();
-            limits.shares = shares;
+        for round in 0..ROUNDS {
+            let share = |i: usize| {
+                let is_free = round == 0 || self.is_free(i, &limits);
+                let moved = (limits.coefficients[i] - means[i]) * self.areas[i];
+                let [low, high] = room[i];
+                let stays = is_free && moved.cmpge(low).all() && moved.cmple(high).all();
+                if stays { [1.0; 2] } else { self.shares(i, &limits, room[i]) }
+            };
+            limits.shares = (0..n).into_par_iter().map(share).collect();
         }
         limits
     }
@@ -88,15 +94,19 @@ impl LeastSquares {
         assert_eq!(limits.shares.len(), self.areas.len(), "the limits are those of other nodes");
         self.in_each_channel(means, |means| {
             let (coefficients, _) = self.solve(means);
-            let is_free = |(j, _): (NodeId, f64)| limits.shares[j.index()] == [1.0; 2];
             let limited = |i: usize| {
-                if self.areas[i] == 0.0 || self.matrix.row(i).all(is_free) {
+                if self.areas[i] == 0.0 || self.is_free(i, limits) {
                     return coefficients[i];
                 }
                 means[i] + self.moved(i, limits, &coefficients).sum::<DVec3>() / self.areas[i]
             };
             ((0..means.len()).into_par_iter().map(limited).collect(), ())
         });
+    }
+
+    /// Whether nothing that moves to node `i` or away from it is limited.
+    fn is_free(&self, i: usize, limits: &Limits) -> bool {
+        self.matrix.row(i).all(|(j, _)| limits.shares[j.index()] == [1.0; 2])
     }
 
     /// The light that the projection moves to node `i` from each node within limits: without any, they sum to the difference
