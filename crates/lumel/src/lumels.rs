@@ -2,7 +2,7 @@
 
 use crate::Baker;
 use glam::Vec3;
-use lumel_basis::{Field, LumelReceivers};
+use lumel_basis::{Field, LumelReceivers, Receivers};
 use lumel_sample::SamplerKind;
 use lumel_scene::{Scene, luminance};
 use lumel_solve::SolveState;
@@ -75,11 +75,15 @@ impl Baker {
         lumels: &Lumels,
         control: &Control,
     ) -> Result<LumelLight, TransportError> {
-        let n_lumels = lumels.coverage.len();
+        let Lumels { scene, atlas, coverage } = lumels;
+        let n_lumels = coverage.len();
+        let receivers = LumelReceivers::new(Arc::clone(scene), Arc::clone(atlas), Arc::clone(coverage));
+        let order = Order::new(&receivers);
+        let measured = (Arc::new(receivers), order);
         let sources = sources(state);
         let [first, second] = halves(self.settings().plan());
-        let mut whole = self.steps_at_lumels(&sources, lumels, first, control)?;
-        let half = self.steps_at_lumels(&sources, lumels, second, control)?;
+        let mut whole = self.steps_at_lumels(&sources, measured.clone(), first, control)?;
+        let half = self.steps_at_lumels(&sources, measured, second, control)?;
         let [a, b] = [&whole, &half].map(|half| sums(half.steps.iter(), n_lumels));
         let errors = a.iter().zip(&b).map(|(a, b)| 0.5 * (luminance(*a) - luminance(*b)).abs()).collect();
         whole.add(&half);
@@ -92,30 +96,27 @@ impl Baker {
     fn steps_at_lumels(
         &self,
         sources: &[StepSource<'_>],
-        lumels: &Lumels,
+        measured: (Arc<LumelReceivers>, Order),
         plan: Plan,
         control: &Control,
     ) -> Result<Steps, TransportError> {
-        let Lumels { scene, atlas, coverage } = lumels;
-        let receivers = LumelReceivers::new(Arc::clone(scene), Arc::clone(atlas), Arc::clone(coverage));
-        let order = Order::new(&receivers);
+        let n_lumels = measured.0.node_count();
         let traced = CpuTransport::in_order(
             Arc::clone(self.scene()),
             Arc::clone(self.tracer()),
             Arc::clone(self.basis()),
-            (Arc::new(receivers), order),
+            measured,
             plan,
         );
         let all = CachedTransport::new(traced, None);
-        let n_lumels = coverage.len();
         let parts = all.memory().div_ceil(self.settings().memory.0.max(1)).clamp(1, n_lumels.max(1) as u64);
         let mut found =
             Steps { valid: vec![false; n_lumels], steps: vec![vec![Vec3::ZERO; n_lumels]; sources.len()] };
         for part in 0..parts {
             let bound = |part: u64| (part * n_lumels as u64 / parts) as usize;
             let range = bound(part)..bound(part + 1);
-            let chosen: Vec<bool> = (0..n_lumels).map(|lumel| range.contains(&lumel)).collect();
-            let some = (parts > 1).then(|| all.with_samples(plan, &chosen));
+            let chosen = || (0..n_lumels).map(|lumel| range.contains(&lumel)).collect::<Vec<bool>>();
+            let some = (parts > 1).then(|| all.with_samples(plan, &chosen()));
             let transport = some.as_ref().unwrap_or(&all);
             for (bounce, (source, light)) in sources.iter().zip(&mut found.steps).enumerate() {
                 let job = Job { source: source.source(), bounce: bounce as u32, pass: 0, active: None };

@@ -29,9 +29,8 @@ impl Lightmap {
     /// # Panics
     /// If there are fewer errors than lumels.
     pub fn pooled(&self, coverage: &Coverage, errors: &[f32]) -> Vec<f32> {
-        let lumels: Vec<u32> =
-            coverage.lumels().iter().copied().filter(|&lumel| self.valid[lumel as usize]).collect();
-        let surface = Surface::new(&self.atlas, charts(&self.atlas, coverage), &lumels);
+        let surface = Surface::new(&self.atlas, coverage, &self.valid);
+        let lumels = &surface.lumels;
         let pooled = |place: usize| {
             let mut near = Vec::with_capacity(SPLINE.len() * SPLINE.len());
             surface.around(place, 1, |place, _| near.push(errors[lumels[place] as usize]));
@@ -57,9 +56,8 @@ impl Lightmap {
     /// If there are fewer errors than lumels.
     pub fn denoise(&mut self, coverage: &Coverage, errors: &[f32]) {
         let n_layers = self.layers.len();
-        let lumels: Vec<u32> =
-            coverage.lumels().iter().copied().filter(|&lumel| self.valid[lumel as usize]).collect();
-        let surface = Surface::new(&self.atlas, charts(&self.atlas, coverage), &lumels);
+        let surface = Surface::new(&self.atlas, coverage, &self.valid);
+        let lumels = &surface.lumels;
         let variance =
             |lumel: u32| Some(errors[lumel as usize].powi(2)).filter(|variance| variance.is_finite());
         let light = |lumel: u32| self.layers.iter().map(move |layer| layer.values[lumel as usize]);
@@ -83,14 +81,18 @@ impl Lightmap {
 /// Which valid lumels are near each other on a chart.
 struct Surface<'a> {
     atlas: &'a Atlas,
-    lumels: &'a [u32],
+    /// Those that are valid.
+    lumels: Vec<u32>,
     /// By lumel of all pages: its chart, and its place in `lumels` or `NONE`.
     charts: Vec<u32>,
     places: Vec<u32>,
 }
 
 impl<'a> Surface<'a> {
-    fn new(atlas: &'a Atlas, charts: Vec<u32>, lumels: &'a [u32]) -> Self {
+    fn new(atlas: &'a Atlas, coverage: &Coverage, valid: &[bool]) -> Self {
+        let lumels: Vec<u32> =
+            coverage.lumels().iter().copied().filter(|&lumel| valid[lumel as usize]).collect();
+        let charts = charts(atlas, coverage);
         let mut places = vec![NONE; charts.len()];
         lumels.iter().enumerate().for_each(|(place, &lumel)| places[lumel as usize] = place as u32);
         Self { atlas, lumels, charts, places }

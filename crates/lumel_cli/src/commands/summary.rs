@@ -246,7 +246,7 @@ impl Summary {
             log.steps.iter().find(|(step, _)| Step::from(*step) == wanted).map(|(_, seconds)| *seconds)
         };
         let in_rounds = state.errors.is_some();
-        let unmeasured = (!in_rounds).then_some(());
+        let estimate = if in_rounds { None } else { baker.error_estimate(solution) };
         let report =
             |step: Step, share| StepReport { step: step.key(), seconds: seconds_of(step), share, in_rounds };
         let validity = seconds_of(Step::Validity).map(|_| report(Step::Validity, None));
@@ -267,7 +267,7 @@ impl Summary {
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),
-            estimate: unmeasured.and_then(|()| baker.error_estimate(solution)).map(EstimateReport::from),
+            estimate: estimate.map(EstimateReport::from),
             error: state.errors.as_ref().map(|errors| ErrorReport::new(&errors.accuracy)),
             rays,
             mrays_per_second: 1e-6 * rays as f64 / log.seconds.max(1e-9),

@@ -67,9 +67,10 @@ pub fn write_lightmap_glb(
         }
         LightmapTarget::Any => {
             let emits = |tri: TriId| scene.material(tri).emits();
-            add(&radiance(scene, lightmap, |tri| !emits(tri)))?;
+            let coverage = Coverage::new(atlas);
+            add(&radiance(scene, lightmap, &coverage, |tri| !emits(tri)))?;
             if primitives.iter().any(|primitive| scene.materials()[primitive.material.index()].emits()) {
-                add(&radiance(scene, lightmap, emits))?;
+                add(&radiance(scene, lightmap, &coverage, emits))?;
             }
             (Appearance::Emitters, "radiance over the strength of the emission, W/(m^2 sr)")
         }
@@ -89,9 +90,13 @@ pub fn write_lightmap_glb(
 
 /// Radiance by lumel that some of the triangles leave: the mean over what they cover of each. All other lumels have that of
 /// the nearest.
-fn radiance(scene: &Scene, lightmap: &Lightmap, of: impl Fn(TriId) -> bool + Sync) -> Vec<Vec3> {
+fn radiance(
+    scene: &Scene,
+    lightmap: &Lightmap,
+    coverage: &Coverage,
+    of: impl Fn(TriId) -> bool + Sync,
+) -> Vec<Vec3> {
     let (atlas, irradiance) = (&*lightmap.atlas, &lightmap.layers[0].values);
-    let coverage = Coverage::new(atlas);
     let seen = |place: usize| -> Option<(usize, Vec3)> {
         let lumel = coverage.lumels()[place] as usize;
         let (_, at) = atlas.column_and_row(lumel);
@@ -118,6 +123,6 @@ fn radiance(scene: &Scene, lightmap: &Lightmap, of: impl Fn(TriId) -> bool + Syn
     for (lumel, value) in found {
         (values[lumel], is_seen[lumel]) = (value, true);
     }
-    Dilation::new(atlas, &coverage, &is_seen).fill(&mut values);
+    Dilation::new(atlas, coverage, &is_seen).fill(&mut values);
     values
 }
