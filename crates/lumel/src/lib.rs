@@ -64,8 +64,9 @@ pub use lumel_accel::{Bvh, RayTracer, SeeThrough, tracer_of};
 pub use lumel_basis::{
     Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,
 };
-pub use lumel_export::{Checkpoint, RadFile, Saved, Solution, SolutionLayer, SolutionSelection};
+pub use lumel_export::{Checkpoint, LumelState, RadFile, Saved, Solution, SolutionLayer, SolutionSelection};
 pub use lumel_import::PathPolicy;
+pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
     AlphaMode, Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material, MaterialId,
@@ -76,7 +77,7 @@ pub use lumel_scene::{
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
 pub use lumel_transport::{Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError};
-pub use lumels::{LumelLight, Lumels};
+pub use lumels::{LumelAccuracy, Lumels, PartDone};
 pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;

@@ -1,13 +1,14 @@
 //! From a solve on vertices to light on the lumels of an atlas.
 
 use crate::Baker;
-use glam::Vec3;
-use lumel_basis::{Field, LumelReceivers, Receivers};
+use crate::target::target;
+use lumel_basis::{Field, Identity, LumelReceivers, Receivers, VertexBasis};
+use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
-use lumel_scene::{Scene, luminance};
-use lumel_solve::SolveState;
+use lumel_scene::Scene;
+use lumel_solve::{SolveState, Target};
 use lumel_transport::{
-    CachedTransport, Control, CpuTransport, Job, Order, Plan, SampleRange, Source, TransportError, accumulate,
+    CachedTransport, Control, CpuTransport, Job, Order, Plan, Source, TransportError, accumulate,
 };
 use lumel_uv::{Atlas, Coverage};
 use std::sync::Arc;
@@ -29,139 +30,205 @@ impl Lumels {
         let coverage = Arc::new(Coverage::new(&atlas));
         Self { scene, atlas: Arc::new(atlas), coverage }
     }
-}
 
-/// Light at each lumel of a [`Coverage`], bounce by bounce, W·m⁻².
-#[derive(Clone, Debug, PartialEq)]
-pub struct LumelLight {
-    /// Which lumels see anything but the inside of geometry; the light of others is zero.
-    pub valid: Vec<bool>,
-    /// Bounce by bounce; the first is direct light.
-    pub bounces: Vec<Vec<Vec3>>,
-    /// The light of all bounces after those, if the solve has estimated it.
-    pub tail: Option<Vec<Vec3>>,
-    /// The standard error of the luminance of all light, W·m⁻²: half of how far two halves of the samples differ. A single one
-    /// says little; those of neighbours together say how noisy light is there.
-    pub errors: Vec<f32>,
-}
+    /// What decides the lumels: scene and atlas.
+    pub fn identity(&self) -> Identity {
+        self.receivers().identity()
+    }
 
-impl LumelLight {
-    /// All light.
-    pub fn irradiance(&self) -> Vec<Vec3> {
-        sums(self.bounces.iter().chain(&self.tail), self.valid.len())
+    fn receivers(&self) -> LumelReceivers {
+        let Self { scene, atlas, coverage } = self;
+        LumelReceivers::new(Arc::clone(scene), Arc::clone(atlas), Arc::clone(coverage))
     }
 }
 
-/// The sum of all steps at each lumel.
-fn sums<'a>(steps: impl Iterator<Item = &'a Vec<Vec3>> + Clone, n_lumels: usize) -> Vec<Vec3> {
-    (0..n_lumels).map(|lumel| steps.clone().map(|step| step[lumel]).sum()).collect()
+/// Lumels that are measured together at most: so many are lost when a bake is killed, and shown late in a window.
+const PART: usize = 1 << 16;
+
+/// Each half of the first round has this share of the samples of the settings.
+const FIRST_SHARE: u32 = 4;
+
+/// At least so many samples are asked for of each half, of which an area gets half.
+const MIN_SAMPLES: u32 = 8;
+
+/// The share of all lumels that each round after the first measures, doubling their samples: with a half of the samples of the
+/// settings in the first round, all rounds together have as many as the settings say.
+const SHARES: [f64; 2] = [0.5, 0.25];
+
+/// Lumels darker than this share of the mean light are compared with it, where samples go to the noisiest lumels.
+///
+/// Measured in the Cornell box and the atrium: a tenth of it takes samples from bright lumels, whose noise is most of the mean
+/// square; with the mean itself, shadows stay grainy.
+const DIM: f64 = 0.5;
+
+/// Lumels darker than this share of the mean light are compared with it, where a target error is relative.
+const DARK: f64 = 0.1;
+
+/// Half the width of a 95 % interval, in standard errors that many lumels tell together.
+const CONFIDENCE: f32 = 1.96;
+
+/// How noisy the light at lumels is: half the width of a 95 % interval of the luminance of all light, relative to it or to a
+/// tenth of the mean light where that is more, as the differences of two halves of the samples say, of each lumel and those
+/// around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LumelAccuracy {
+    /// Half of all lumels are below.
+    pub median: f64,
+    /// 95 % of all lumels are below.
+    pub percentile_95: f64,
+    /// The share of lumels that are below the target error, if there is one.
+    pub share: Option<f64>,
 }
 
+/// Called with all light so far, whenever a part of the lumels has been measured.
+pub type PartDone<'a> = &'a mut dyn FnMut(&LumelLight);
+
 impl Baker {
-    /// Measures the light of a solve over what each lumel covers, each with as many samples as a triangle of mean size: half of
-    /// those of the settings.
-    ///
-    /// Direct light is measured at the lumels themselves; each bounce is gathered from the light that the solve has carried
-    /// to the bounce before. All bounces share their rays, which are stored as far as the settings' memory allows: with more
-    /// lumels than that, one part of them is measured after the other. The bits do not depend on it.
-    ///
-    /// The surfaces of `lumels` must be those of the baker's scene; their triangles need not.
+    /// Measures the light of a solve over what each lumel covers: [`continue_lumels`](Self::continue_lumels) from the beginning.
     ///
     /// # Errors
-    /// When it is cancelled or tracing fails.
+    /// As there.
     pub fn light_at_lumels(
         &self,
         state: &SolveState,
         lumels: &Lumels,
         control: &Control,
     ) -> Result<LumelLight, TransportError> {
-        let Lumels { scene, atlas, coverage } = lumels;
-        let n_lumels = coverage.len();
-        let receivers = LumelReceivers::new(Arc::clone(scene), Arc::clone(atlas), Arc::clone(coverage));
-        let order = Order::new(&receivers);
-        let measured = (Arc::new(receivers), order);
-        let sources = sources(state);
-        let [first, second] = halves(self.settings().plan());
-        let mut whole = self.steps_at_lumels(&sources, measured.clone(), first, control)?;
-        let half = self.steps_at_lumels(&sources, measured, second, control)?;
-        let [a, b] = [&whole, &half].map(|half| sums(half.steps.iter(), n_lumels));
-        let errors = a.iter().zip(&b).map(|(a, b)| 0.5 * (luminance(*a) - luminance(*b)).abs()).collect();
-        whole.add(&half);
-        let Steps { valid, mut steps } = whole;
-        let tail = (state.tail.is_some() && steps.len() > 1).then(|| steps.pop()).flatten();
-        Ok(LumelLight { valid, bounces: steps, tail, errors })
+        let mut light = self.no_light_at_lumels(state, lumels);
+        self.continue_lumels(state, lumels, &mut light, control, &mut |_| {})?;
+        Ok(light)
     }
 
-    /// Light from each source, by samples of their own.
-    fn steps_at_lumels(
+    /// What measuring the light of a solve at lumels begins with.
+    pub fn no_light_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> LumelLight {
+        LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state))
+    }
+
+    /// Measures the light of a solve over what each lumel covers, on average with as many samples as a triangle of mean size: half
+    /// of those of the settings.
+    ///
+    /// Direct light is measured at the lumels themselves; each bounce is gathered from the light that the solve has carried
+    /// to the bounce before. All bounces share their rays.
+    ///
+    /// Samples go where light is noisy: all lumels get half as many as that, then the noisier half of them twice as many, then the
+    /// noisiest quarter four times as many. With a target error, lumels get more until enough of them are below it, or
+    /// have 64 times as many as in the beginning. Which lumels are measured again is decided by the differences of two halves of
+    /// the samples, of each lumel and its neighbours. The light that is measured again is one of several estimates that looked
+    /// noisy: the bias that this brings is below the noise itself.
+    ///
+    /// Lumels are measured part by part, so that the rays that are kept fit the settings' memory; the bits do not depend on the
+    /// parts. When it is cancelled, `light` holds all parts that were finished, and continues from there with the same bits.
+    ///
+    /// The surfaces of `lumels` must be those of the baker's scene; their triangles need not. `light` must be that of the
+    /// same state and lumels.
+    ///
+    /// # Errors
+    /// When it is cancelled or tracing fails.
+    pub fn continue_lumels(
         &self,
-        sources: &[StepSource<'_>],
-        measured: (Arc<LumelReceivers>, Order),
-        plan: Plan,
+        state: &SolveState,
+        lumels: &Lumels,
+        light: &mut LumelLight,
         control: &Control,
-    ) -> Result<Steps, TransportError> {
-        let n_lumels = measured.0.node_count();
+        part_done: PartDone<'_>,
+    ) -> Result<(), TransportError> {
+        let receivers = lumels.receivers();
+        let order = Order::new(&receivers);
         let traced = CpuTransport::in_order(
             Arc::clone(self.scene()),
             Arc::clone(self.tracer()),
             Arc::clone(self.basis()),
-            measured,
-            plan,
+            (Arc::new(receivers), order),
+            self.settings().plan(),
         );
-        let all = CachedTransport::new(traced, None);
-        let parts = all.memory().div_ceil(self.settings().memory.0.max(1)).clamp(1, n_lumels.max(1) as u64);
-        let mut found =
-            Steps { valid: vec![false; n_lumels], steps: vec![vec![Vec3::ZERO; n_lumels]; sources.len()] };
-        for part in 0..parts {
-            let bound = |part: u64| (part * n_lumels as u64 / parts) as usize;
-            let range = bound(part)..bound(part + 1);
-            let chosen = || (0..n_lumels).map(|lumel| range.contains(&lumel)).collect::<Vec<bool>>();
-            let some = (parts > 1).then(|| all.with_samples(plan, &chosen()));
-            let transport = some.as_ref().unwrap_or(&all);
-            for (bounce, (source, light)) in sources.iter().zip(&mut found.steps).enumerate() {
-                let job = Job { source: source.source(), bounce: bounce as u32, pass: 0, active: None };
-                let measured = accumulate(transport, &job, control, None)?;
-                for lumel in range.clone() {
-                    found.valid[lumel] |= measured.known[lumel];
-                    light[lumel] = measured.field.values()[lumel];
-                }
-            }
+        let (operator, sources) = (CachedTransport::new(traced, None), sources(state));
+        loop {
+            self.finish_round(&operator, &sources, light, control, part_done)?;
+            let Some(active) = self.next_round(lumels, light) else { return Ok(()) };
+            light.begin_round(active);
         }
-        Ok(found)
+    }
+
+    /// Measures the lumels that are left of a round.
+    fn finish_round(
+        &self,
+        operator: &CachedTransport<VertexBasis, LumelReceivers>,
+        sources: &[StepSource<'_>],
+        light: &mut LumelLight,
+        control: &Control,
+        part_done: PartDone<'_>,
+    ) -> Result<(), TransportError> {
+        let plans = [0, 1].map(|half| plan_of(self.settings().plan(), light.round, half));
+        let active = light.active.iter().filter(|active| **active).count();
+        let bytes = operator.memory_with(&plans[0], &light.active) / active.max(1) as u64;
+        let most = (self.settings().memory.0 / bytes.max(1)).clamp(1, PART as u64) as usize;
+        while let Some(range) = light.next_part(most) {
+            let wanted = |lumel: usize| range.contains(&lumel) && light.active[lumel];
+            let wanted: Vec<bool> = (0..light.len()).map(wanted).collect();
+            let [first, second] = plans.map(|plan| {
+                let operator = operator.with_samples(plan, &wanted);
+                let mut found = PartLight { known: vec![false; range.len()], sources: Vec::new() };
+                for (bounce, source) in sources.iter().enumerate() {
+                    let job = Job { source: source.source(), bounce: bounce as u32, pass: 0, active: None };
+                    let measured = accumulate(&operator, &job, control, None)?;
+                    found.known.iter_mut().zip(&measured.known[range.clone()]).for_each(|(a, b)| *a |= b);
+                    found.sources.push(measured.field.values()[range.clone()].to_vec());
+                }
+                Ok(found)
+            });
+            light.add(range, &[first?, second?]);
+            part_done(light);
+        }
+        Ok(())
+    }
+
+    /// How noisy the light at lumels is.
+    pub fn accuracy_at_lumels(&self, lumels: &Lumels, light: &LumelLight) -> LumelAccuracy {
+        let errors = light.relative_errors(&lumels.atlas, &lumels.coverage, DARK);
+        let valid = errors.iter().enumerate().filter(|(lumel, _)| light.is_valid(*lumel));
+        let mut widths: Vec<f64> = valid.map(|(_, error)| f64::from(CONFIDENCE * error)).collect();
+        widths.sort_by(f64::total_cmp);
+        let at = |share: f64| widths.get((share * widths.len() as f64) as usize).copied().unwrap_or_default();
+        let share = target(self.settings()).map(|Target { error, .. }| {
+            widths.partition_point(|width| *width <= error) as f64 / widths.len().max(1) as f64
+        });
+        LumelAccuracy { median: at(0.5), percentile_95: at(0.95), share }
+    }
+
+    /// The lumels that are to have more samples; `None` if there are enough.
+    fn next_round(&self, lumels: &Lumels, light: &LumelLight) -> Option<Vec<bool>> {
+        let errors = |floor| light.relative_errors(&lumels.atlas, &lumels.coverage, floor);
+        let (errors, least) = match target(self.settings()) {
+            Some(Target { error, share, rounds, .. }) => {
+                let enough = self.accuracy_at_lumels(lumels, light).share.is_some_and(|below| below >= share);
+                (!enough && light.round + 1 < rounds).then(|| (errors(DARK), error as f32 / CONFIDENCE))?
+            }
+            None => {
+                let (errors, share) = (errors(DIM), SHARES.get(light.round as usize)?);
+                let mut sorted = errors.clone();
+                let place = ((1.0 - share) * errors.len() as f64) as usize;
+                let least =
+                    *sorted.select_nth_unstable_by(place.min(errors.len().checked_sub(1)?), f32::total_cmp).1;
+                (errors, least)
+            }
+        };
+        let active: Vec<bool> = errors.iter().map(|&error| error > least).collect();
+        active.contains(&true).then_some(active)
     }
 }
 
-/// Two halves of the samples of a plan: of one sequence, where the second half of its points continues the first.
-fn halves(plan: Plan) -> [Plan; 2] {
-    let half = |samples: u32| samples.div_ceil(2);
-    let (direct_samples, indirect_samples) = (half(plan.direct_samples), half(plan.indirect_samples));
-    let first = Plan { direct_samples, indirect_samples, ..plan };
-    let second = match plan.sampler {
-        SamplerKind::Stratified => Plan { seed: plan.seed.wrapping_add(1), ..first },
-        _ => Plan { range: SampleRange::Second, ..first },
-    };
-    [first, second]
-}
-
-/// Light at all lumels, source by source.
-struct Steps {
-    valid: Vec<bool>,
-    steps: Vec<Vec<Vec3>>,
-}
-
-impl Steps {
-    /// Makes it the mean of itself and another half; lumels that only one of them has seen have its light.
-    fn add(&mut self, other: &Self) {
-        for (step, others) in self.steps.iter_mut().zip(&other.steps) {
-            for (lumel, (light, other_light)) in step.iter_mut().zip(others).enumerate() {
-                *light = match (self.valid[lumel], other.valid[lumel]) {
-                    (true, true) => (*light + *other_light) / 2.0,
-                    (true, false) => *light,
-                    (false, _) => *other_light,
-                };
-            }
-        }
-        self.valid.iter_mut().zip(&other.valid).for_each(|(valid, other)| *valid |= other);
+/// The samples of a half of a round: they continue those of all rounds before, where the sampler can.
+fn plan_of(plan: Plan, round: u32, half: u32) -> Plan {
+    let times = if round == 0 { 1 } else { 1 << (round - 1) };
+    let samples = |samples: u32| samples.div_ceil(FIRST_SHARE).max(MIN_SAMPLES).saturating_mul(times);
+    let portion = if round == 0 { half } else { 2 + half };
+    let continued = plan.sampler != SamplerKind::Stratified;
+    Plan {
+        direct_samples: samples(plan.direct_samples),
+        indirect_samples: samples(plan.indirect_samples),
+        portion: if continued { portion } else { 0 },
+        seed: if continued { plan.seed } else { plan.seed.wrapping_add(u64::from(2 * round + half)) },
+        ..plan
     }
 }
 
@@ -192,4 +259,9 @@ fn sources(state: &SolveState) -> Vec<StepSource<'_>> {
         sources.push(StepSource::Rest(Field::sum(tail.node_count(), [last, tail])));
     }
     sources
+}
+
+/// Whether the last source of a state is its tail.
+fn has_tail(state: &SolveState) -> bool {
+    state.tail.is_some() && !state.bounces.is_empty()
 }

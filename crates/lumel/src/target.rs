@@ -4,7 +4,7 @@ use crate::settings::{Settings, TargetError};
 use lumel_basis::{Basis, Receivers};
 use lumel_sample::SamplerKind;
 use lumel_solve::{REPLICATES, Replicates, Round, Target};
-use lumel_transport::{CachedTransport, Plan, SampleRange, Transport};
+use lumel_transport::{CachedTransport, Plan, Transport};
 
 /// Fewer samples than this say little about what a replicate sees, and the bias of stored rays is 1.5 % over their number.
 const MIN_SAMPLES: u32 = 16;
@@ -67,7 +67,7 @@ impl<B, R> StoredReplicates<B, R> {
             direct_samples: direct.saturating_mul(round.times),
             indirect_samples: self.first.indirect_samples.saturating_mul(round.times),
             seed: seed_of(self.first.seed, round.replicate, if continues { 0 } else { round.number }),
-            range: if continues { SampleRange::Second } else { SampleRange::First },
+            portion: u32::from(continues),
             ..self.first
         }
     }

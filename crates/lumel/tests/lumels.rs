@@ -4,8 +4,9 @@
 
 use glam::{EulerRot, Quat, Vec3};
 use lumel::{
-    Baker, BounceLimit, Control, LumelLight, Lumels, Memory, OpenOptions, PointReceivers, Scene,
-    SceneBuilder, Settings, Silent, SolveState, Tail, measure_points,
+    Baker, BounceLimit, Checkpoint, Control, LumelLight, LumelState, Lumels, Memory, OpenOptions,
+    PointReceivers, Saved, Scene, SceneBuilder, Settings, Silent, SolveState, Tail, TargetError,
+    measure_points,
 };
 use lumel_scene::{Light, PointLight, Radiance, RectLight, Sky};
 use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
@@ -43,6 +44,10 @@ fn measured(
     (lumels, light)
 }
 
+fn irradiance(light: &LumelLight) -> impl Iterator<Item = Vec3> {
+    (0..light.len()).map(|lumel| light.irradiance(lumel))
+}
+
 fn placements(builder: &SceneBuilder) -> [(&'static str, SceneBuilder); 3] {
     let (turn, shift) = (Quat::from_euler(EulerRot::XYZ, 0.4, -1.1, 2.3), Vec3::new(300.0, -140.0, 80.0));
     [
@@ -59,13 +64,12 @@ fn in_closed_rooms_every_lumel_has_the_known_light() {
         for (place, builder) in placements(&builder) {
             let (_, light) =
                 measured(&builder, 10.0, per_metre, Settings { tail: Tail::Geometric, ..settings() });
-            assert!(light.valid.iter().all(|valid| *valid), "{name}, {place}");
-            let off =
-                light.irradiance().iter().map(|e| (*e / 2.0 - 1.0).abs().max_element()).fold(0.0, f32::max);
+            assert!((0..light.len()).all(|lumel| light.is_valid(lumel)), "{name}, {place}");
+            let off = irradiance(&light).map(|e| (e / 2.0 - 1.0).abs().max_element()).fold(0.0, f32::max);
             // The sphere is a polyhedron that is lit unevenly: rays have noise there.
             let most = if name == "furnace" { 0.002 } else { 0.2 };
             assert!(off < most, "{name}, {place}: {off}");
-            let mean = light.irradiance().iter().map(|e| e.x).sum::<f32>() / light.valid.len() as f32;
+            let mean = irradiance(&light).map(|e| e.x).sum::<f32>() / light.len() as f32;
             assert!((mean / 2.0 - 1.0).abs() < 0.006, "{name}, {place}: {mean}");
         }
     }
@@ -96,7 +100,7 @@ fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
         let (baker, mut state) = (Baker::new(built(fine), settings), SolveState::new());
         baker.run(&mut state, &Control::default(), &Silent).unwrap();
         let area = |place: usize| lumels.coverage.shares(place).iter().map(|share| share.area).sum::<f32>();
-        let whole = |&place: &usize| light.valid[place] && area(place) > 0.999;
+        let whole = |&place: &usize| light.is_valid(place) && area(place) > 0.999;
         let chosen: Vec<usize> = (0..lumels.coverage.len()).filter(whole).step_by(29).collect();
         let middle = |&place: &usize| {
             let (_, [x, y]) = lumels.atlas.column_and_row(lumels.coverage.lumels()[place] as usize);
@@ -107,8 +111,7 @@ fn lumels_of_a_coarse_room_have_the_light_that_is_measured_at_their_middles() {
         };
         let points = PointReceivers::on_surfaces(&lumels.scene, chosen.iter().map(middle)).unwrap();
         let expected = measure_points(&baker, &state, &points, &Control::default()).unwrap();
-        let irradiance = light.irradiance();
-        let found: Vec<f32> = chosen.iter().map(|&place| irradiance[place].x).collect();
+        let found: Vec<f32> = chosen.iter().map(|&place| light.irradiance(place).x).collect();
         let expected: Vec<f32> = expected.irradiance.iter().map(|e| e.x).collect();
         assert!(found.len() > 150);
         let sum = |values: &[f32]| values.iter().sum::<f32>();
@@ -139,8 +142,8 @@ fn no_light_from_outside_reaches_the_lumels_of_a_closed_box() {
     )) {
         let lit = SceneBuilder { sky: Sky::Uniform(Radiance::splat(5.0)), ..builder };
         let (_, light) = measured(&lit, 0.3, 14.0, settings());
-        assert!(light.valid.iter().all(|valid| *valid), "{place}");
-        let brightest = light.irradiance().iter().map(|e| e.max_element()).fold(0.0, f32::max);
+        assert!((0..light.len()).all(|lumel| light.is_valid(lumel)), "{place}");
+        let brightest = irradiance(&light).map(|e| e.max_element()).fold(0.0, f32::max);
         assert_eq!(brightest, 0.0, "{place}");
     }
 }
@@ -155,7 +158,7 @@ fn under_an_even_sky_coarse_balls_are_lit_as_smooth_ones_and_floors_without_end(
     for (place, builder) in placements(&builder) {
         let direct = Settings { bounces: BounceLimit::Count(0), ..settings() };
         let (_, light) = measured(&builder, 0.5, 8.0, direct);
-        for (lumel, e) in light.irradiance().iter().enumerate() {
+        for (lumel, e) in irradiance(&light).enumerate() {
             assert!((e.x / PI - 1.0).abs() < 0.02, "{place}: {lumel}: {e}");
         }
     }
@@ -173,7 +176,8 @@ fn what_lies_under_a_block_is_no_light_of_the_floor() {
     };
     let (lumels, light) = measured(&builder, 0.1, 16.0, settings());
     let mut n_hidden = 0;
-    for (place, (valid, e)) in light.valid.iter().zip(light.irradiance()).enumerate() {
+    for (place, e) in irradiance(&light).enumerate() {
+        let valid = light.is_valid(place);
         let share = lumels.coverage.shares(place)[0];
         if lumels.scene.object_id(share.tri).index() != 0 {
             continue;
@@ -206,4 +210,69 @@ fn lumels_have_the_same_bits_on_any_number_of_threads_and_in_any_memory() {
     let whole = in_memory(1 << 30, 2);
     assert!(whole == in_memory(1 << 30, 1));
     assert!(whole == in_memory(100_000, 2), "in parts");
+}
+
+#[test]
+fn stopped_lumels_continue_from_their_checkpoint_with_the_same_bits() {
+    let settings = Settings { memory: Memory(40_000), direct_samples: 8, indirect_samples: 16, ..settings() };
+    let lumels = lumels(&built(room()), 8.0);
+    let mut fine = room();
+    fine.tessellate(0.3).unwrap();
+    let (baker, mut state) = (Baker::new(built(fine), settings), SolveState::new());
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    let whole = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
+    let (folder, identity) = (tempfile::tempdir().unwrap(), lumels.identity().to_string());
+    let path = folder.path().join("a.checkpoint.npz");
+    let (mut light, mut n_stops) = (baker.no_light_at_lumels(&state, &lumels), 0);
+    loop {
+        // Every third part, as if the program had been killed and started again.
+        let (control, mut n_parts) = (Control::default(), 0);
+        let continued = baker.continue_lumels(&state, &lumels, &mut light, &control, &mut |light| {
+            n_parts += 1;
+            if n_parts == 3 {
+                let saved = LumelState { identity: &identity, light };
+                baker.checkpoint(&state).save_with(Some(saved), &path).unwrap();
+                control.cancel();
+            }
+        });
+        if continued.is_ok() {
+            break;
+        }
+        n_stops += 1;
+        assert_eq!(Checkpoint::load_lumels(&path, "lumels of another atlas").unwrap(), None);
+        light = Checkpoint::load_lumels(&path, &identity).unwrap().unwrap();
+        assert!(matches!(Saved::load(&path), Ok(Saved::Checkpoint(_))));
+    }
+    assert!(n_stops > 1 && light == whole, "{n_stops} stops");
+}
+
+#[test]
+fn more_samples_go_where_light_is_noisy_until_a_target_is_reached() {
+    let (lumels, plain) = measured(&room(), 0.3, 12.0, settings());
+    let samples = |light: &LumelLight| light.halves[0].samples.clone();
+    let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
+    let (few, most) = (mean(&samples(&plain)), samples(&plain).into_iter().fold(0.0, f32::max));
+    assert!((1.6..2.4).contains(&few) && most == 4.0, "{few} {most}");
+    let mut fine = room();
+    fine.tessellate(0.3).unwrap();
+    let fine = built(fine);
+    let (baker, mut state) = (Baker::new(Arc::clone(&fine), settings()), SolveState::new());
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    let aiming = |error: &str| {
+        let target_error = TargetError::At(error.parse().unwrap());
+        let baker = baker.relit(Arc::clone(&fine), Settings { target_error, ..settings() });
+        let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
+        (baker.accuracy_at_lumels(&lumels, &light), light)
+    };
+    let (accuracy, light) = aiming("4%");
+    assert!(accuracy.share.unwrap() >= 0.95 && accuracy.percentile_95 <= 0.04, "{accuracy:?}");
+    // What the halves say is no less than what many more samples show.
+    let (_, reference) = aiming("1%");
+    let floor = 0.1 * mean(&irradiance(&reference).map(|e| e.x).collect::<Vec<f32>>());
+    let off = |(a, b): (Vec3, Vec3)| ((a.x - b.x) / b.x.max(floor)).abs();
+    let mut errors: Vec<f32> = irradiance(&light).zip(irradiance(&reference)).map(off).collect();
+    errors.sort_by(f32::total_cmp);
+    let [median, worst] = [0.5, 0.95].map(|share| errors[(share * errors.len() as f32) as usize]);
+    println!("median {median}, 95 % below {worst}");
+    assert!(worst < 0.04 && median > 0.001, "{median} {worst}");
 }

@@ -3,7 +3,7 @@
 use crate::console::Console;
 use crate::failure;
 use crate::outputs::folder_of;
-use lumel::{Baker, SolveState};
+use lumel::{Baker, LumelState, SolveState};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,7 +18,7 @@ pub(crate) struct Checkpoint {
 /// What is known about the file.
 #[derive(Default)]
 struct OnDisk {
-    /// Whether it exists and contains the last finished bounce.
+    /// Whether it exists and contains all finished bounces.
     current: bool,
     /// Whether this bake wrote it or resumed from it.
     ours: bool,
@@ -52,9 +52,10 @@ impl Checkpoint {
         }
     }
 
-    /// Saves the finished bounces. If that fails, for example on a full disk, the bake continues without a checkpoint.
-    pub(crate) fn save(&self, baker: &Baker, state: &SolveState) {
-        let result = baker.checkpoint(state).save(&self.path);
+    /// Saves the finished bounces, and the light at lumels that is gathered from them if there is some. If that fails, for
+    /// example on a full disk, the bake continues without a checkpoint.
+    pub(crate) fn save(&self, baker: &Baker, state: &SolveState, lumels: Option<LumelState<'_>>) {
+        let result = baker.checkpoint(state).save_with(lumels, &self.path);
         let mut on_disk = self.lock();
         on_disk.current = result.is_ok();
         on_disk.ours |= result.is_ok();
@@ -66,7 +67,7 @@ impl Checkpoint {
         }
     }
 
-    /// More bounces are finished than are on disk.
+    /// More is finished than is on disk.
     pub(crate) fn outdated(&self) {
         self.lock().current = false;
     }
@@ -74,7 +75,7 @@ impl Checkpoint {
     /// Saves what is finished unless it is on disk.
     pub(crate) fn update(&self, baker: &Baker, state: &SolveState) {
         if !self.is_current() {
-            self.save(baker, state);
+            self.save(baker, state, None);
         }
     }
 

@@ -31,7 +31,7 @@ pub(crate) struct CommandRun {
 }
 
 /// Checkpoints take about this share of the time of a solve at most.
-const CHECKPOINT_SHARE: f64 = 0.1;
+pub(crate) const CHECKPOINT_SHARE: f64 = 0.1;
 
 /// What a solve did.
 pub(crate) struct SolveLog {
@@ -127,7 +127,7 @@ impl Observer for Watch<'_> {
             let mut spent = lock(&self.checkpoint_seconds);
             // Later bounces take less time than it takes to write all of them once more.
             if matches!(step, Step::Bounce(0)) || *spent <= CHECKPOINT_SHARE * (begun - self.started) {
-                checkpoint.save(self.baker, state);
+                checkpoint.save(self.baker, state, None);
                 *spent += self.run.clock.seconds() - begun;
             } else {
                 checkpoint.outdated();

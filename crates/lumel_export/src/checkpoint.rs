@@ -1,5 +1,6 @@
 //! A solve that can be continued.
 
+use crate::lumel_state::{LumelMeta, LumelState};
 use crate::members::{
     Kind, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_stacked,
     stacked,
@@ -7,6 +8,7 @@ use crate::members::{
 use crate::solution::is_lighting_of;
 use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
 use glam::Vec3;
+use lumel_lightmap::LumelLight;
 use lumel_scene::Scene;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -24,7 +26,7 @@ const KIND: Kind = Kind {
 ///
 /// For lumel alone, unlike a [`Solution`], which is light at vertices for any reader. As a file it is a NumPy archive of
 /// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail` and `standard_error` (nodes, 3) and `rounds`
-/// (rounds, nodes), and of `meta.json`.
+/// (rounds, nodes), of what is known of the light at the lumels of an atlas if that is measured, and of `meta.json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Where it comes from.
@@ -68,6 +70,9 @@ pub struct CheckpointMeta {
     /// The arrays of the file; filled in on saving.
     #[serde(default)]
     pub arrays: Vec<String>,
+    /// Which lumels have light, and how far it is measured; filled in on saving.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) lumels: Option<LumelMeta>,
 }
 
 impl CheckpointMeta {
@@ -86,6 +91,7 @@ impl CheckpointMeta {
             settings,
             accuracy,
             arrays: Vec::new(),
+            lumels: None,
         }
     }
 }
@@ -119,11 +125,20 @@ impl Checkpoint {
     /// # Errors
     /// Arrays that do not cover the same nodes with finite numbers, and all that writing meets.
     pub fn save(&self, path: &Path) -> Result<(), SolutionError> {
+        self.save_with(None, path)
+    }
+
+    /// Writes the checkpoint and, if it is given, the light at lumels that is gathered from it, atomically.
+    ///
+    /// # Errors
+    /// As [`save`](Self::save).
+    pub fn save_with(&self, lumels: Option<LumelState<'_>>, path: &Path) -> Result<(), SolutionError> {
         self.validate()?;
         let vectors = self.vector_arrays();
         let names = ["valid", "bounces"].into_iter().chain(vectors.iter().map(|(name, _)| *name));
         let names = names.chain((!self.rounds.is_empty()).then_some("rounds"));
-        let meta = CheckpointMeta { arrays: names.map(str::to_owned).collect(), ..self.meta.clone() };
+        let arrays = names.map(str::to_owned).collect();
+        let meta = CheckpointMeta { arrays, lumels: lumels.map(|lumels| lumels.meta()), ..self.meta.clone() };
         write_npz(path, |npz| {
             npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))?;
@@ -136,7 +151,7 @@ impl Checkpoint {
                 let data = ArrayData::Bool(self.rounds.concat());
                 npz.array("rounds", &Array { shape, data })?;
             }
-            Ok(())
+            lumels.map_or(Ok(()), |lumels| lumels.write(npz))
         })?;
         Ok(())
     }
@@ -172,6 +187,19 @@ impl Checkpoint {
     /// A file that is no checkpoint, of a newer format, or damaged.
     pub fn load(path: &Path) -> Result<Self, SolutionError> {
         Self::read(&mut NpzReader::open(path)?)
+    }
+
+    /// Reads the light at the lumels of an identity; `None` where the file has none: light at other lumels, or a solution.
+    ///
+    /// # Errors
+    /// A file that is damaged.
+    pub fn load_lumels(path: &Path, identity: &str) -> Result<Option<LumelLight>, SolutionError> {
+        let mut npz = NpzReader::open(path)?;
+        if read_format(&mut npz).as_deref() != Some(KIND.format) {
+            return Ok(None);
+        }
+        let meta: CheckpointMeta = read_meta(&mut npz, &KIND)?;
+        meta.lumels.filter(|lumels| lumels.is_of(identity)).map(|lumels| lumels.read(&mut npz)).transpose()
     }
 
     fn read(npz: &mut NpzReader) -> Result<Self, SolutionError> {

@@ -113,6 +113,15 @@ pub(crate) fn read_stacked(
     }
 }
 
+/// A list of numbers.
+pub(crate) fn read_numbers(npz: &mut NpzReader, name: &str) -> Result<Vec<f32>, SolutionError> {
+    let array = npz.array(name)?;
+    match (array.shape.as_slice(), array.data) {
+        ([_], ArrayData::F32(values)) => Ok(values),
+        (_, data) => Err(wrong_shape(npz, name, "(n) of <f4", &Array { shape: array.shape, data })),
+    }
+}
+
 pub(crate) fn read_flags(npz: &mut NpzReader, name: &str) -> Result<Vec<bool>, SolutionError> {
     let array = npz.array(name)?;
     match (array.shape.as_slice(), &array.data) {

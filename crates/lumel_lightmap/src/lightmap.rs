@@ -1,7 +1,7 @@
 //! Irradiance by lumel.
 
 use crate::taps::taps;
-use crate::{Dilation, Seams};
+use crate::{Dilation, LumelLight, Seams};
 use glam::{DVec2, DVec3, Vec3};
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 use lumel_uv::{Atlas, Coverage};
@@ -28,6 +28,48 @@ pub struct LightmapLayer {
 }
 
 impl Lightmap {
+    /// What was measured, less its noise if that is wanted, with seams closed and the light of lumels that were not measured taken
+    /// from their neighbours.
+    ///
+    /// The layers are "irradiance", "direct", "bounce 1" and so on, "tail" if there is one, "noisy" if noise was taken off, which
+    /// has all light with it, and "error", the standard error of all light.
+    ///
+    /// # Panics
+    /// If the light is not that of the lumels of the coverage.
+    pub fn finished(
+        scene: &Scene,
+        atlas: &Arc<Atlas>,
+        coverage: &Coverage,
+        light: &LumelLight,
+        denoises: bool,
+    ) -> Self {
+        let n_lumels = atlas.lumel_count();
+        let valid: Vec<bool> = (0..light.len()).map(|place| light.is_valid(place)).collect();
+        let layer = |name: String, values: &[Vec3]| LightmapLayer {
+            name,
+            values: on_pages(coverage, values, n_lumels),
+        };
+        let all: Vec<Vec3> = (0..light.len()).map(|place| light.irradiance(place)).collect();
+        let mut layers = vec![layer("irradiance".to_owned(), &all)];
+        layers.extend(light.bounces().iter().enumerate().map(|(bounce, values)| match bounce {
+            0 => layer("direct".to_owned(), values),
+            _ => layer(format!("bounce {bounce}"), values),
+        }));
+        layers.extend(light.tail().map(|values| layer("tail".to_owned(), values)));
+        let valid = on_pages(coverage, &valid, n_lumels);
+        let mut lightmap = Self { atlas: Arc::clone(atlas), valid, layers };
+        let noise = on_pages(coverage, &light.noise(atlas, coverage), n_lumels);
+        if denoises {
+            let values = lightmap.layers[0].values.clone();
+            lightmap.denoise(coverage, &noise);
+            lightmap.layers.push(LightmapLayer { name: "noisy".to_owned(), values });
+        }
+        let values = noise.into_iter().map(Vec3::splat).collect();
+        lightmap.layers.push(LightmapLayer { name: "error".to_owned(), values });
+        lightmap.finish(scene, coverage);
+        lightmap
+    }
+
     /// The light at a surface point, read bilinearly.
     ///
     /// # Panics
@@ -51,4 +93,13 @@ impl Lightmap {
             dilation.fill(&mut layer.values);
         }
     }
+}
+
+/// Values of the lumels of a coverage among all lumels of the pages; zero elsewhere.
+fn on_pages<T: Copy + Default>(coverage: &Coverage, values: &[T], n_lumels: usize) -> Vec<T> {
+    let mut all = vec![T::default(); n_lumels];
+    for (&lumel, &value) in coverage.lumels().iter().zip(values) {
+        all[lumel as usize] = value;
+    }
+    all
 }

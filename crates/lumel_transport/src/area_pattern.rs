@@ -1,7 +1,7 @@
 //! The samples of areas: places and the directions that go with them.
 
 use crate::order::Order;
-use crate::plan::{Plan, SampleRange};
+use crate::plan::Plan;
 use glam::Vec4;
 use lumel_basis::{ElementId, Sampling};
 use lumel_sample::{Dim, SamplerKind, StreamKey, numbers_by_cell, uniform_triangle};
@@ -163,7 +163,7 @@ impl AreaPatterns {
     /// They are where the same sequence is continued; stratified samples are another set for each count.
     pub(crate) fn are_within(&self, others: &Self) -> bool {
         let mut pairs = self.kinds.iter().zip(&others.kinds);
-        let continued = self.plan.sampler != SamplerKind::Stratified && self.plan.range == SampleRange::First;
+        let continued = self.plan.sampler != SamplerKind::Stratified && self.plan.portion == 0;
         continued && pairs.all(|(few, many)| few.samples <= many.samples)
     }
 }

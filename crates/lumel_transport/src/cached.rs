@@ -276,7 +276,7 @@ fn key_of<B: Basis, R: Receivers>(inner: &CpuTransport<B, R>) -> RowsKey {
         requested: plan.indirect_samples,
         sampler: plan.sampler,
         seed: plan.seed,
-        range: plan.range,
+        portion: plan.portion,
     }
 }
 

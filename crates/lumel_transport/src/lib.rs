@@ -59,6 +59,6 @@ pub use job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError}
 pub use operator::CpuTransport;
 pub use order::Order;
 pub use passes::{Pass, Passes};
-pub use plan::{EmitterSampling, LightSampling, Plan, SampleRange};
+pub use plan::{EmitterSampling, LightSampling, Plan};
 pub use rows::Rows;
 pub use sums::Sums;

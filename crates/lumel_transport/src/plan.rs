@@ -48,21 +48,11 @@ pub struct Plan {
     pub light_sampling: LightSampling,
     /// What to do with emissive surfaces.
     pub emitters: EmitterSampling,
-    /// Which samples of their sequence are taken.
-    pub range: SampleRange,
-}
-
-/// Which part of a sequence of sample points `N` samples are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum SampleRange {
-    /// Samples 0..N.
-    #[default]
-    First,
-    /// Samples N..2N: they continue the first N, spread evenly with them.
+    /// Which portion of their sequence the samples are: `N` samples are those from number `portion * N` on, so that portions
+    /// of equal size are spread evenly with each other.
     ///
     /// Not for stratified samples, whose number is that of their cells.
-    Second,
+    pub portion: u32,
 }
 
 /// Of this many samples that a vertex would get, an element with an area gets one: as there are about twice as many
@@ -76,10 +66,7 @@ impl Plan {
     /// The stream of an element's `samples` points for one purpose.
     pub(crate) fn stream(&self, samples: u32, key: StreamKey, dim: Dim) -> Stream {
         let stream = self.sampler.for_count(samples).stream(key, dim);
-        match self.range {
-            SampleRange::First => stream,
-            SampleRange::Second => stream.without_first(samples),
-        }
+        stream.without_first(samples.wrapping_mul(self.portion))
     }
 
     /// The number of samples taken of an element when `requested` are asked for, with so many
@@ -105,7 +92,7 @@ impl Default for Plan {
             seed: 0,
             light_sampling: LightSampling::default(),
             emitters: EmitterSampling::default(),
-            range: SampleRange::First,
+            portion: 0,
         }
     }
 }

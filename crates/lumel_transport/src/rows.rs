@@ -4,7 +4,6 @@
 //! scene under other lights.
 
 use crate::ends::StoredEnd;
-use crate::plan::SampleRange;
 use lumel_basis::Identity;
 use lumel_sample::SamplerKind;
 use std::mem::size_of;
@@ -26,7 +25,7 @@ pub(crate) struct RowsKey {
     pub(crate) requested: u32,
     pub(crate) sampler: SamplerKind,
     pub(crate) seed: u64,
-    pub(crate) range: SampleRange,
+    pub(crate) portion: u32,
 }
 
 impl Rows {

@@ -2,8 +2,9 @@
 
 use super::bounce_limit::BounceLimit;
 use super::table::Settings;
+use super::target_error::TargetError;
 use lumel_solve::Stop;
-use lumel_transport::{Plan, SampleRange};
+use lumel_transport::Plan;
 
 /// More bounces than this are never computed until the rest is negligible: at the largest albedo allowed, 0.98, the
 /// light that is left then is below a thousandth.
@@ -19,8 +20,14 @@ impl Settings {
             seed: self.seed,
             light_sampling: self.light_sampling,
             emitters: self.emitters,
-            range: SampleRange::First,
+            portion: 0,
         }
+    }
+
+    /// Those of a solve whose light is only carried, to be gathered by lumels: a target error is theirs, and what they gather is a
+    /// mean over many nodes of the basis.
+    pub fn carrying(&self) -> Self {
+        Self { target_error: TargetError::Off, ..self.clone() }
     }
 
     /// When to stop.

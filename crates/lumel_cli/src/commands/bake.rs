@@ -1,6 +1,6 @@
 //! `lumel bake`
 
-use super::lightmap::{self, Lightmapped};
+use super::lightmap::{self, Lightmapped, Solved};
 use super::summary::{Step, Summary, Written};
 use crate::args::{BakeArgs, Basis, Switch};
 use crate::checkpoint::{self, Checkpoint};
@@ -11,7 +11,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Light, Output};
 use anyhow::bail;
-use lumel::{Baker, Control, Ended, Preset, ResumeError, Saved, Solution, SolveState};
+use lumel::{Baker, Control, Ended, Preset, ResumeError, Saved, Settings, Solution, SolveState};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -88,6 +88,9 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
             None => return Ok(Baked::Stopped("stopped; nothing was computed".to_owned())),
         },
     };
+    // What lumels gather is a mean over many vertices: the target is theirs.
+    let of_lumels = prepared.is_some().then(|| settings.clone());
+    let settings = of_lumels.as_ref().map_or(settings, Settings::carrying);
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
     let has_lost_light = load::warn_of_lost_light(&baker, &run.console);
     let mut state = match &args.resume {
@@ -115,10 +118,14 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     let denoises = args.denoise.map_or(preset != Preset::Production, |switch| switch == Switch::On);
     let lightmapped = match prepared {
         None => None,
-        Some(prepared) => match lightmap::measure(prepared, &baker, &state, denoises, run)? {
-            Some(lightmapped) => Some(lightmapped),
-            None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
-        },
+        Some(prepared) => {
+            let settings = of_lumels.unwrap_or_else(|| baker.settings().clone());
+            let solved = Solved { baker: &baker, state: &state, checkpoint: &checkpoint, settings };
+            match lightmap::measure(prepared, solved, args.resume.as_deref(), denoises, run)? {
+                Some(lightmapped) => Some(lightmapped),
+                None => return Ok(Baked::Stopped(after_cancel_in_lumels(&checkpoint))),
+            }
+        }
     };
     let mut solution = solution(&baker, &state, run, &log);
     solution.meta.vertex_budget = auto_edge.map(|auto| auto.vertex_budget);
@@ -232,6 +239,17 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
             format!("stopped; {done} in the checkpoint; continue with the same command and --resume {file}")
         }
     }
+}
+
+/// What to tell a user who stopped a bake while lumels were measured.
+fn after_cancel_in_lumels(checkpoint: &Checkpoint) -> String {
+    if !checkpoint.is_current() {
+        return "stopped; there is no checkpoint because it could not be written".to_owned();
+    }
+    let file = checkpoint.path().display();
+    format!(
+        "stopped; all bounces and a part of the lumels are in the checkpoint; continue with the same command and --resume {file}"
+    )
 }
 
 fn bounces(n: usize) -> String {

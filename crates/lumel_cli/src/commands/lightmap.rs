@@ -1,14 +1,17 @@
 //! The lightmap of a bake.
 
 use super::atlas;
-use super::summary::LightmapReport;
+use super::summary::{LightmapReport, NoiseReport};
 use crate::args::BakeArgs;
-use crate::command_run::CommandRun;
-use crate::load;
-use glam::Vec3;
-use lumel::{Baker, LumelLight, Lumels, Preset, Scene, SolveState, TransportError};
-use lumel_lightmap::{Lightmap, LightmapLayer};
-use lumel_uv::{Coverage, Report, Unwrapped};
+use crate::checkpoint::Checkpoint;
+use crate::command_run::{CHECKPOINT_SHARE, CommandRun};
+use crate::{load, report};
+use lumel::{
+    Baker, Lightmap, LumelAccuracy, LumelLight, LumelState, Lumels, Preset, Scene, Settings, SolveState,
+    TransportError,
+};
+use lumel_uv::{Report, Unwrapped};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A scene as it was given and its light.
@@ -39,30 +42,37 @@ pub(crate) fn prepare(args: &BakeArgs, preset: Preset, run: &CommandRun) -> anyh
     }))
 }
 
-/// Measures the light of a solve in all lumels. `None` if it was stopped.
+/// A solve that is done, and where it is kept until all files are written.
+pub(crate) struct Solved<'a> {
+    pub(crate) baker: &'a Baker,
+    pub(crate) state: &'a SolveState,
+    pub(crate) checkpoint: &'a Checkpoint,
+    /// Those of the lumels.
+    pub(crate) settings: Settings,
+}
+
+/// Measures the light of a solve in all lumels, continuing from what `resumed` has of it. `None` if it was stopped.
 pub(crate) fn measure(
     Prepared { lumels, report, seconds: unwrap_seconds }: Prepared,
-    baker: &Baker,
-    state: &SolveState,
+    solved: Solved<'_>,
+    resumed: Option<&Path>,
     denoises: bool,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Lightmapped>> {
-    let measured = || {
-        let _heeding = run.interrupt.heed();
-        baker.light_at_lumels(state, &lumels, run.interrupt.control())
-    };
-    let (light, seconds) = run.timed("lumels", measured);
-    let light = match light {
-        Ok(light) => light,
-        Err(TransportError::Cancelled) => return Ok(None),
-        Err(error) => return Err(error.into()),
-    };
-    let (lightmap, finish_seconds) = run.timed("finish", || finished(&lumels, &light, denoises));
+    let baker = solved.baker.relit(Arc::clone(solved.baker.scene()), solved.settings.clone());
+    let (measured, seconds) = run.timed("lumels", || measured(&lumels, &baker, &solved, resumed, run));
+    let Some(light) = measured? else { return Ok(None) };
+    let Lumels { scene, atlas, coverage } = &lumels;
+    let accuracy = baker.accuracy_at_lumels(&lumels, &light);
+    warn_of_error(&accuracy, &solved.settings, run);
+    let finished = || Lightmap::finished(scene, atlas, coverage, &light, denoises);
+    let (lightmap, finish_seconds) = run.timed("finish", finished);
     let report = LightmapReport {
         pages: lumels.atlas.pages().to_vec(),
         lumels: lumels.coverage.len(),
-        invalid_lumels: light.valid.iter().filter(|valid| !**valid).count(),
+        invalid_lumels: (0..light.len()).filter(|&lumel| !light.is_valid(lumel)).count(),
         density: lumels.atlas.density(),
+        noise: NoiseReport::from(accuracy),
         charts: report.chart_count(),
         utilization: report.utilization,
         unwrap_seconds,
@@ -72,44 +82,57 @@ pub(crate) fn measure(
     Ok(Some(Lightmapped { scene: Arc::clone(&lumels.scene), lightmap, report }))
 }
 
-/// All pages: what was measured, less its noise if that is wanted, with seams closed and the light of lumels that were not
-/// measured taken from their neighbours. The last layers are all light with its noise, and its standard error.
-fn finished(lumels: &Lumels, light: &LumelLight, denoises: bool) -> Lightmap {
-    let Lumels { scene, atlas, coverage } = lumels;
-    let n_lumels = atlas.lumel_count();
-    let valid = on_pages(coverage, &light.valid, n_lumels);
-    let bounces = light.bounces.iter().enumerate();
-    let names = bounces.map(|(bounce, values)| match bounce {
-        0 => ("direct".to_owned(), values),
-        _ => (format!("bounce {bounce}"), values),
-    });
-    let tail = light.tail.iter().map(|values| ("tail".to_owned(), values));
-    let irradiance = light.irradiance();
-    let all = std::iter::once(("irradiance".to_owned(), &irradiance)).chain(names).chain(tail);
-    let layer = |(name, values): (String, &Vec<Vec3>)| LightmapLayer {
-        name,
-        values: on_pages(coverage, values, n_lumels),
-    };
-    let layers = all.map(layer).collect();
-    let mut lightmap = Lightmap { atlas: Arc::clone(atlas), valid, layers };
-    let errors = on_pages(coverage, &light.errors, n_lumels);
-    let errors = lightmap.pooled(coverage, &errors);
-    if denoises {
-        let raw = lightmap.layers[0].values.clone();
-        lightmap.denoise(coverage, &errors);
-        lightmap.layers.push(LightmapLayer { name: "noisy".to_owned(), values: raw });
+/// Warns of a missed target error.
+fn warn_of_error(accuracy: &LumelAccuracy, settings: &Settings, run: &CommandRun) {
+    let wanted = f64::from(settings.target_share.get());
+    if let Some(share) = accuracy.share.filter(|share| *share < wanted) {
+        let [share, wanted] = [share, wanted].map(report::percent);
+        run.console.warning(&format!(
+            "the target error was not reached: {share} of the lumels are within it, not {wanted}, with up to 64 times the initial \
+             samples; start with more samples"
+        ));
     }
-    let errors = errors.into_iter().map(Vec3::splat).collect();
-    lightmap.layers.push(LightmapLayer { name: "error".to_owned(), values: errors });
-    lightmap.finish(scene, coverage);
-    lightmap
 }
 
-/// Values of the lumels of a coverage among all lumels of the pages; zero elsewhere.
-fn on_pages<T: Copy + Default>(coverage: &Coverage, values: &[T], n_lumels: usize) -> Vec<T> {
-    let mut all = vec![T::default(); n_lumels];
-    for (&lumel, &value) in coverage.lumels().iter().zip(values) {
-        all[lumel as usize] = value;
+/// The light in all lumels. After each part, it is written to the checkpoint. `None` if it was stopped.
+fn measured(
+    lumels: &Lumels,
+    baker: &Baker,
+    Solved { baker: solver, state, checkpoint, .. }: &Solved<'_>,
+    resumed: Option<&Path>,
+    run: &CommandRun,
+) -> anyhow::Result<Option<LumelLight>> {
+    let identity = lumels.identity().to_string();
+    let mut light = baker.no_light_at_lumels(state, lumels);
+    if let Some(saved) =
+        resumed.map(|file| lumel::Checkpoint::load_lumels(file, &identity)).transpose()?.flatten()
+        && saved.is_like(&light)
+    {
+        light = saved;
     }
-    all
+    let (began, mut spent) = (run.clock.seconds(), 0.0);
+    let save = |light: &LumelLight| {
+        checkpoint.save(solver, state, Some(LumelState { identity: &identity, light }));
+    };
+    let mut keep = |light: &LumelLight| {
+        let now = run.clock.seconds();
+        if spent <= CHECKPOINT_SHARE * (now - began) {
+            save(light);
+            spent += run.clock.seconds() - now;
+        } else {
+            checkpoint.outdated();
+        }
+    };
+    let measured = {
+        let _heeding = run.interrupt.heed();
+        baker.continue_lumels(state, lumels, &mut light, run.interrupt.control(), &mut keep)
+    };
+    if measured.is_err() && !checkpoint.is_current() {
+        save(&light);
+    }
+    match measured {
+        Ok(()) => Ok(Some(light)),
+        Err(TransportError::Cancelled) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::command_run::SolveLog;
 use crate::report::{self, counted};
-use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, Solution, SolveState};
+use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, LumelAccuracy, Solution, SolveState};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -50,12 +50,40 @@ pub(crate) struct LightmapReport {
     pub(crate) invalid_lumels: usize,
     /// Lumels per metre.
     pub(crate) density: f32,
+    pub(crate) noise: NoiseReport,
     pub(crate) charts: usize,
     pub(crate) utilization: f64,
     pub(crate) unwrap_seconds: f64,
     /// For measuring light in lumels.
     pub(crate) seconds: f64,
     pub(crate) finish_seconds: f64,
+}
+
+/// How noisy the light in lumels is before it is denoised: half the widths of 95 % intervals, relative.
+#[derive(Debug, Serialize)]
+pub(crate) struct NoiseReport {
+    median: f64,
+    percentile_95: f64,
+    /// Share of lumels below the target error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    share: Option<f64>,
+}
+
+impl From<LumelAccuracy> for NoiseReport {
+    fn from(LumelAccuracy { median, percentile_95, share }: LumelAccuracy) -> Self {
+        Self { median, percentile_95, share }
+    }
+}
+
+impl NoiseReport {
+    fn text(&self) -> String {
+        let [median, percentile_95] = [self.median, self.percentile_95].map(report::percent);
+        let share = self.share.map(|share| format!("; {} are within the target", report::percent(share)));
+        format!(
+            "noise of lumels, 95 % interval: half are within {median}, 95 % within {percentile_95}{}",
+            share.unwrap_or_default()
+        )
+    }
 }
 
 impl LightmapReport {
@@ -67,12 +95,13 @@ impl LightmapReport {
             n => format!(", {} inside geometry", counted(n, "lies", "lie")),
         };
         format!(
-            "lightmap {pages} of {}, {} used by {}; {} of {} per metre{inside}\nunwrap {:.2} s\nlumels {:.2} s\nfinish {:.2} s",
+            "lightmap {pages} of {}, {} used by {}; {} of {} per metre{inside}\n{}\nunwrap {:.2} s\nlumels {:.2} s\nfinish {:.2} s",
             sizes.join(", "),
             report::percent(self.utilization),
             counted(self.charts, "chart", "charts"),
             counted(self.lumels, "lumel", "lumels"),
             report::significant(f64::from(self.density)),
+            self.noise.text(),
             self.unwrap_seconds,
             self.seconds,
             self.finish_seconds,

@@ -1,6 +1,6 @@
 use crate::{Stage, moved, noise, of, pair, settings, stages};
 use glam::{DVec3, Vec3};
-use lumel_lightmap::LightmapLayer;
+use lumel_lightmap::{LightmapLayer, LumelLight, PartLight};
 use lumel_scene::luminance;
 use lumel_uv::{Density, UnwrapSettings};
 
@@ -137,10 +137,15 @@ fn neighbours_together_know_the_error_and_an_edge_is_none() {
     // What two halves of the samples differ by: noise of 0.1 everywhere, and of 5 in lumels that an edge of light cuts.
     let is_cut = |at: DVec3| (at - edge).dot(DVec3::new(0.3, -0.7, 0.4)).abs() < 0.005;
     let places = stage.measured(|_, at| if is_cut(at) { Vec3::splat(5.0) } else { Vec3::splat(0.1) });
-    let errors: Vec<f32> =
-        places.iter().enumerate().map(|(i, error)| (error.x * normal(3 * i)).abs()).collect();
-    let pooled = stage.lightmap(places, |_| true).pooled(&stage.coverage, &errors);
-    let found: Vec<f32> = stage.coverage.lumels().iter().map(|&lumel| pooled[lumel as usize]).collect();
+    let error = |(place, &lumel): (usize, &u32)| places[lumel as usize].x * normal(3 * place);
+    let errors: Vec<f32> = stage.coverage.lumels().iter().enumerate().map(error).collect();
+    let mut light = LumelLight::new(errors.len(), 1, false);
+    let half = |sign: f32| PartLight {
+        known: vec![true; errors.len()],
+        sources: vec![errors.iter().map(|error| Vec3::splat(9.0 + sign * error)).collect()],
+    };
+    light.add(0..errors.len(), &[half(1.0), half(-1.0)]);
+    let found = light.noise(&stage.atlas, &stage.coverage);
     let mean = found.iter().sum::<f32>() / found.len() as f32;
     assert!((mean / 0.1 - 1.0).abs() < 0.1, "{mean}");
     // A median of 25 has a standard deviation of a quarter of itself.

@@ -140,7 +140,7 @@ fn sampling_the_glow_as_lights_gives_the_same_mean() {
                         light_sampling: LightSampling::Analytic,
                         direct_samples: 128,
                         indirect_samples: 32,
-                        range: lumel_transport::SampleRange::First,
+                        portion: 0,
                     };
                     let operator = stage.operator(method, plan);
                     let state = solved_by(&operator, &stage, Stop::Bounces(2));

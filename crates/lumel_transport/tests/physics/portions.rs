@@ -6,7 +6,7 @@ use lumel_scene::{Light, Scene};
 use lumel_testkit::measure;
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::scene::{ceiling_light, grey, scene};
-use lumel_transport::{CachedTransport, CpuTransport, LightSampling, Plan, SampleRange, Source};
+use lumel_transport::{CachedTransport, CpuTransport, LightSampling, Plan, Source};
 use std::sync::Arc;
 
 /// A room with a lamp, and light on its walls that is not the same anywhere.
@@ -39,7 +39,7 @@ const PLAN: Plan = Plan {
     // Points on lights that all count: the closed form would have a pilot in each half.
     light_sampling: LightSampling::Area,
     emitters: lumel_transport::EmitterSampling::Auto,
-    range: SampleRange::First,
+    portion: 0,
 };
 
 /// Fails unless `a` is `b`, which differ by the order of sums and the rounding of where stored rays end.
@@ -58,7 +58,7 @@ fn two_halves_of_the_samples_are_the_whole() {
     let at_vertices = || transport(&basis, PointReceivers::at_vertices(&basis), PLAN);
     let plain = at_vertices();
     let cached = CachedTransport::new(at_vertices(), None);
-    let second = Plan { range: SampleRange::Second, ..PLAN };
+    let second = Plan { portion: 1, ..PLAN };
     for source in [Source::Emitters(None), Source::Field(&field)] {
         let halves = [PLAN, second].map(|plan| measure(&plain.with_samples(plan, &all), source, 0).field);
         let stored = [PLAN, second].map(|plan| measure(&cached.with_samples(plan, &all), source, 0).field);

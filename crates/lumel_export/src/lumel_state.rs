@@ -1,0 +1,98 @@
+//! Light at lumels that is still being measured: a part of a checkpoint.
+
+use crate::members::{check_members, read_flags, read_numbers, read_vectors};
+use crate::{Array, ArrayData, NpzReader, NpzWriter, ReadError, SolutionError};
+use lumel_lightmap::{Half, LumelLight};
+use serde::{Deserialize, Serialize};
+use std::io;
+
+/// Light at lumels and what decides which lumels they are.
+#[derive(Clone, Copy, Debug)]
+pub struct LumelState<'a> {
+    /// The identity of the receivers, hexadecimal.
+    pub identity: &'a str,
+    /// What was measured.
+    pub light: &'a LumelLight,
+}
+
+/// The part of `meta.json` that arrays do not tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct LumelMeta {
+    identity: String,
+    sources: usize,
+    has_tail: bool,
+    round: u32,
+    done: u32,
+}
+
+const ACTIVE: &str = "lumel_active";
+
+fn source(number: usize) -> String {
+    format!("lumel_source_{number}")
+}
+
+fn samples(half: usize) -> String {
+    format!("lumel_samples_{half}")
+}
+
+fn totals(half: usize) -> String {
+    format!("lumel_totals_{half}")
+}
+
+impl LumelState<'_> {
+    pub(crate) fn meta(&self) -> LumelMeta {
+        let LumelLight { has_tail, round, done, ref sources, .. } = *self.light;
+        LumelMeta { identity: self.identity.to_owned(), sources: sources.len(), has_tail, round, done }
+    }
+
+    pub(crate) fn write(&self, npz: &mut NpzWriter<'_>) -> io::Result<()> {
+        let list = |values: &[f32]| Array::list(ArrayData::F32(values.to_vec()));
+        for (number, values) in self.light.sources.iter().enumerate() {
+            npz.array(&source(number), &Array::from_vectors(values))?;
+        }
+        for (number, half) in self.light.halves.iter().enumerate() {
+            npz.array(&samples(number), &list(&half.samples))?;
+            npz.array(&totals(number), &list(&half.totals))?;
+        }
+        npz.array(ACTIVE, &Array::list(ArrayData::Bool(self.light.active.clone())))
+    }
+}
+
+impl LumelMeta {
+    /// Whether it is light at the lumels of this identity.
+    pub(crate) fn is_of(&self, identity: &str) -> bool {
+        self.identity == identity
+    }
+
+    pub(crate) fn read(&self, npz: &mut NpzReader) -> Result<LumelLight, SolutionError> {
+        let names =
+            (0..self.sources).map(source).chain((0..2).flat_map(|half| [samples(half), totals(half)]));
+        let names: Vec<String> = names.chain([ACTIVE.to_owned()]).collect();
+        check_members(npz, &names)?;
+        let mut half = |number| {
+            Ok(Half {
+                samples: read_numbers(npz, &samples(number))?,
+                totals: read_numbers(npz, &totals(number))?,
+            })
+        };
+        let halves: [Result<Half, SolutionError>; 2] = [half(0), half(1)];
+        let [first, second] = halves;
+        let light = LumelLight {
+            halves: [first?, second?],
+            sources: (0..self.sources)
+                .map(|number| read_vectors(npz, &source(number)))
+                .collect::<Result<_, _>>()?,
+            has_tail: self.has_tail && self.sources > 0,
+            round: self.round,
+            active: read_flags(npz, ACTIVE)?,
+            done: self.done,
+        };
+        light
+            .check()
+            .map_err(|problem| {
+                let (path, member) = (npz.path().to_owned(), ACTIVE.to_owned());
+                ReadError::BadMember { path, member, problem }.into()
+            })
+            .map(|()| light)
+    }
+}

@@ -1,0 +1,63 @@
+//! Neighbours on a chart.
+
+use crate::charts::charts;
+use crate::nearest::NONE;
+use lumel_uv::{Atlas, Coverage};
+
+/// A cubic B-spline at whole numbers, which weighs neighbours along each axis.
+pub(crate) const SPLINE: [f32; 5] = [1.0, 4.0, 6.0, 4.0, 1.0];
+
+/// Which lumels of a coverage are near each other on a chart.
+pub(crate) struct Surface<'a> {
+    atlas: &'a Atlas,
+    coverage: &'a Coverage,
+    /// Those that count, as places in the coverage; ascending.
+    places: Vec<usize>,
+    /// By lumel of all pages: its chart, and its index in `places` or `NONE`.
+    charts: Vec<u32>,
+    indices: Vec<u32>,
+}
+
+impl<'a> Surface<'a> {
+    /// Those for which `counts(place)`.
+    pub(crate) fn new(atlas: &'a Atlas, coverage: &'a Coverage, counts: impl Fn(usize) -> bool) -> Self {
+        let places: Vec<usize> = (0..coverage.len()).filter(|&place| counts(place)).collect();
+        let charts = charts(atlas, coverage);
+        let mut indices = vec![NONE; charts.len()];
+        for (index, &place) in places.iter().enumerate() {
+            indices[coverage.lumels()[place] as usize] = index as u32;
+        }
+        Self { atlas, coverage, places, charts, indices }
+    }
+
+    /// The places in the coverage.
+    pub(crate) fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// The lumels, as indices into all pages.
+    pub(crate) fn lumels(&self) -> impl Iterator<Item = usize> {
+        self.places.iter().map(|&place| self.coverage.lumels()[place] as usize)
+    }
+
+    /// Calls `add(index, weight)` for those around one of them, `reach` and twice `reach` away.
+    pub(crate) fn around(&self, index: usize, reach: i64, mut add: impl FnMut(usize, f32)) {
+        let lumel = self.coverage.lumels()[self.places[index]] as usize;
+        let (page, [x, y]) = self.atlas.column_and_row(lumel);
+        let [width, height] = self.atlas.pages()[page].map(i64::from);
+        let first = self.atlas.first_lumel(page);
+        for (j, down) in SPLINE.iter().enumerate() {
+            let y = i64::from(y) + (j as i64 - 2) * reach;
+            for (i, along) in SPLINE.iter().enumerate().filter(|_| (0..height).contains(&y)) {
+                let x = i64::from(x) + (i as i64 - 2) * reach;
+                if !(0..width).contains(&x) {
+                    continue;
+                }
+                let near = first + (y * width + x) as usize;
+                if self.charts[near] == self.charts[lumel] && self.indices[near] != NONE {
+                    add(self.indices[near] as usize, down * along);
+                }
+            }
+        }
+    }
+}
