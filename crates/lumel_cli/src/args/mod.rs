@@ -81,8 +81,8 @@ pub(crate) enum Command {
 /// Direct light comes first, then one bounce after another, up to the requested number or until the remainder is
 /// negligible. The same scene and settings give the same bits on any number of threads.
 ///
-/// After each bounce, and of a lightmap after each part of the lumels, the state is saved as NAME.checkpoint.npz next to the first output; the file is removed when the
-/// bake is done. After Ctrl-C or a crash, continue with --resume.
+/// After each bounce, and of a lightmap after each part of the lumels, the state is saved as NAME.checkpoint.npz next to
+/// the first output; the file is removed when the bake is done. After Ctrl-C or a crash, continue with --resume.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
