@@ -64,7 +64,9 @@ pub use lumel_accel::{Bvh, RayTracer, SeeThrough, tracer_of};
 pub use lumel_basis::{
     Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,
 };
-pub use lumel_export::{Checkpoint, LumelState, RadFile, Saved, Solution, SolutionLayer, SolutionSelection};
+pub use lumel_export::{
+    Checkpoint, LightmapSolution, LumelState, RadFile, Saved, Solution, SolutionLayer, SolutionSelection,
+};
 pub use lumel_import::PathPolicy;
 pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
 pub use lumel_sample::SamplerKind;

@@ -6,7 +6,7 @@ use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
 use glam::Vec3;
-use lumel::{Baker, FileFormat, Solution, SolutionSelection, tracer_of};
+use lumel::{Baker, FileFormat, LightmapSolution, Solution, SolutionSelection, tracer_of};
 use lumel_export::{LightmapTarget, Precision, check_obj, write_lightmap_exr, write_lightmap_glb};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,8 @@ enum Content {
     Light(FileFormat),
     /// The pages of a lightmap.
     Pages,
+    /// A lightmap, for other commands.
+    Lightmap,
     /// The mesh with a lightmap.
     LightmapGlb,
     /// A picture.
@@ -34,7 +36,12 @@ fn contents(basis: Basis) -> Vec<(&'static str, Content)> {
             light.chain([("png", Content::Picture)]).collect()
         }
         Basis::Lightmap => {
-            vec![("exr", Content::Pages), ("glb", Content::LightmapGlb), ("png", Content::Picture)]
+            vec![
+                ("exr", Content::Pages),
+                ("glb", Content::LightmapGlb),
+                ("npz", Content::Lightmap),
+                ("png", Content::Picture),
+            ]
         }
     }
 }
@@ -130,7 +137,11 @@ impl Output {
                     write_lightmap_exr(path, lightmap, page, Precision::Float, &attributes)?;
                 }
             }
-            (Content::Pages | Content::LightmapGlb, None) => {}
+            (Content::Lightmap, Some(Lightmapped { scene, lightmap, .. })) => {
+                LightmapSolution::new(scene, solution.meta.settings.clone(), lightmap.clone())
+                    .save(&self.path)?;
+            }
+            (Content::Pages | Content::LightmapGlb | Content::Lightmap, None) => {}
         }
         paths.into_iter().map(sized).collect()
     }
@@ -231,10 +242,10 @@ mod tests {
             ("a.tif", Basis::Vertex, "unknown extension", "use one of .npz, .glb, .ply, .obj, .rad, .png"),
             ("a.exr", Basis::Vertex, "--basis vertex writes no .exr files", "use one of .npz, .glb, .ply"),
             (
-                "a.npz",
+                "a.ply",
                 Basis::Lightmap,
-                "--basis lightmap writes no .npz files",
-                "use one of .exr, .glb, .png",
+                "--basis lightmap writes no .ply files",
+                "use one of .exr, .glb, .npz, .png",
             ),
         ] {
             let error = Output::new(Path::new(name), basis).unwrap_err();

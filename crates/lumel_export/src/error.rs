@@ -183,6 +183,14 @@ pub enum SolutionError {
         /// Those it has.
         names: Vec<String>,
     },
+    /// A lightmap that does not hold together.
+    #[error("this lightmap cannot be used, it {problem}: {}", path.display())]
+    Lightmap {
+        /// The file.
+        path: PathBuf,
+        /// What it does.
+        problem: String,
+    },
     /// The solution was computed for different geometry.
     #[error(
         "{} was computed for scene \"{}\" ({}), not for \"{}\" ({}): \

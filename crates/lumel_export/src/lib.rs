@@ -39,7 +39,7 @@ pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
 pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};
-pub use lightmap::{Precision, write_lightmap_exr, write_lightmap_png};
+pub use lightmap::{LightmapSolution, Precision, write_lightmap_exr, write_lightmap_png};
 pub use lumel_state::LumelState;
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};

@@ -1,6 +1,7 @@
 //! Pages of lightmaps as images.
 
 mod exr;
+mod npz;
 mod png;
 
 use crate::ExportError;
@@ -10,6 +11,7 @@ use std::ops::Range;
 use std::path::Path;
 
 pub use exr::{Precision, write_lightmap_exr};
+pub use npz::LightmapSolution;
 pub use png::write_lightmap_png;
 pub(crate) use png::{dithered, encode_linear};
 

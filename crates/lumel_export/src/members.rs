@@ -113,12 +113,21 @@ pub(crate) fn read_stacked(
     }
 }
 
-/// A list of numbers.
+/// Numbers in any shape, one after the other.
 pub(crate) fn read_numbers(npz: &mut NpzReader, name: &str) -> Result<Vec<f32>, SolutionError> {
     let array = npz.array(name)?;
-    match (array.shape.as_slice(), array.data) {
-        ([_], ArrayData::F32(values)) => Ok(values),
-        (_, data) => Err(wrong_shape(npz, name, "(n) of <f4", &Array { shape: array.shape, data })),
+    match array.data {
+        ArrayData::F32(values) => Ok(values),
+        data => Err(wrong_shape(npz, name, "of <f4", &Array { shape: array.shape, data })),
+    }
+}
+
+/// Whole numbers in any shape, one after the other.
+pub(crate) fn read_whole_numbers(npz: &mut NpzReader, name: &str) -> Result<Vec<u32>, SolutionError> {
+    let array = npz.array(name)?;
+    match array.data {
+        ArrayData::U32(values) => Ok(values),
+        data => Err(wrong_shape(npz, name, "of <u4", &Array { shape: array.shape, data })),
     }
 }
 

@@ -57,7 +57,7 @@ pub struct SolutionLayer {
 /// Where a solution comes from: the member `meta.json` of its file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolutionMeta {
-    /// `"lumel-solution"`.
+    /// `"lumel-solution"`, or `"lumel-lightmap"` for light at lumels.
     pub format: String,
     /// Version of the layout.
     pub format_version: u32,
@@ -103,10 +103,14 @@ pub enum SolutionSelection {
 impl SolutionMeta {
     /// A complete solution of a scene, without statistics.
     pub fn new(scene: &Scene, settings: Value) -> Self {
+        Self::of_kind(&KIND, scene, settings)
+    }
+
+    pub(crate) fn of_kind(kind: &Kind, scene: &Scene, settings: Value) -> Self {
         let hash = scene.hash();
         Self {
-            format: KIND.format.to_owned(),
-            format_version: KIND.version,
+            format: kind.format.to_owned(),
+            format_version: kind.version,
             lumel_version: env!("CARGO_PKG_VERSION").to_owned(),
             scene: scene.name().to_owned(),
             geometry_hash: hash.geometry.to_hex().to_string(),

@@ -8,6 +8,7 @@
 //! image do. All triangles have a positive area there.
 
 mod atlas;
+mod atlas_parts;
 mod chart;
 mod check;
 mod clip;
@@ -32,6 +33,7 @@ mod topology;
 mod unwrap;
 
 pub use atlas::{Atlas, ChartPlace};
+pub use atlas_parts::AtlasParts;
 pub use check::{Fault, check};
 pub use coverage::{Coverage, Piece, Share};
 pub use error::UvError;

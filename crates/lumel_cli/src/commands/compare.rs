@@ -6,7 +6,8 @@ use crate::failure::hinted;
 use crate::outcome::Outcome;
 use crate::report::significant;
 use anyhow::Context;
-use lumel::{Difference, LightFile, Percentiles};
+use glam::Vec3;
+use lumel::{Difference, LightFile, LightmapSolution, Percentiles};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -15,8 +16,11 @@ use std::fmt::Write;
 struct SolutionComparison {
     a: String,
     b: String,
+    /// Where light is compared: "vertices" or "lumels".
+    places: &'static str,
+    /// How many of these there are; under the name that vertices have had from the beginning.
     vertices: usize,
-    /// Vertices that were measured in both.
+    /// Those that were measured in both.
     valid_vertices: usize,
     sum: Difference,
     /// Bounces that both have.
@@ -42,6 +46,35 @@ pub(crate) fn run(args: &CompareArgs, console: &Console) -> anyhow::Result<Outco
 
 impl SolutionComparison {
     fn new(args: &CompareArgs) -> anyhow::Result<Self> {
+        match [&args.a, &args.b].map(|path| LightmapSolution::is_file(path)) {
+            [true, true] => Self::of_lightmaps(args),
+            [false, false] => Self::of_vertices(args),
+            _ => Err(hinted(
+                "one file is light at vertices, the other at lumels",
+                "compare two files of the same basis",
+            )),
+        }
+    }
+
+    fn of_lightmaps(args: &CompareArgs) -> anyhow::Result<Self> {
+        let (a, b) = (LightmapSolution::load(&args.a)?, LightmapSolution::load(&args.b)?);
+        if !a.same_lumels_as(&b) {
+            let of = |lightmap: &LightmapSolution| {
+                let n_lumels = lightmap.lightmap.atlas.lumel_count();
+                format!("scene \"{}\" with {n_lumels} lumels", lightmap.meta.scene)
+            };
+            let message =
+                format!("{} is light on {}, {} on {}", args.a.display(), of(&a), args.b.display(), of(&b));
+            return Err(hinted(message, "only light at the same lumels can be compared"));
+        }
+        let counts: Vec<bool> =
+            a.lightmap.valid.iter().zip(&b.lightmap.valid).map(|(a, b)| *a && *b).collect();
+        let [of_a, of_b] = [&a, &b].map(LightmapSolution::bounces);
+        let [sum_a, sum_b] = [&a, &b].map(|solution| &*solution.lightmap.layers[0].values);
+        Self::of(args, "lumels", [sum_a, sum_b], [of_a, of_b], &counts)
+    }
+
+    fn of_vertices(args: &CompareArgs) -> anyhow::Result<Self> {
         let (a, b) = (LightFile::read(&args.a)?, LightFile::read(&args.b)?);
         if !a.same_vertices_as(&b) {
             let message = format!(
@@ -54,17 +87,30 @@ impl SolutionComparison {
             return Err(hinted(message, "only light on the same vertices can be compared"));
         }
         let counts: Vec<bool> = (0..a.vertex_count()).map(|v| a.is_valid(v) && b.is_valid(v)).collect();
-        let none = "no vertex was measured in both files";
-        let bounces = a.bounces().iter().zip(b.bounces());
+        let bounces = [&a, &b].map(|file| file.bounces().iter().map(Vec::as_slice).collect());
+        Self::of(args, "vertices", [&a.sum(), &b.sum()], bounces, &counts)
+    }
+
+    /// The differences of two sums and their bounces where it counts.
+    fn of(
+        args: &CompareArgs,
+        places: &'static str,
+        [a, b]: [&[Vec3]; 2],
+        [bounces_a, bounces_b]: [Vec<&[Vec3]>; 2],
+        counts: &[bool],
+    ) -> anyhow::Result<Self> {
+        let bounces = bounces_a.iter().zip(&bounces_b);
         Ok(Self {
             a: args.a.display().to_string(),
             b: args.b.display().to_string(),
+            places,
             vertices: counts.len(),
             valid_vertices: counts.iter().filter(|counts| **counts).count(),
-            sum: Difference::of(&a.sum(), &b.sum(), &counts).context(none)?,
-            bounces: bounces.filter_map(|(a, b)| Difference::of(a, b, &counts)).collect(),
-            bounces_a: a.bounces().len(),
-            bounces_b: b.bounces().len(),
+            sum: Difference::of(a, b, counts)
+                .with_context(|| format!("none of the {places} was measured in both files"))?,
+            bounces: bounces.filter_map(|(a, b)| Difference::of(a, b, counts)).collect(),
+            bounces_a: bounces_a.len(),
+            bounces_b: bounces_b.len(),
         })
     }
 
@@ -75,8 +121,8 @@ impl SolutionComparison {
 
     fn text(&self) -> String {
         let mut text = format!(
-            "A {}\nB {}\n{} of {} vertices were measured in both\n\n",
-            self.a, self.b, self.valid_vertices, self.vertices
+            "A {}\nB {}\n{} of {} {} were measured in both\n\n",
+            self.a, self.b, self.valid_vertices, self.vertices, self.places
         );
         let percents = Percentiles::PERCENTS.map(|p| format!("{:>9}", format!("{p} %"))).concat();
         text += &format!(

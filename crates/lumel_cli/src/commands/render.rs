@@ -12,8 +12,12 @@ use crate::picture::{self, Subject};
 use crate::report;
 use anyhow::Context;
 use glam::Vec3;
-use lumel::{Camera, LightFile, RayTracer, Scene, SolutionSelection, VertexLighting, tracer_of};
+use lumel::{
+    Camera, LightFile, Lighting, LightmapSolution, RayTracer, Scene, SolutionSelection, VertexLighting,
+    tracer_of,
+};
 use lumel_render_cpu::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Draws.
@@ -59,15 +63,30 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
 
 /// Draws and writes the image. `None` if cancelled.
 fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Result<Option<Picture>> {
+    if let Some(path) = args.solution.as_deref().filter(|path| LightmapSolution::is_file(path)) {
+        let scene = load::load_whole(&args.scene)?;
+        let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
+        return draw(args, display, &scene, &|at, _: Vec3| solution.lightmap.at(layer, at), run);
+    }
     let budget = args.solution.as_deref().and_then(load::budget_of);
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, budget, &run.console)?;
     let light = light(args, &scene, &run.console)?;
-    let tracer = tracer_of(&scene);
-    let camera = camera(args.camera.as_ref(), &scene, &*tracer)?;
+    draw(args, display, &scene, &VertexLighting::new(&scene, &light)?, run)
+}
+
+/// Draws and writes the image of a lit scene. `None` if cancelled.
+fn draw(
+    args: &RenderArgs,
+    display: &Display,
+    scene: &Scene,
+    lighting: &dyn Lighting,
+    run: &CommandRun,
+) -> anyhow::Result<Option<Picture>> {
+    let tracer = tracer_of(scene);
+    let camera = camera(args.camera.as_ref(), scene, &*tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
-    let lighting = VertexLighting::new(&scene, &light)?;
-    let subject = Subject { scene: &scene, tracer: &*tracer, lighting: &lighting, camera: &camera };
+    let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera };
     let _heeding = run.interrupt.heed();
     let result = picture::write(&args.output, &subject, &resolution, display, run.interrupt.picture());
     if result.is_err() && run.interrupt.is_requested() {
@@ -80,15 +99,35 @@ fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<
     let Some(path) = &args.solution else { return Ok(vec![Vec3::ZERO; scene.vertex_count()]) };
     let fitting = LightFile::irradiance_for(path, scene, &selection(args)?).map_err(load::light_hint)?;
     if !fitting.same_lighting {
-        console.warning(&format!(
-            "materials or lights have changed since {} was baked; the image combines old light with new materials",
-            path.display()
-        ));
+        warn_of_changes(path, console);
     }
     if !fitting.complete {
         console.warning(&format!("this is the checkpoint of an unfinished bake: {}", path.display()));
     }
     Ok(fitting.irradiance)
+}
+
+/// A lightmap of the scene and the layer to show.
+fn lightmap(
+    args: &RenderArgs,
+    path: &Path,
+    scene: &Scene,
+    console: &Console,
+) -> anyhow::Result<(LightmapSolution, usize)> {
+    let solution = LightmapSolution::load(path)?;
+    solution.check_belongs_to(scene).map_err(load::belongs_hint)?;
+    if !solution.has_lighting_of(scene) {
+        warn_of_changes(path, console);
+    }
+    let layer = solution.layer(&selection(args)?)?;
+    Ok((solution, layer))
+}
+
+fn warn_of_changes(path: &Path, console: &Console) {
+    console.warning(&format!(
+        "materials or lights have changed since {} was baked; the image combines old light with new materials",
+        path.display()
+    ));
 }
 
 /// The part of the light to show.

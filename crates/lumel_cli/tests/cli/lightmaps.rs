@@ -120,8 +120,31 @@ fn pages_that_are_too_small_for_all_become_several_files() {
 #[test]
 fn what_a_basis_cannot_write_is_refused_before_anything_is_computed() {
     let place = room();
-    bake(&place, "-o a.npz").failed("--basis lightmap writes no .npz files");
+    bake(&place, "-o a.ply").failed("--basis lightmap writes no .ply files");
     run(&mut place.lumel("bake room.obj -o a.exr")).failed("--basis vertex writes no .exr files");
     bake(&place, "--density-factor Table=2 -o a.exr").failed("has no object \"Table\"");
     assert_eq!(place.files(), ["room.mtl", "room.obj"]);
+}
+
+#[test]
+fn lightmaps_are_drawn_and_compared_by_other_commands() {
+    let place = room();
+    bake(&place, "--lumels 4096 -o a.npz -o a.png").done();
+    bake(&place, "--lumels 4096 --seed 5 -o b.npz").done();
+    bake(&place, "--lumels 2048 -o coarse.npz").done();
+    let render = |line: &str| run(&mut place.lumel(&format!("render room.obj {line}")));
+    render("--solution a.npz -o again.png").done();
+    let [a, again] = ["a.png", "again.png"].map(|name| std::fs::read(place.path(name)).unwrap());
+    assert!(a == again, "the picture of the bake");
+    render("--solution a.npz --bounce 1 -o bounce.png").done();
+    render("--solution a.npz --bounce 3 -o none.png").failed("no bounce 3");
+    let compared = run(&mut place.lumel("compare a.npz b.npz --json")).done().stdout;
+    let compared: Value = serde_json::from_str(&compared).unwrap();
+    assert_eq!((&compared["places"], &compared["bounces_a"]), (&"lumels".into(), &3.into()), "{compared}");
+    let error = compared["sum"]["relative_rmse"].as_f64().unwrap();
+    assert!((0.001..0.2).contains(&error), "{compared}");
+    run(&mut place.lumel("compare a.npz coarse.npz")).failed("only light at the same lumels can be compared");
+    run(&mut place.lumel(&format!("bake room.obj {} -o v.npz", QUICK.replace("lightmap", "vertex")))).done();
+    run(&mut place.lumel("compare a.npz v.npz")).failed("compare two files of the same basis");
+    run(&mut place.lumel("render cornell-box --solution a.npz -o none.png")).failed("was computed for scene");
 }

@@ -1,7 +1,10 @@
 use crate::scenes::{colourful, plain};
 use exr::prelude::*;
 use glam::Vec3;
-use lumel_export::{ExportError, Precision, write_lightmap_exr, write_lightmap_png};
+use lumel_export::{
+    Array, ArrayData, ExportError, LightmapSolution, NpzReader, Precision, SolutionSelection,
+    write_lightmap_exr, write_lightmap_png, write_npz,
+};
 use lumel_lightmap::{Lightmap, LightmapLayer};
 use lumel_scene::Scene;
 use lumel_uv::{Coverage, Density, Pace, UnwrapSettings, unwrap};
@@ -155,4 +158,75 @@ fn lightmaps_that_do_not_fit_are_refused() {
     let error = write_lightmap_exr(&path, &twice, 0, Precision::Float, &[]).unwrap_err();
     assert!(error.to_string().starts_with("two layers are called \"direct\""), "{error}");
     assert!(!path.exists());
+}
+
+#[test]
+fn a_lightmap_is_read_as_it_was_written_and_knows_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let scene = colourful();
+    let saved = LightmapSolution::new(&scene, json!({ "seed": 3 }), lightmap_of(&scene));
+    saved.save(&path).unwrap();
+    assert!(LightmapSolution::is_file(&path));
+    let loaded = LightmapSolution::load(&path).unwrap();
+    assert_eq!(loaded.lightmap.atlas, saved.lightmap.atlas);
+    assert_eq!(loaded.lightmap.layers, saved.lightmap.layers);
+    assert_eq!(loaded.lightmap.valid, saved.lightmap.valid);
+    assert!(loaded.same_lumels_as(&saved) && loaded.has_lighting_of(&scene));
+    assert_eq!(loaded.meta.settings, json!({ "seed": 3 }));
+    loaded.check_belongs_to(&scene).unwrap();
+    assert!(loaded.check_belongs_to(&plain("other")).is_err());
+    let layer = |selection| loaded.layer(&selection).map_err(|error| error.to_string());
+    assert_eq!(layer(SolutionSelection::Sum), Ok(0));
+    assert_eq!(layer(SolutionSelection::Bounce(0)), Ok(1));
+    assert!(layer(SolutionSelection::Bounce(1)).unwrap_err().contains("no bounce 1; it has 1"));
+    assert_eq!(layer(SolutionSelection::Layer("größe 窓.001".into())), Ok(2));
+    assert!(layer(SolutionSelection::Layer("sun".into())).unwrap_err().contains("größe 窓.001"));
+}
+
+/// An array to be damaged.
+type Damage = fn(&mut ArrayData);
+
+#[test]
+fn lightmaps_that_do_not_hold_together_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, bad] = ["a.npz", "b.npz"].map(|name| folder.path().join(name));
+    let scene = colourful();
+    LightmapSolution::new(&scene, json!({}), lightmap_of(&scene)).save(&whole).unwrap();
+    let damages: [(&str, Damage, &str); 8] = [
+        ("charts", |a| set(a, 0, u32::MAX), "chart 4294967295"),
+        ("chart_places", |a| set(a, 1, 77), "outside of its page"),
+        ("chart_places", |a| set(a, 4, u32::MAX), "outside of its page"),
+        ("pages", |a| set(a, 0, 0), "no lumels"),
+        ("pages", |a| set(a, 0, u32::MAX), "no lumels, or all have too many"),
+        ("pages", |a| set(a, 0, 65), "the atlas"),
+        ("corners", |a| set(a, 5, f32::NAN.to_bits()), "triangle 0 lies outside"),
+        ("irradiance", |a| set(a, 7, f32::INFINITY.to_bits()), "not finite"),
+    ];
+    for (name, damage, problem) in damages {
+        let mut npz = NpzReader::open(&whole).unwrap();
+        let names = npz.names();
+        write_npz(&bad, |out| {
+            for member in names.iter().filter(|member| *member != "meta.json") {
+                let Array { shape, mut data } = npz.array(member).unwrap();
+                if member == name {
+                    damage(&mut data);
+                }
+                out.array(member, &Array { shape, data })?;
+            }
+            out.bytes("meta.json", &npz.bytes("meta.json").unwrap())
+        })
+        .unwrap();
+        let error = LightmapSolution::load(&bad).unwrap_err().to_string();
+        assert!(error.contains(problem) && error.contains("b.npz"), "{name}: {error}");
+    }
+}
+
+/// Replaces one number by the one with these bits.
+fn set(data: &mut ArrayData, at: usize, bits: u32) {
+    match data {
+        ArrayData::U32(values) => values[at] = bits,
+        ArrayData::F32(values) => values[at] = f32::from_bits(bits),
+        _ => panic!("no such numbers"),
+    }
 }
