@@ -55,6 +55,7 @@ impl Baker {
             valid: self.flags_at_vertices(&state.valid),
             standard_error: errors.map(|errors| self.carried_at_vertices(&errors.standard_error)),
             layers: self.layers(state, &reader),
+            occlusion: None,
         }
     }
 

@@ -32,6 +32,7 @@ mod lumels;
 mod max_edge;
 mod measure;
 mod method;
+mod occlusion;
 mod open;
 mod places;
 mod progress;
@@ -78,7 +79,9 @@ pub use lumel_scene::{
 };
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
-pub use lumel_transport::{Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError};
+pub use lumel_transport::{
+    AmbientOcclusion, Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError,
+};
 pub use lumels::{LumelAccuracy, Lumels, PartDone};
 pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};

@@ -132,21 +132,25 @@ impl Baker {
         control: &Control,
         part_done: PartDone<'_>,
     ) -> Result<(), TransportError> {
-        let receivers = lumels.receivers();
-        let order = Order::new(&receivers);
-        let traced = CpuTransport::in_order(
-            Arc::clone(self.scene()),
-            Arc::clone(self.tracer()),
-            Arc::clone(self.basis()),
-            (Arc::new(receivers), order),
-            self.settings().plan(),
-        );
-        let (operator, sources) = (CachedTransport::new(traced, None), sources(state));
+        let (operator, sources) = (CachedTransport::new(self.traced_at_lumels(lumels), None), sources(state));
         loop {
             self.finish_round(&operator, &sources, light, control, part_done)?;
             let Some(active) = self.next_round(lumels, light) else { return Ok(()) };
             light.begin_round(active);
         }
+    }
+
+    /// The operator towards lumels, every job of which traces rays of its own.
+    pub(crate) fn traced_at_lumels(&self, lumels: &Lumels) -> CpuTransport<VertexBasis, LumelReceivers> {
+        let receivers = lumels.receivers();
+        let order = Order::new(&receivers);
+        CpuTransport::in_order(
+            Arc::clone(self.scene()),
+            Arc::clone(self.tracer()),
+            Arc::clone(self.basis()),
+            (Arc::new(receivers), order),
+            self.settings().plan(),
+        )
     }
 
     /// Measures the lumels that are left of a round.

@@ -4,9 +4,9 @@
 
 use glam::{EulerRot, Quat, Vec3};
 use lumel::{
-    Baker, BounceLimit, Checkpoint, Control, LumelLight, LumelState, Lumels, Memory, OpenOptions,
-    PointReceivers, Saved, Scene, SceneBuilder, Settings, Silent, SolveState, Tail, TargetError,
-    measure_points,
+    AmbientOcclusion, Baker, BounceLimit, Checkpoint, Control, LumelLight, LumelState, Lumels, Memory,
+    OpenOptions, PointReceivers, Projection, Saved, Scene, SceneBuilder, Settings, Silent, SolveState, Tail,
+    TargetError, measure_points,
 };
 use lumel_scene::{Light, PointLight, Radiance, RectLight, Sky};
 use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
@@ -275,4 +275,34 @@ fn more_samples_go_where_light_is_noisy_until_a_target_is_reached() {
     let [median, worst] = [0.5, 0.95].map(|share| errors[(share * errors.len() as f32) as usize]);
     println!("median {median}, 95 % below {worst}");
     assert!(worst < 0.04 && median > 0.001, "{median} {worst}");
+}
+
+#[test]
+fn within_a_ball_the_surroundings_are_as_open_as_they_should_be() {
+    // A ray at an angle of cosine c ends 2 c away: over the hemisphere, c is 2/3 on average, and c² 1/2.
+    let ball = sphere(Vec3::ZERO, 1.0, 3, Facing::Inward, 0);
+    let builder = scene(vec![ball], vec![grey(0.5, 0.0)], vec![]);
+    for (place, builder) in placements(&builder) {
+        let scene = built(builder);
+        let lumels = lumels(&scene, 6.0);
+        for projection in [Projection::Point, Projection::LeastSquares] {
+            let settings = Settings { bounces: BounceLimit::Count(0), projection, ..settings() };
+            let (baker, mut state) = (Baker::new(Arc::clone(&scene), settings), SolveState::new());
+            baker.run(&mut state, &Control::default(), &Silent).unwrap();
+            for (distance, falloff, expected) in
+                [(2.0, 1.0, 2.0 / 3.0), (2.0, 2.0, 5.0 / 6.0), (0.01, 0.0, 1.0), (f32::INFINITY, 1.0, 0.0)]
+            {
+                let (occlusion, control) = (AmbientOcclusion { distance, falloff }, Control::default());
+                let at_vertices = baker.openness_at_vertices(occlusion, &state, &control).unwrap();
+                let at_lumels = baker.openness_at_lumels(occlusion, &lumels, &control).unwrap();
+                for shares in [at_vertices, at_lumels] {
+                    let mean = shares.iter().sum::<f32>() / shares.len() as f32;
+                    // The ball is a polyhedron, a few parts in a thousand smaller.
+                    assert!((mean - expected).abs() < 0.01, "{place}, {projection:?}, {occlusion:?}: {mean}");
+                    let off = shares.iter().map(|share| (share - expected).abs()).fold(0.0, f32::max);
+                    assert!(off < 0.1, "{place}, {projection:?}, {occlusion:?}: {off}");
+                }
+            }
+        }
+    }
 }

@@ -125,6 +125,7 @@ impl Output {
                 let target = match target {
                     Target::Three => LightmapTarget::Three,
                     Target::Any => LightmapTarget::Any,
+                    Target::Occlusion => LightmapTarget::Occlusion,
                 };
                 write_lightmap_glb(&self.path, scene, lightmap, target)?;
             }

@@ -13,7 +13,7 @@ use std::path::Path;
 pub use exr::{Precision, write_lightmap_exr};
 pub use npz::LightmapSolution;
 pub use png::write_lightmap_png;
-pub(crate) use png::{dithered, encode_linear};
+pub(crate) use png::{dithered, dithered_over, encode_linear};
 
 /// The lumels of a page, of which a file of `path` is to be made.
 pub(crate) fn lumels_of(path: &Path, lightmap: &Lightmap, page: usize) -> Result<Range<usize>, ExportError> {

@@ -2,8 +2,8 @@
 
 use crate::error::SceneLabel;
 use crate::members::{
-    Kind, check_members, read_flags, read_meta, read_optional, read_positions, read_stacked, read_vectors,
-    stacked,
+    Kind, check_members, read_flags, read_meta, read_numbers, read_optional, read_positions, read_stacked,
+    read_vectors, stacked,
 };
 use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
 use glam::{DVec3, Vec3};
@@ -22,7 +22,7 @@ pub(crate) const KIND: Kind =
 ///
 /// As a file it is a NumPy archive of the arrays `positions`, `normals`, `irradiance`, `tail` and `standard_error`
 /// (n, 3), `bounces` (bounces, n, 3), `layers` (layers, n, 3) and `valid` (n), and of `meta.json`, which has the names of
-/// the layers. `tail`, `standard_error` and `layers` may be absent.
+/// the layers. `tail`, `standard_error`, `layers` and `occlusion` (n) may be absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Where it comes from.
@@ -43,6 +43,8 @@ pub struct Solution {
     pub standard_error: Option<Vec<Vec3>>,
     /// The parts of `irradiance` that single lights or groups of them cause; they add up to it. Often there are none.
     pub layers: Vec<SolutionLayer>,
+    /// Share of an even sky that each vertex sees past what is near, from 0 to 1, if it was asked for.
+    pub occlusion: Option<Vec<f32>>,
 }
 
 /// The part of a solution's light that a light, or all that share a name, cause.
@@ -203,6 +205,12 @@ impl Solution {
         for SolutionLayer { name, irradiance } in &self.layers {
             self.check_vectors(&format!("layers[{name}]"), irradiance)?;
         }
+        if let Some(occlusion) = &self.occlusion {
+            self.check_length("occlusion", occlusion.len())?;
+            if let Some(vertex) = occlusion.iter().position(|share| !share.is_finite()) {
+                return Err(SolutionError::NotFinite { array: "occlusion".to_owned(), vertex });
+            }
+        }
         self.check_length("valid", self.valid.len())
     }
 
@@ -271,6 +279,9 @@ impl Solution {
                 let layers: Vec<_> = self.layers.iter().map(|layer| &layer.irradiance).collect();
                 npz.array("layers", &stacked(&layers, self.vertex_count()))?;
             }
+            if let Some(occlusion) = &self.occlusion {
+                npz.array("occlusion", &Array::list(ArrayData::F32(occlusion.clone())))?;
+            }
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))
         })?;
         Ok(())
@@ -295,6 +306,9 @@ impl Solution {
                 "standard_error",
                 "(vertex, rgb) standard error of the irradiance from the samples at the vertex",
             ));
+        }
+        if self.occlusion.is_some() {
+            all.push(("occlusion", "(vertex) share of an even sky that is seen past what is near, 0 to 1"));
         }
         if !self.layers.is_empty() {
             all.push((
@@ -326,6 +340,11 @@ impl Solution {
             valid: read_flags(&mut npz, "valid")?,
             standard_error,
             layers,
+            occlusion: if npz.has_array("occlusion") {
+                Some(read_numbers(&mut npz, "occlusion")?)
+            } else {
+                None
+            },
             positions,
         };
         solution.validate()?;

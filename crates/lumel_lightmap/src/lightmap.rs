@@ -32,7 +32,7 @@ impl Lightmap {
     /// from their neighbours.
     ///
     /// The layers are "irradiance", "direct", "bounce 1" and so on, "tail" if there is one, "noisy" if noise was taken off, which
-    /// has all light with it, and "error", the standard error of all light.
+    /// has all light with it, "error", the standard error of all light, and `more`, by lumel of the coverage, whose noise stays.
     ///
     /// # Panics
     /// If the light is not that of the lumels of the coverage.
@@ -42,6 +42,7 @@ impl Lightmap {
         coverage: &Coverage,
         light: &LumelLight,
         denoises: bool,
+        more: &[LightmapLayer],
     ) -> Self {
         let n_lumels = atlas.lumel_count();
         let valid: Vec<bool> = (0..light.len()).map(|place| light.is_valid(place)).collect();
@@ -66,6 +67,7 @@ impl Lightmap {
         }
         let values = noise.into_iter().map(Vec3::splat).collect();
         lightmap.layers.push(LightmapLayer { name: "error".to_owned(), values });
+        lightmap.layers.extend(more.iter().map(|LightmapLayer { name, values }| layer(name.clone(), values)));
         lightmap.finish(scene, coverage);
         lightmap
     }

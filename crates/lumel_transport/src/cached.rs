@@ -311,7 +311,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
             rays,
             |element| self.rows.key.of(element),
             control,
-            |i, end| {
+            |i, end, _| {
                 ends[next[i] * lanes + i] = StoredEnd::new(&end);
                 next[i] += 1;
             },
@@ -366,7 +366,9 @@ impl<B: Basis, R: Receivers> Transport for CachedTransport<B, R> {
             Source::Nothing if at_points && self.rows.key.requested >= VALIDITY_RAYS => None,
             Source::Emitters(_) if lights_on_rows => None,
             Source::Emitters(_) if at_points && self.inner.lights.needs_hemisphere() => None,
-            Source::Emitters(_) | Source::Nothing => return self.inner.measure(job, chunks, control, sink),
+            Source::Emitters(_) | Source::Ambient(_) | Source::Nothing => {
+                return self.inner.measure(job, chunks, control, sink);
+            }
         };
         scattered(chunks).into_par_iter().try_for_each(|chunk| {
             sink.accept(chunk, self.measure_chunk(job, reflected.as_ref(), chunk, control)?);

@@ -1,6 +1,6 @@
 //! What a transport is asked to do, and how it answers.
 
-use crate::{EmitterMask, Sums};
+use crate::{AmbientOcclusion, EmitterMask, Sums};
 use lumel_basis::{ElementId, Field, Sampling};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -15,6 +15,8 @@ pub enum Source<'a> {
     Emitters(Option<&'a EmitterMask>),
     /// The surfaces, with this irradiance on them: one bounce.
     Field(&'a Field),
+    /// An even sky that brings an irradiance of 1 where nothing near hides it.
+    Ambient(AmbientOcclusion),
     /// Nothing: it is only found out what is [hidden](Sums::hidden).
     Nothing,
 }

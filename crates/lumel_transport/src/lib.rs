@@ -10,6 +10,7 @@
 //! another device or other machines; `examples/own_transport.rs` of the crate `lumel` does it.
 
 mod accumulate;
+mod ambient;
 mod area_pattern;
 mod arrivals;
 mod balance;
@@ -52,6 +53,7 @@ mod texel_sums;
 mod trace;
 
 pub use accumulate::{Measured, PartialField, accumulate};
+pub use ambient::AmbientOcclusion;
 pub use cached::{CachedTransport, Stored};
 pub use emitters::{Emitter, EmitterMask};
 pub use hemisphere::direction as hemisphere_direction;

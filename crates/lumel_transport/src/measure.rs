@@ -19,7 +19,7 @@ use crate::order::CHUNK;
 use crate::shadow_rays::Tally;
 use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
-use crate::{EmitterMask, Sums};
+use crate::{AmbientOcclusion, EmitterMask, Sums};
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling, Site};
 use lumel_sample::Dim;
@@ -48,7 +48,8 @@ impl<'a, B: Basis, R: Receivers> Reader<'a, B, R> {
                 hemisphere::reflected(&op.scene, &*op.basis, field, end, weights).0.as_dvec3()
             }
             Source::Emitters(mask) => hemisphere::emitted(&op.scene, &op.lights, *mask, end).0.as_dvec3(),
-            Source::Nothing => DVec3::ZERO,
+            // Distances tell what that brings.
+            Source::Ambient(_) | Source::Nothing => DVec3::ZERO,
         }
     }
 
@@ -76,7 +77,7 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
         let per_element = plan.samples(VALIDITY_RAYS, Sampling::Point, 0);
         let mut back_faces = vec![0u32; group.len()];
         let rays = Rays { per_element, dim: Dim::Validity };
-        trace::at_points(op, group, rays, key, control, |i, end| {
+        trace::at_points(op, group, rays, key, control, |i, end, _| {
             back_faces[i] += u32::from(end == RayEnd::BackFace);
         })?;
         let share = |i: usize| f64::from(back_faces[i]) / f64::from(per_element);
@@ -90,11 +91,18 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
         let per_element = plan.samples(plan.indirect_samples, Sampling::Point, 0);
         let (mut sums, mut reader) = (vec![DVec3::ZERO; group.len()], Reader::new(op, job.source));
         let rays = Rays { per_element, dim: Dim::Hemisphere };
+        if let Source::Ambient(occlusion) = job.source {
+            trace::at_points(op, group, rays, key, control, |i, _, distance| {
+                sums[i] += DVec3::splat(occlusion.openness(distance).into());
+            })?;
+            sums.iter_mut().for_each(|sum| *sum /= f64::from(per_element));
+            return Ok(group.irradiance(&sums));
+        }
         let mut arrivals = Arrivals::new(op, job.source).map(|arrivals| (arrivals, vec![0; group.len()]));
         if let Some((arrivals, _)) = &mut arrivals {
             arrivals.set_points(op, group, rays, key);
         }
-        trace::at_points(op, group, rays, key, control, |i, end| {
+        trace::at_points(op, group, rays, key, control, |i, end, _| {
             sums[i] += reader.read(&end);
             if let Some((arrivals, next)) = &mut arrivals {
                 sums[i] += arrivals.arriving(i * per_element as usize + next[i], &end);
@@ -143,7 +151,7 @@ pub(crate) struct JobPatterns {
 pub(crate) fn patterns<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, job: &Job<'_>) -> JobPatterns {
     let requested = |n| AreaPatterns::new(&op.plan, &op.order, n, op.shared_key(job));
     let (rays, lights) = match job.source {
-        Source::Field(_) => (Some(op.plan.indirect_samples), None),
+        Source::Field(_) | Source::Ambient(_) => (Some(op.plan.indirect_samples), None),
         Source::Nothing => (Some(VALIDITY_RAYS), None),
         // Without anything that shines, too, it is to be known what lies inside geometry.
         Source::Emitters(_) if !op.lights.needs_hemisphere() => (None, Some(op.plan.direct_samples)),
@@ -168,6 +176,10 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
     let parts = |patterns: &Option<AreaPatterns>, sums: &mut [ElementSums], are_lights: bool| {
         for part in patterns.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
             let area = AreaChunk::new(elements, &part, |element| op.key(job, element));
+            if let Source::Ambient(occlusion) = job.source {
+                add_openness(op, occlusion, &area, sums, control)?;
+                continue;
+            }
             let ends = trace::over_areas(op, &area, control)?;
             match job.source {
                 Source::Emitters(mask) if are_lights => add_lights(op, mask, &area, &ends, sums, control)?,
@@ -205,6 +217,27 @@ fn add_rays<B: Basis, R: Receivers>(
         });
     }
     add_arrivals(op, source, area, &all, sums, end);
+}
+
+/// Adds how open the surroundings of each element are, along a ray from each of its sites.
+fn add_openness<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    occlusion: AmbientOcclusion,
+    area: &AreaChunk<'_>,
+    sums: &mut [ElementSums],
+    control: &Control,
+) -> Result<(), TransportError> {
+    let lanes = area.elements.len();
+    let mut openness = vec![0.0; lanes * area.pattern.len() as usize];
+    let ends = trace::over_areas_with(op, area, control, |at, distance| {
+        openness[at] = occlusion.openness(distance)
+    })?;
+    let all: Vec<usize> = (0..lanes).collect();
+    add_samples(op, area, &all, sums, |i, slot, _| {
+        let at = slot as usize * lanes + i;
+        ends[at].map_or(Vec4::ZERO, |_| Vec3::splat(openness[at]).extend(1.0))
+    });
+    Ok(())
 }
 
 /// Adds what arrives along the rays of some elements, which end where `end` of element and slot says; `None` for those left

@@ -17,15 +17,15 @@ pub(crate) struct Rays {
     pub(crate) dim: Dim,
 }
 
-/// Traces the rays of elements that are measured at points: `each(element within the group, end)`, for each element in
-/// the order of its strata.
+/// Traces the rays of elements that are measured at points: `each(element within the group, end, distance)`, for each element
+/// in the order of its strata.
 pub(crate) fn at_points<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     group: &Group,
     rays: Rays,
     key: impl Fn(ElementId) -> StreamKey,
     control: &Control,
-    mut each: impl FnMut(usize, RayEnd),
+    mut each: impl FnMut(usize, RayEnd, f32),
 ) -> Result<(), TransportError> {
     let (mut gather, mut cells) = (Gather::default(), CellOrder::default());
     for (&element, site) in group.elements.iter().zip(&group.sites) {
@@ -35,7 +35,7 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
     }
     let strata = rays.per_element as usize;
     gather.trace(&*op.tracer, &group.sites, strata, control, |i, hit| {
-        each(i, RayEnd::new(&op.scene, hit));
+        each(i, RayEnd::new(&op.scene, hit), hit.map_or(f32::INFINITY, |hit| hit.t));
     })?;
     control.count(0, u64::from(rays.per_element) * group.len() as u64);
     Ok(())
@@ -49,6 +49,16 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     chunk: &AreaChunk<'_>,
     control: &Control,
+) -> Result<Vec<Option<RayEnd>>, TransportError> {
+    over_areas_with(op, chunk, control, |_, _| {})
+}
+
+/// The same, and tells the distance of every end, whether it counts or not: `distance(place among the ends, metres)`.
+pub(crate) fn over_areas_with<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    chunk: &AreaChunk<'_>,
+    control: &Control,
+    mut distance: impl FnMut(usize, f32),
 ) -> Result<Vec<Option<RayEnd>>, TransportError> {
     let (lanes, samples) = (chunk.elements.len(), chunk.pattern.len());
     let (mut gather, mut cells) = (Gather::default(), CellOrder::default());
@@ -74,6 +84,7 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
             doubtful.push((at, is_near));
         }
         ends[at] = Some(end);
+        distance(at, hit.map_or(f32::INFINITY, |hit| hit.t));
         next[i] += 1;
     })?;
     let place = |at: usize| {

@@ -10,7 +10,7 @@ pub(crate) use atlas::AtlasArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};
-use lumel::{SolutionSelection, spec};
+use lumel::{AmbientOcclusion, SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, ThreadArgs};
@@ -121,6 +121,20 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_enum, value_name = "SWITCH", help_heading = "Atlas")]
     pub(crate) denoise: Option<Switch>,
 
+    /// Also compute ambient occlusion: the share of an even sky that surfaces see, of which what is nearer than so many metres
+    /// hides a part.
+    ///
+    /// It becomes the array "occlusion" of .npz files, a layer of .exr files, and the occlusion texture of .glb files with
+    /// --target occlusion.
+    #[arg(long = "ao", value_name = "METRES", value_parser = parse::above_zero, help_heading = "Ambient occlusion")]
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) ao_distance: Option<f32>,
+
+    /// How fast hiding falls with the distance: 1 evenly, 2 faster, 0 not before the end.
+    #[arg(long, value_name = "POWER", default_value_t = 1.0, value_parser = parse::tolerance)]
+    #[arg(requires = "ao_distance", allow_negative_numbers = true, help_heading = "Ambient occlusion")]
+    pub(crate) ao_falloff: f64,
+
     #[command(flatten)]
     pub(crate) atlas: AtlasArgs,
 
@@ -154,6 +168,13 @@ pub(crate) enum Basis {
     Lightmap,
 }
 
+impl BakeArgs {
+    /// The ambient occlusion that is asked for.
+    pub(crate) fn occlusion(&self) -> Option<AmbientOcclusion> {
+        self.ao_distance.map(|distance| AmbientOcclusion { distance, falloff: self.ao_falloff as f32 })
+    }
+}
+
 /// On or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Switch {
@@ -170,6 +191,8 @@ pub(crate) enum Target {
     Three,
     /// Any viewer: reflected light, as emission of black surfaces.
     Any,
+    /// Any program that lights the scene itself: ambient occlusion, see --ao.
+    Occlusion,
 }
 
 /// What `--light` means to `lumel render`.

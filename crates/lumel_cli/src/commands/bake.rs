@@ -2,16 +2,18 @@
 
 use super::lightmap::{self, Lightmapped, Solved};
 use super::summary::{Step, Summary, Written};
-use crate::args::{BakeArgs, Basis, Switch};
+use crate::args::{BakeArgs, Basis, Switch, Target};
 use crate::checkpoint::{self, Checkpoint};
 use crate::command_run::{CommandRun, SolveLog, thread_pool};
 use crate::console::{self, Console};
-use crate::failure::with_hint;
+use crate::failure::{hinted, with_hint};
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Light, Output};
 use anyhow::bail;
-use lumel::{Baker, Control, Ended, Preset, ResumeError, Saved, Settings, Solution, SolveState};
+use lumel::{
+    Baker, Control, Ended, Preset, ResumeError, Saved, Settings, Solution, SolveState, TransportError,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -67,6 +69,9 @@ impl BakeFiles {
             bail!("this name is reserved for the checkpoint; choose another: {}", checkpoint.display());
         }
         paths.push(&checkpoint);
+        if args.target == Target::Occlusion && args.ao_distance.is_none() {
+            return Err(hinted("--target occlusion needs ambient occlusion", "add --ao METRES"));
+        }
         outputs::check(&paths, &load::source_files(&args.scene.scene))?;
         outputs.iter().try_for_each(Output::check_company)?;
         Ok(Self { outputs, checkpoint })
@@ -121,13 +126,26 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
         Some(prepared) => {
             let settings = of_lumels.unwrap_or_else(|| baker.settings().clone());
             let solved = Solved { baker: &baker, state: &state, checkpoint: &checkpoint, settings };
-            match lightmap::measure(prepared, solved, args.resume.as_deref(), denoises, run)? {
+            match lightmap::measure(prepared, solved, args, denoises, run)? {
                 Some(lightmapped) => Some(lightmapped),
                 None => return Ok(Baked::Stopped(after_cancel_in_lumels(&checkpoint))),
             }
         }
     };
     let mut solution = solution(&baker, &state, run, &log);
+    if let (None, Some(occlusion)) = (&lightmapped, args.occlusion()) {
+        let measured = run.timed("ambient occlusion", || {
+            let _heeding = run.interrupt.heed();
+            baker.openness_at_vertices(occlusion, &state, run.interrupt.control())
+        });
+        match measured.0 {
+            Ok(openness) => solution.occlusion = Some(openness),
+            Err(TransportError::Cancelled) => {
+                return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
     solution.meta.vertex_budget = auto_edge.map(|auto| auto.vertex_budget);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
     let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);

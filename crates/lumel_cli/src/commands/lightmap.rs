@@ -6,10 +6,12 @@ use crate::args::BakeArgs;
 use crate::checkpoint::Checkpoint;
 use crate::command_run::{CHECKPOINT_SHARE, CommandRun};
 use crate::{load, report};
+use glam::Vec3;
 use lumel::{
-    Baker, Lightmap, LumelAccuracy, LumelLight, LumelState, Lumels, Preset, Scene, Settings, SolveState,
-    TransportError,
+    Baker, Lightmap, LightmapLayer, LumelAccuracy, LumelLight, LumelState, Lumels, Preset, Scene, Settings,
+    SolveState, TransportError,
 };
+use lumel_export::OCCLUSION;
 use lumel_uv::{Report, Unwrapped};
 use std::path::Path;
 use std::sync::Arc;
@@ -51,21 +53,37 @@ pub(crate) struct Solved<'a> {
     pub(crate) settings: Settings,
 }
 
-/// Measures the light of a solve in all lumels, continuing from what `resumed` has of it. `None` if it was stopped.
+/// Measures the light of a solve in all lumels, continuing from what is resumed, and what else is asked for. `None` if it was stopped.
 pub(crate) fn measure(
     Prepared { lumels, report, seconds: unwrap_seconds }: Prepared,
     solved: Solved<'_>,
-    resumed: Option<&Path>,
+    args: &BakeArgs,
     denoises: bool,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Lightmapped>> {
     let baker = solved.baker.relit(Arc::clone(solved.baker.scene()), solved.settings.clone());
-    let (measured, seconds) = run.timed("lumels", || measured(&lumels, &baker, &solved, resumed, run));
+    let (measured, seconds) =
+        run.timed("lumels", || measured(&lumels, &baker, &solved, args.resume.as_deref(), run));
     let Some(light) = measured? else { return Ok(None) };
+    let occlusion = args.occlusion().map(|occlusion| {
+        let _heeding = run.interrupt.heed();
+        run.timed("ambient occlusion", || {
+            baker.openness_at_lumels(occlusion, &lumels, run.interrupt.control())
+        })
+        .0
+    });
+    let more = match occlusion.transpose() {
+        Ok(occlusion) => occlusion.map(|shares| LightmapLayer {
+            name: OCCLUSION.to_owned(),
+            values: shares.into_iter().map(Vec3::splat).collect(),
+        }),
+        Err(TransportError::Cancelled) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
     let Lumels { scene, atlas, coverage } = &lumels;
     let accuracy = baker.accuracy_at_lumels(&lumels, &light);
     warn_of_error(&accuracy, &solved.settings, run);
-    let finished = || Lightmap::finished(scene, atlas, coverage, &light, denoises);
+    let finished = || Lightmap::finished(scene, atlas, coverage, &light, denoises, more.as_slice());
     let (lightmap, finish_seconds) = run.timed("finish", finished);
     let report = LightmapReport {
         pages: lumels.atlas.pages().to_vec(),

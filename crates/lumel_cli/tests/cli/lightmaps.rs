@@ -148,3 +148,24 @@ fn lightmaps_are_drawn_and_compared_by_other_commands() {
     run(&mut place.lumel("compare a.npz v.npz")).failed("compare two files of the same basis");
     run(&mut place.lumel("render cornell-box --solution a.npz -o none.png")).failed("was computed for scene");
 }
+
+#[test]
+fn ambient_occlusion_is_a_layer_an_array_and_a_texture() {
+    let place = room();
+    bake(&place, "--lumels 4096 --ao 0.5 -o a.exr -o a.npz -o a.glb --target occlusion").done();
+    let header = std::fs::read(place.path("a.exr")).unwrap();
+    assert!(String::from_utf8_lossy(&header[..4096]).contains("occlusion.R"));
+    let glb = std::fs::read(place.path("a.glb")).unwrap();
+    let document = String::from_utf8_lossy(&glb).into_owned();
+    assert!(document.contains("\"occlusionTexture\":{\"index\":0,\"texCoord\":1}"));
+    run(&mut place.lumel(&format!("bake room.obj {} --ao 0.5 -o v.npz", QUICK.replace("lightmap", "vertex")))).done();
+    let mut npz = lumel_export::NpzReader::open(&place.path("v.npz")).unwrap();
+    let lumel_export::ArrayData::F32(shares) = npz.array("occlusion").unwrap().data else {
+        panic!("numbers")
+    };
+    assert!(
+        shares.iter().all(|share| (0.0..=1.0).contains(share)) && shares.iter().any(|share| *share < 0.9)
+    );
+    bake(&place, "--target occlusion -o b.glb").failed("--target occlusion needs ambient occlusion");
+    bake(&place, "--ao -1 -o b.glb").failed("ao");
+}

@@ -24,7 +24,12 @@ pub enum LightmapTarget {
     /// Any reader of glTF: the radiance of surfaces, as emission of black ones.
     #[default]
     Any,
+    /// Any reader of glTF that lights the scene itself: the layer "occlusion", as `occlusionTexture`.
+    Occlusion,
 }
+
+/// The layer that has how open the surroundings of surfaces are, from 0 to 1.
+pub const OCCLUSION: &str = "occlusion";
 
 /// Places per side at which a triangle whose albedo or emission varies is looked at, in each lumel.
 const LOOKS: u32 = 4;
@@ -40,9 +45,10 @@ const LOOKS: u32 = 4;
 /// - [`LightmapTarget::Any`]: surfaces are black and emit. The image has radiance over the `emissiveStrength` of
 ///   `KHR_materials_emissive_strength`: light that is reflected, with the mean albedo of each lumel, and emitted. Textures are
 ///   as coarse as lumels there.
+/// - [`LightmapTarget::Occlusion`]: materials are those of the scene, and dim ambient light by the layer "occlusion".
 ///
 /// # Errors
-/// An atlas of another scene, light that is not finite, a scene beyond the format's limit of 4 GiB, and the errors of
+/// An atlas of another scene, a layer that there is not, light that is not finite, a scene beyond the format's limit of 4 GiB, and the errors of
 /// [`write_atomically`](crate::write_atomically).
 pub fn write_lightmap_glb(
     path: &Path,
@@ -65,6 +71,12 @@ pub fn write_lightmap_glb(
             add(&lightmap.layers[0].values)?;
             (Appearance::Surfaces, "irradiance over the intensity of MOZ_lightmap, W/m^2")
         }
+        LightmapTarget::Occlusion => {
+            let layer = lightmap.layers.iter().find(|layer| layer.name == OCCLUSION);
+            let missing = || ExportError::content(path, "the lightmap has no layer \"occlusion\"".to_owned());
+            add(&layer.ok_or_else(missing)?.values)?;
+            (Appearance::Occluded, "share of an even sky that is seen past what is near")
+        }
         LightmapTarget::Any => {
             let emits = |tri: TriId| scene.material(tri).emits();
             let coverage = Coverage::new(atlas);
@@ -76,7 +88,11 @@ pub fn write_lightmap_glb(
         }
     };
     let io = |error| ExportError::io(path, error);
-    let pages = PageImages::new(atlas.pages(), &light).map_err(io)?;
+    let pages = match target {
+        LightmapTarget::Occlusion => PageImages::of_shares(atlas.pages(), &light),
+        LightmapTarget::Three | LightmapTarget::Any => PageImages::new(atlas.pages(), &light),
+    };
+    let pages = pages.map_err(io)?;
     let materials = Materials::new(scene, &primitives, appearance, Some(&pages)).map_err(io)?;
     let mut attributes = placed_attributes(scene, atlas);
     if target == LightmapTarget::Any && scene.alphas().is_empty() {

@@ -57,6 +57,8 @@ pub(super) enum Appearance {
     Light,
     /// Surfaces that viewers light.
     Surfaces,
+    /// The same, with what hides the surroundings from them.
+    Occluded,
     /// Surfaces that emit all that is seen of them.
     Emitters,
 }
@@ -65,7 +67,7 @@ impl Appearance {
     fn of(self, material: &Material) -> Shown {
         match self {
             Self::Light => Shown::of(material),
-            Self::Surfaces => Shown::Apart,
+            Self::Surfaces | Self::Occluded => Shown::Apart,
             Self::Emitters => Shown::Emission,
         }
     }
@@ -241,7 +243,8 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
 }
 
 impl Images {
-    /// Lets a material show the light of a page: in the extension that three.js adds to what it computes, or as emission.
+    /// Lets a material show the light of a page: in the extension that three.js adds to what it computes, as emission, or as
+    /// what hides light.
     fn add_light(
         &mut self,
         json: &mut Value,
@@ -258,7 +261,9 @@ impl Images {
             list.push(Image { name, png: image.png.clone(), sampler: sampler([CLAMP; 2], LIGHTMAP) });
             list.len() - 1
         });
-        if appearance == Appearance::Emitters {
+        if appearance == Appearance::Occluded {
+            json["occlusionTexture"] = json!({ "index": index, "texCoord": 1 });
+        } else if appearance == Appearance::Emitters {
             json["emissiveFactor"] = json!([1.0, 1.0, 1.0]);
             json["emissiveTexture"] = json!({ "index": index, "texCoord": 1 });
             json["extensions"][STRENGTH] = json!({ "emissiveStrength": image.scale });

@@ -1,6 +1,6 @@
 //! The pages of a lightmap as images in a GLB file.
 
-use crate::lightmap::{dithered, encode_linear};
+use crate::lightmap::{dithered, dithered_over, encode_linear};
 use glam::Vec3;
 use lumel_scene::Material;
 use std::io;
@@ -22,13 +22,26 @@ impl PageImages {
     /// Of light by lumel of each page. If there are twice as many as pages, the second half is for what emits: what is
     /// bright has an image of its own, because all that is in one image with it has few steps.
     pub(super) fn new(pages: &[[u32; 2]], light: &[Vec<Vec3>]) -> io::Result<Self> {
+        Self::encoded(pages, light, dithered)
+    }
+
+    /// Of shares from 0 to 1 by lumel of each page: the largest byte stands for 1.
+    pub(super) fn of_shares(pages: &[[u32; 2]], shares: &[Vec<Vec3>]) -> io::Result<Self> {
+        Self::encoded(pages, shares, |values, width| (1.0, dithered_over(1.0, values, width)))
+    }
+
+    fn encoded(
+        pages: &[[u32; 2]],
+        values: &[Vec<Vec3>],
+        scale_and_bytes: impl Fn(&[Vec3], u32) -> (f32, Vec<u8>),
+    ) -> io::Result<Self> {
         let encoded = |(values, &size): (&Vec<Vec3>, &[u32; 2])| {
-            let (scale, bytes) = dithered(values, size[0]);
+            let (scale, bytes) = scale_and_bytes(values, size[0]);
             let mut png = Vec::new();
             encode_linear(&mut png, size, ::png::BitDepth::Eight, &bytes, &[])?;
             Ok(PageImage { png, scale })
         };
-        let images = light.iter().zip(pages.iter().cycle()).map(encoded).collect::<io::Result<_>>()?;
+        let images = values.iter().zip(pages.iter().cycle()).map(encoded).collect::<io::Result<_>>()?;
         Ok(Self { images, n_pages: pages.len() })
     }
 

@@ -41,10 +41,15 @@ fn power_above(value: f32) -> f32 {
     power.min(f32::from_bits(0x7f00_0000))
 }
 
-/// The largest value, which 255 stands for, and the values as bytes. Their mean over a few lumels is exact: which lumels are
-/// rounded up follows a pattern that looks like noise (Jimenez, *Next Generation Post Processing in Call of Duty*, 2014).
+/// The largest value, which 255 stands for, and the values as bytes, [dithered](dithered_over).
 pub(crate) fn dithered(values: &[Vec3], width: u32) -> (f32, Vec<u8>) {
     let scale = largest(values);
+    (scale, dithered_over(scale, values, width))
+}
+
+/// Values as bytes, of which 255 stands for `scale`. Their mean over a few lumels is exact: which lumels are rounded up follows
+/// a pattern that looks like noise (Jimenez, *Next Generation Post Processing in Call of Duty*, 2014).
+pub(crate) fn dithered_over(scale: f32, values: &[Vec3], width: u32) -> Vec<u8> {
     let inverse = if scale > 0.0 { scale.recip() } else { 0.0 };
     let mut bytes = Vec::with_capacity(3 * values.len());
     for (lumel, value) in values.iter().enumerate() {
@@ -57,7 +62,7 @@ pub(crate) fn dithered(values: &[Vec3], width: u32) -> (f32, Vec<u8>) {
             bytes.push((exact + threshold).floor().min(255.0) as u8);
         }
     }
-    (scale, bytes)
+    bytes
 }
 
 /// Encodes three channels of linear values. What is to be shown by a browser has no chunk about colour: it would be

@@ -29,6 +29,7 @@ fn solution(scene: &Scene) -> Solution {
         valid: (0..irradiance.len()).map(|v| v != 2).collect(),
         standard_error: Some(irradiance.iter().map(|e| 0.01 * *e).collect()),
         layers,
+        occlusion: Some((0..irradiance.len()).map(|v| 0.01 * v as f32).collect()),
         irradiance,
     }
 }

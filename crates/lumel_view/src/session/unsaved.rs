@@ -175,6 +175,7 @@ impl Session {
             valid,
             standard_error: light.standard_error.as_ref().map(|e| e.to_vec()),
             layers,
+            occlusion: None,
         })
     }
 }
