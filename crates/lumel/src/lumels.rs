@@ -186,6 +186,18 @@ impl Baker {
         Ok(())
     }
 
+    /// Share of all samples at lumels that is done; `None` with a target error, which takes as many as it takes.
+    pub fn share_at_lumels(&self, light: &LumelLight) -> Option<f64> {
+        // Half of all samples, and as many again on those that are noisier.
+        let mut shares = [0.5]
+            .into_iter()
+            .chain(SHARES.into_iter().enumerate().map(|(k, share)| share * f64::from(1 << k) / 2.0));
+        let before: f64 = shares.by_ref().take(light.round as usize).sum();
+        let active = light.active.iter().filter(|active| **active).count().max(1);
+        let done = 1.0 - light.left() as f64 / active as f64;
+        target(self.settings()).is_none().then(|| before + done * shares.next().unwrap_or_default())
+    }
+
     /// How noisy the light at lumels is.
     pub fn accuracy_at_lumels(&self, lumels: &Lumels, light: &LumelLight) -> LumelAccuracy {
         let errors = light.relative_errors(&lumels.atlas, &lumels.coverage, DARK);

@@ -45,6 +45,8 @@ struct State {
     phase: String,
     /// Follows the solve, while the phase is one of its steps.
     tracker: Option<Arc<Mutex<Tracker>>>,
+    /// Share of the phase that is done, where it is no step of a solve.
+    share: Option<f64>,
     /// The last phase that was reported by name only.
     told: Option<String>,
 }
@@ -87,6 +89,13 @@ impl Progress {
     pub(crate) fn phase(&self, name: &str) {
         if let Some(shared) = &self.shared {
             shared.enter(name.to_owned(), None);
+        }
+    }
+
+    /// So much of the phase is done.
+    pub(crate) fn share(&self, share: Option<f64>) {
+        if let Some(shared) = &self.shared {
+            shared.lock().share = share;
         }
     }
 
@@ -203,7 +212,7 @@ impl Shared {
 
     fn enter(&self, phase: String, tracker: Option<Arc<Mutex<Tracker>>>) {
         let mut state = self.lock();
-        (state.phase, state.tracker) = (phase, tracker);
+        (state.phase, state.tracker, state.share) = (phase, tracker, None);
         drop(state);
         if matches!(self.display, Display::Json) {
             self.show();
@@ -229,7 +238,8 @@ impl Shared {
     fn moment(&self) -> Moment {
         let state = self.lock();
         let solve = state.tracker.as_ref().map(|tracker| lock(tracker).progress(self.reading()));
-        Moment { phase: state.phase.clone(), solve: solve.unwrap_or_default() }
+        let no_solve = || lumel::Progress { step_share: state.share, ..lumel::Progress::default() };
+        Moment { phase: state.phase.clone(), solve: solve.unwrap_or_else(no_solve) }
     }
 
     fn show(&self) {

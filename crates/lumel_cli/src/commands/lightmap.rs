@@ -132,7 +132,9 @@ fn measured(
     let save = |light: &LumelLight| {
         checkpoint.save(solver, state, Some(LumelState { identity: &identity, light }));
     };
+    run.progress.share(baker.share_at_lumels(&light));
     let mut keep = |light: &LumelLight| {
+        run.progress.share(baker.share_at_lumels(light));
         let now = run.clock.seconds();
         if spent <= CHECKPOINT_SHARE * (now - began) {
             save(light);
