@@ -177,6 +177,12 @@ impl Scene {
         &self.unlit.faces.uvs
     }
 
+    /// Places of the vertices in a lightmap, as files have them, `v` down: empty where no object has any, else no number for
+    /// vertices that have none.
+    pub fn lightmap_uvs(&self) -> &[Vec2] {
+        &self.unlit.faces.lightmap_uvs
+    }
+
     /// Vertex colours that multiply the albedo; one where the file has none.
     pub fn tints(&self) -> &[Vec3] {
         &self.unlit.faces.tints

@@ -249,6 +249,32 @@ fn coordinates_are_those_the_texture_asks_for() {
 }
 
 #[test]
+fn the_second_set_of_coordinates_is_the_place_in_a_lightmap_of_any_type_and_whatever_materials_use_it_for() {
+    let places = |component: u32, bytes: &[u8]| {
+        let mut model = Model::triangle();
+        let uvs = model.accessor(component, "VEC2", 3, bytes);
+        model.json["bufferViews"][1]["byteStride"] = json!(4);
+        model.primitive()["attributes"]["TEXCOORD_1"] = json!(uvs);
+        model.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+        model.object().lightmap_uvs
+    };
+    // As fractions, with the flag or without.
+    let fractions = [Vec2::ZERO, Vec2::new(1.0, 0.2), Vec2::new(0.2, 1.0)];
+    assert_eq!(places(U8, &[0, 0, 0, 0, 255, 51, 0, 0, 51, 255, 0, 0]), fractions);
+    assert_eq!(places(U16, &[0, 0, 0, 0, 255, 255, 51, 51, 51, 51, 255, 255]), fractions);
+    for info in [json!({}), json!({ "texCoord": 1 })] {
+        assert_eq!(textured(info).object().lightmap_uvs, [Vec2::ONE; 3]);
+    }
+    let mut model = with_attribute(Model::triangle(), "TEXCOORD_1", "VEC2", &[1.0; 6]);
+    let full = model.primitive().clone();
+    model.json["meshes"][0]["primitives"] = json!([full, { "attributes": { "POSITION": 0 } }]);
+    let given: Vec<bool> = model.object().lightmap_uvs.iter().map(|uv| uv.is_finite()).collect();
+    assert_eq!(given, [true, true, true, false, false, false]);
+    let message = with_attribute(Model::triangle(), "TEXCOORD_1", "VEC2", &[0.0; 4]).error();
+    assert_eq!(message, "mesh 0, primitive 0: its TEXCOORD_1, accessor 1, has 2 elements for 3 vertices");
+}
+
+#[test]
 fn every_node_shows_its_own_instance() {
     let mut model = Model::triangle();
     model.json["meshes"][0]["name"] = json!("Tile");
