@@ -5,7 +5,7 @@
 //! says which parts of which triangles lie in each lumel.
 //!
 //! Coordinates on a page are in lumels: the centre of lumel (x, y) is at (x + ½, y + ½), and y runs down, as rows of an
-//! image do. All triangles have a positive area there.
+//! image do. All triangles have a positive area there, but for layouts that files give, which are kept as they are.
 
 mod atlas;
 mod chart;
@@ -15,6 +15,8 @@ mod conformal;
 mod coverage;
 mod cut;
 mod error;
+mod given;
+mod lay_out;
 mod mask;
 mod object;
 mod overlap;
@@ -26,6 +28,8 @@ mod raster;
 mod rectangle;
 mod report;
 mod settings;
+mod shared;
+mod slight;
 #[cfg(test)]
 mod testing;
 mod topology;
@@ -36,5 +40,5 @@ pub use check::{Fault, check};
 pub use coverage::{Coverage, Piece, Share};
 pub use error::UvError;
 pub use report::{Finding, Method, ObjectReport, Report};
-pub use settings::{Density, MAX_PAGE, Pace, UnwrapSettings};
+pub use settings::{Density, GivenUvs, MAX_PAGE, Pace, UnwrapSettings};
 pub use unwrap::{Unwrapped, unwrap};

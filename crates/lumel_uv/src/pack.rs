@@ -77,7 +77,8 @@ pub(crate) fn pack(charts: &[Chart], scales: &[f64], settings: &UnwrapSettings) 
                 (pose, Mask::new(chart, &pose, grid))
             };
             let lying = shape(false);
-            let turns = lying.1.width > TURNED_FROM && lying.1.width != lying.1.height;
+            let is_long = lying.1.width > TURNED_FROM && lying.1.width != lying.1.height;
+            let turns = is_long && !chart.is_given();
             if turns { vec![lying, shape(true)] } else { vec![lying] }
         })
         .collect();

@@ -19,6 +19,20 @@ pub struct UnwrapSettings {
     pub gutter: u32,
     /// Charts share no block of this many lumels: 1, or 4 for formats that compress blocks.
     pub align: u32,
+    /// What becomes of the layouts that files give.
+    pub given: GivenUvs,
+}
+
+/// What becomes of the [lightmap coordinates](lumel_scene::ObjectMesh::lightmap_uvs) that objects have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GivenUvs {
+    /// An object keeps its own if they can be used: in the square from 0 to 1, without overlaps, with the gutter between
+    /// charts. It is put on a page as one piece, and so is each of its instances. If all objects together fill one square
+    /// like that, it is the page.
+    #[default]
+    Keep,
+    /// All objects get new ones.
+    Ignore,
 }
 
 /// How fine lumels are.
@@ -33,7 +47,14 @@ pub enum Density {
 impl Default for UnwrapSettings {
     /// A million lumels on pages of up to 2048, for bilinear reading.
     fn default() -> Self {
-        Self { density: Density::Budget(1 << 20), factors: Vec::new(), page_size: 2048, gutter: 2, align: 1 }
+        Self {
+            density: Density::Budget(1 << 20),
+            factors: Vec::new(),
+            page_size: 2048,
+            gutter: 2,
+            align: 1,
+            given: GivenUvs::Keep,
+        }
     }
 }
 

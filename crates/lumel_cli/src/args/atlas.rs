@@ -1,8 +1,8 @@
 //! Options for the atlas of a lightmap.
 
 use crate::parse;
-use clap::Args;
-use lumel_uv::MAX_PAGE;
+use clap::{Args, ValueEnum};
+use lumel_uv::{GivenUvs, MAX_PAGE};
 
 /// How a scene is unwrapped.
 #[derive(Debug, Args)]
@@ -36,8 +36,34 @@ pub(crate) struct AtlasArgs {
     #[arg(long, value_name = "N", default_value = "1", value_parser = ["1", "4"], help_heading = "Atlas")]
     pub(crate) align: String,
 
+    /// What becomes of lightmap coordinates that the file has as TEXCOORD_1.
+    ///
+    /// They are kept if they lie in the square from 0 to 1 without overlaps, with the gutter between charts at the density that
+    /// is asked for. An object is then put on a page as one piece, and so is each instance; if all objects together fill one
+    /// square, it is the page. What is not kept is named.
+    #[arg(long, value_enum, value_name = "CHOICE", default_value_t = Uv::Keep, help_heading = "Atlas")]
+    pub(crate) uv: Uv,
+
     /// After this many seconds, objects that are left get simple charts, and are named.
     #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = parse::count(0..=1_000_000))]
     #[arg(help_heading = "Run", allow_negative_numbers = true)]
     pub(crate) time_limit: u32,
+}
+
+/// What becomes of lightmap coordinates that a file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Uv {
+    /// They are kept where they can be used.
+    Keep,
+    /// All objects get new ones.
+    New,
+}
+
+impl From<Uv> for GivenUvs {
+    fn from(uv: Uv) -> Self {
+        match uv {
+            Uv::Keep => Self::Keep,
+            Uv::New => Self::Ignore,
+        }
+    }
 }

@@ -52,6 +52,7 @@ fn settings(
         gutter: args.gutter,
         // The parser lets nothing else pass.
         align: args.align.parse()?,
+        given: args.uv.into(),
     })
 }
 
