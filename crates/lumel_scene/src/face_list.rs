@@ -32,6 +32,8 @@ pub(crate) struct FaceList {
     /// By how many corners triangles begin later than they were given.
     pub(crate) turns: BTreeMap<TriId, u8>,
     pub(crate) object_names: Vec<String>,
+    /// By object.
+    pub(crate) density_factors: Vec<f32>,
     /// Where each object comes from.
     pub(crate) origins: Vec<Origin>,
 }
@@ -41,6 +43,7 @@ impl FaceList {
     pub(crate) fn append(&mut self, mesh: ObjectMesh, given: Given) {
         let id = ObjectId(self.object_names.len() as u32);
         self.object_names.push(mesh.name);
+        self.density_factors.push(mesh.density_factor.unwrap_or(1.0));
         let mut origin = Origin {
             first_vertex: self.positions.len() as u32,
             vertices: Runs::default(),

@@ -44,6 +44,8 @@ pub struct ObjectMesh {
     pub tints: Vec<Vec3>,
     /// Vertex alphas that multiply those of materials: empty, or one per position.
     pub alphas: Vec<f32>,
+    /// How much finer its lumels are in a lightmap than those of others; `None` stands for 1.
+    pub density_factor: Option<f32>,
     /// The triangles.
     pub faces: Vec<Face>,
     /// By how much a file or program may have rounded the coordinates before they came here, metres; zero if by no more

@@ -203,6 +203,11 @@ impl Scene {
         &self.unlit.object_names
     }
 
+    /// How much finer the lumels of each object are in a lightmap than those of others, usually 1; indexed by [`ObjectId`].
+    pub fn density_factors(&self) -> &[f32] {
+        &self.unlit.faces.density_factors
+    }
+
     /// The materials; indexed by [`MaterialId`].
     pub fn materials(&self) -> &[Material] {
         &self.unlit.materials

@@ -31,7 +31,7 @@ pub(crate) fn lay_out(
     settings: &UnwrapSettings,
     parts: &[(Topology, ObjectCharts)],
 ) -> Result<(Atlas, Vec<Finding>), UvError> {
-    let factor = |chart: &Chart| settings.factor(chart.object);
+    let factor = |chart: &Chart| settings.factor(scene, chart.object);
     let whole = || parts.iter().flat_map(|(_, charts)| &charts.charts);
     let most = most_dense(scene, settings);
     let longest = f64::from(longest(settings));
@@ -80,7 +80,7 @@ pub(crate) fn most_dense(scene: &Scene, settings: &UnwrapSettings) -> f64 {
         Density::PerMetre(density) => return f64::from(density),
         Density::Budget(lumels) => f64::from(lumels),
     };
-    let weighted = |tri| f64::from(scene.area(tri)) * settings.factor(scene.object_id(tri)).powi(2);
+    let weighted = |tri| f64::from(scene.area(tri)) * settings.factor(scene, scene.object_id(tri)).powi(2);
     let weighted: f64 = (0..scene.triangle_count() as u32).map(TriId).map(weighted).sum();
     (lumels / weighted.max(f64::MIN_POSITIVE)).sqrt()
 }

@@ -1,7 +1,7 @@
 //! What an unwrap can be asked for.
 
 use crate::UvError;
-use lumel_scene::ObjectId;
+use lumel_scene::{ObjectId, Scene};
 
 /// The largest side of a page, lumels: what graphics devices take.
 pub const MAX_PAGE: u32 = 16384;
@@ -11,7 +11,8 @@ pub const MAX_PAGE: u32 = 16384;
 pub struct UnwrapSettings {
     /// How fine lumels are.
     pub density: Density,
-    /// What multiplies the density of each object; objects beyond the end of the list have 1.
+    /// What multiplies the density of each object; objects beyond the end of the list have
+    /// [what the scene says](lumel_scene::Scene::density_factors).
     pub factors: Vec<f32>,
     /// The largest width and height of a page, lumels. What does not fit is on further pages.
     pub page_size: u32,
@@ -60,11 +61,16 @@ impl Default for UnwrapSettings {
 
 impl UnwrapSettings {
     /// What multiplies the density of an object.
-    pub(crate) fn factor(&self, object: ObjectId) -> f64 {
-        self.factors.get(object.index()).map_or(1.0, |&factor| f64::from(factor))
+    pub(crate) fn factor(&self, scene: &Scene, object: ObjectId) -> f64 {
+        let factor = self.factors.get(object.index()).or(scene.density_factors().get(object.index()));
+        factor.map_or(1.0, |&factor| f64::from(factor))
     }
 
-    pub(crate) fn check(&self) -> Result<(), UvError> {
+    /// Checks that all settings are within their bounds.
+    ///
+    /// # Errors
+    /// [`UvError::Setting`] for the first that is not.
+    pub fn check(&self) -> Result<(), UvError> {
         let refuse = |setting, value: f64, expected| Err(UvError::Setting { setting, value, expected });
         let is_positive = |x: f32| x > 0.0 && x.is_finite();
         match self.density {

@@ -29,7 +29,7 @@ pub(crate) fn share(
         parts.iter().map(|(t, charts)| Some((t, charts.layout.as_ref()?))).collect::<Option<_>>()?;
     let corners = layouts.iter().flat_map(|(_, layout)| layout.corners.as_flattened()).copied();
     let (min, max) = corners.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
-    let differ = layouts.iter().any(|(t, _)| settings.factor(t.object) != 1.0);
+    let differ = layouts.iter().any(|(t, _)| settings.factor(scene, t.object) != 1.0);
     if layouts.is_empty() || differ || (max - min).min_element() < FILLED {
         return None;
     }

@@ -1,6 +1,6 @@
 //! `lumel unwrap`
 
-use super::atlas;
+use super::atlas::{self, ToUnwrap};
 use super::summary::Written;
 use crate::args::{ProgressMode, UnwrapArgs};
 use crate::command_run::{CommandRun, thread_pool};
@@ -36,10 +36,12 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
     outputs::check(&paths, &load::source_files(&args.scene.scene))?;
     let pool = thread_pool(&args.threads)?;
     let run = CommandRun::start(ProgressMode::None, console)?;
-    let (Loaded { scene, warnings, .. }, _) = load::load_as_it_is(&args.scene)?;
+    let (Loaded { scene, warnings, lightmap, .. }, _) = load::load_as_it_is(&args.scene)?;
     load::warn(&warnings, &args.scene, console);
     let begun = run.clock.seconds();
-    let unwrapped = pool.install(|| atlas::of(&scene, &args.atlas, (&args.scene.scene, LUMELS), &run))?;
+    let to_unwrap =
+        ToUnwrap { scene: &scene, name: &args.scene.scene, project: lightmap, usual_lumels: LUMELS };
+    let unwrapped = pool.install(|| atlas::of(&to_unwrap, &args.atlas, &run))?;
     let Some(unwrapped) = unwrapped else {
         console.note("stopped; no file was written");
         return Ok(Outcome::Cancelled);

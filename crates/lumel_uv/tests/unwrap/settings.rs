@@ -54,12 +54,18 @@ fn a_triangle_longer_than_a_page_has_fewer_lumels_and_is_told_of() {
 
 #[test]
 fn a_factor_makes_the_lumels_of_its_object_finer() {
-    let scene = built(room());
-    let settings = UnwrapSettings { factors: vec![1.0, 2.0], density: Density::PerMetre(10.0), ..settings() };
-    let out = unwrapped(&scene, &settings);
-    let densities: Vec<f32> = out.report.objects.iter().map(|object| object.density).collect();
-    assert_eq!(densities[..3], [10.0, 20.0, 10.0]);
-    assert_eq!(check(&out.atlas, &scene), []);
+    let mut builder = room();
+    builder.objects[2].density_factor = Some(3.0);
+    let scene = built(builder);
+    for (factors, expected) in
+        [(vec![1.0, 2.0], [10.0, 20.0, 30.0]), (vec![1.0, 2.0, 4.0], [10.0, 20.0, 40.0])]
+    {
+        let out =
+            unwrapped(&scene, &UnwrapSettings { factors, density: Density::PerMetre(10.0), ..settings() });
+        let densities: Vec<f32> = out.report.objects.iter().map(|object| object.density).collect();
+        assert_eq!(densities[..3], expected);
+        assert_eq!(check(&out.atlas, &scene), []);
+    }
 }
 
 #[test]

@@ -286,6 +286,23 @@ fn every_node_shows_its_own_instance() {
 }
 
 #[test]
+fn extras_of_a_node_say_how_fine_its_lumels_are() {
+    let mut model = Model::triangle();
+    model.push("nodes", json!({ "mesh": 0, "extras": { "lumel_density_factor": 2.5, "other": [] } }));
+    for wrong in [json!(0), json!("fine"), json!(1e300)] {
+        model.push("nodes", json!({ "mesh": 0, "name": "Odd", "extras": { "lumel_density_factor": wrong } }));
+    }
+    model.push("nodes", json!({ "mesh": 0, "extras": "lumel_density_factor" }));
+    let imported = model.read().unwrap();
+    let factors: Vec<_> = imported.scene.objects.iter().map(|object| object.density_factor).collect();
+    assert_eq!(factors, [None, Some(2.5), None, None, None, None]);
+    let text = text(&imported.warnings);
+    assert_eq!(imported.warnings.len(), 3);
+    let line = "node \"Odd\": its lumel_density_factor is 0, which is no number above 0: it is ignored\n";
+    assert!(text.starts_with(line), "{text}");
+}
+
+#[test]
 fn instances_beyond_number_are_refused_before_they_take_memory() {
     let mut model = Model::triangle();
     // Each mesh makes a million triangles out of three vertices.
