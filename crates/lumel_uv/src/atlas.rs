@@ -46,7 +46,7 @@ impl Atlas {
         self.density
     }
 
-    /// Lumels that are free between those of two charts.
+    /// Lumels whose centres are nearer to a chart than half of this are its own.
     pub fn gutter(&self) -> u32 {
         self.gutter
     }

@@ -2,7 +2,7 @@
 
 use crate::Atlas;
 use crate::chart::signed_area;
-use crate::mask::INSET;
+use crate::mask::{INSET, reach_of};
 use crate::overlap::overlapping;
 use crate::raster::touched;
 use glam::DVec2;
@@ -138,7 +138,7 @@ fn fault_of(atlas: &Atlas, tri: TriId, side: f64) -> Option<Fault> {
 /// gutter, or that both touch.
 fn too_near(atlas: &Atlas, page: usize, triangles: &[TriId]) -> Vec<Fault> {
     let [width, height] = atlas.pages()[page].map(|side| side as usize);
-    let reach = (0.5 * (f64::from(atlas.gutter()) - 1.0)).max(0.0);
+    let reach = reach_of(atlas.gutter());
     // For each lumel, a triangle that comes near.
     let mut owner = vec![NOBODY; width * height];
     let mut faults = Vec::new();

@@ -3,6 +3,7 @@
 use crate::atlas::{Atlas, ChartPlace};
 use crate::chart::{Chart, signed_area};
 use crate::cut::cut;
+use crate::merge::merged;
 use crate::object::ObjectCharts;
 use crate::pack::{Packed, footprint, longest, pack};
 use crate::topology::Topology;
@@ -22,6 +23,9 @@ const COARSEST: f64 = 1000.0;
 /// larger would get next to nothing.
 const ABOVE_LEAST: f64 = 1.25;
 
+/// Times that charts are merged for a budget, each time for the density that the last one allows.
+const MERGINGS: usize = 2;
+
 /// How full pages are thought to get when a budget is first divided by areas.
 const USUAL_FILL: f64 = 0.85;
 
@@ -35,22 +39,35 @@ pub(crate) fn lay_out(
     let whole = || parts.iter().flat_map(|(_, charts)| &charts.charts);
     let most = most_dense(scene, settings);
     let longest = f64::from(longest(settings));
-    let charts: Vec<Chart> = whole()
-        .flat_map(|chart| cut(chart.clone(), longest / (most * factor(chart))))
-        .flat_map(|chart| [chart.back(scene), Some(chart)].into_iter().rev().flatten())
-        .collect();
-    let scales = |density: f64| -> Vec<f64> {
+    // At a density, charts that are smaller than its lumels are merged.
+    let charts_at = |density: Option<f64>| -> Vec<Chart> {
+        let charts: Vec<Chart> = whole().cloned().collect();
+        let charts = match density {
+            Some(density) => merged(scene, charts, |chart| density * factor(chart)),
+            None => charts,
+        };
+        let pieces = charts.into_iter().flat_map(|chart| {
+            let most = longest / (most * factor(&chart));
+            cut(chart, most)
+        });
+        pieces.flat_map(|chart| [chart.back(scene), Some(chart)].into_iter().rev().flatten()).collect()
+    };
+    let scales = |charts: &[Chart], density: f64| -> Vec<f64> {
         let scale = |chart: &Chart| {
             let largest = longest / chart.size.max_element().max(f64::MIN_POSITIVE);
             (density * factor(chart)).min(largest)
         };
         charts.iter().map(scale).collect()
     };
-    let (density, packed) = match settings.density {
-        Density::PerMetre(_) => (most, pack(&charts, &scales(most), settings)?),
-        Density::Budget(lumels) => within_budget(&charts, f64::from(lumels), most, &scales, settings)?,
+    let (density, charts, packed) = match settings.density {
+        Density::PerMetre(_) => {
+            let charts = charts_at(Some(most));
+            let packed = pack(&charts, &scales(&charts, most), settings)?;
+            (most, charts, packed)
+        }
+        Density::Budget(lumels) => within_budget(&charts_at, f64::from(lumels), most, &scales, settings)?,
     };
-    let scales = scales(density);
+    let scales = scales(&charts, density);
     let mut findings = Vec::new();
     if let Density::Budget(lumels) = settings.density
         && packed.lumel_count() > u64::from(lumels)
@@ -97,32 +114,39 @@ fn too_long(chart: &Chart, scale: f64, settings: &UnwrapSettings) -> String {
     )
 }
 
-/// The finest packing found that has no more lumels than `budget`, or than a little more than the smallest charts take up.
+/// Charts, and the finest packing found of them that has no more lumels than `budget`, or than a little more than the smallest
+/// charts take up.
 fn within_budget(
-    charts: &[Chart],
+    charts_at: &dyn Fn(Option<f64>) -> Vec<Chart>,
     budget: f64,
     most: f64,
-    scales: &dyn Fn(f64) -> Vec<f64>,
+    scales: &dyn Fn(&[Chart], f64) -> Vec<f64>,
     settings: &UnwrapSettings,
-) -> Result<(f64, Packed), UvError> {
-    let estimate = |density: f64| -> f64 {
-        charts.iter().zip(scales(density)).map(|(c, s)| footprint(c, s, settings)).sum::<f64>() / USUAL_FILL
+) -> Result<(f64, Vec<Chart>, Packed), UvError> {
+    let estimate = |charts: &[Chart], density: f64| -> f64 {
+        let scales = scales(charts, density);
+        charts.iter().zip(scales).map(|(c, s)| footprint(c, s, settings)).sum::<f64>() / USUAL_FILL
     };
     let least = most / COARSEST;
-    let budget = budget.max(ABOVE_LEAST * estimate(least));
-    let bisect = |target: f64| {
+    let bisect = |charts: &[Chart], target: f64| {
         let (mut low, mut high) = (least, most);
         for _ in 0..30 {
             let middle = (low * high).sqrt();
-            if estimate(middle) > target { high = middle } else { low = middle }
+            if estimate(charts, middle) > target { high = middle } else { low = middle }
         }
         low
     };
+    // What is merged at a density leaves room for a higher one.
+    let mut charts = charts_at(None);
+    for _ in 0..MERGINGS {
+        charts = charts_at(Some(bisect(&charts, budget)));
+    }
+    let budget = budget.max(ABOVE_LEAST * estimate(&charts, least));
     let mut target = budget;
     let mut best: Option<(f64, Packed)> = None;
     for _ in 0..MOST_TRIALS {
-        let density = bisect(target);
-        let packed = pack(charts, &scales(density), settings)?;
+        let density = bisect(&charts, target);
+        let packed = pack(&charts, &scales(&charts, density), settings)?;
         let used = packed.lumel_count() as f64 / budget;
         let better = best.as_ref().is_none_or(|(_, old)| {
             let old = old.lumel_count() as f64 / budget;
@@ -136,7 +160,7 @@ fn within_budget(
         }
         target *= 0.98 / used;
     }
-    best.ok_or(UvError::Stopped)
+    best.map(|(density, packed)| (density, charts, packed)).ok_or(UvError::Stopped)
 }
 
 fn assemble(

@@ -18,6 +18,7 @@ mod error;
 mod given;
 mod lay_out;
 mod mask;
+mod merge;
 mod object;
 mod overlap;
 mod pack;

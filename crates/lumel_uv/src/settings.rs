@@ -16,7 +16,8 @@ pub struct UnwrapSettings {
     pub factors: Vec<f32>,
     /// The largest width and height of a page, lumels. What does not fit is on further pages.
     pub page_size: u32,
-    /// Lumels that stay free between the lumels of two charts: 2 if light is read bilinearly, 3 if bicubically.
+    /// Lumels whose centres are nearer to a chart than half of this are its own: 2 if light is read bilinearly, 3 if
+    /// bicubically.
     pub gutter: u32,
     /// Charts share no block of this many lumels: 1, or 4 for formats that compress blocks.
     pub align: u32,

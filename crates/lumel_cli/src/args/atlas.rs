@@ -31,7 +31,11 @@ pub(crate) struct AtlasArgs {
     #[arg(help_heading = "Atlas", allow_negative_numbers = true)]
     pub(crate) atlas_size: Option<u32>,
 
-    /// Lumels that stay free between charts: 2 for bilinear, 3 for bicubic reading. [default: 2]
+    /// Lumels whose centres are nearer to a chart than half of this are its own: 2 for bilinear, 3 for bicubic reading. [default:
+    /// 2]
+    ///
+    /// Charts are at least one lumel less than this apart. Ask for one more where another program wants free lumels between
+    /// them.
     #[arg(long, value_name = "N", value_parser = parse::count(0..=16))]
     #[arg(help_heading = "Atlas", allow_negative_numbers = true)]
     pub(crate) gutter: Option<u32>,
