@@ -34,6 +34,7 @@ mod slight;
 #[cfg(test)]
 mod testing;
 mod topology;
+mod unfold;
 mod unwrap;
 
 pub use atlas::{Atlas, ChartPlace};

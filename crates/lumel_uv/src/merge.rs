@@ -1,12 +1,16 @@
-//! Charts that are smaller than a lumel, side by side in one chart.
+//! Charts that are smaller than a lumel, merged.
 
 use crate::chart::Chart;
+use crate::unfold::unfolded;
 use glam::{DVec2, DVec3};
 use lumel_scene::{ObjectId, Scene};
 use std::collections::BTreeMap;
 
-/// Charts up to this long are merged with their neighbours, lumels. Each alone would take four lumels or more.
-const TINY: f64 = 1.0;
+/// Charts narrower than this continue in their neighbours across creases, lumels: reading mixes their light anyway.
+const NARROW: f64 = 1.0;
+
+/// Charts up to this long are put side by side with others, lumels. Each alone would take four lumels.
+const TINY: f64 = 0.5;
 
 /// Charts are neighbours in a cube of this size, lumels: light varies as little there as within lumels elsewhere.
 const NEIGHBOURHOOD: f64 = 1.0;
@@ -20,9 +24,28 @@ struct Place {
     facing: (usize, bool),
 }
 
-/// Merges the charts of each object that are smaller than a lumel, lie within a lumel of each other and face about the same way:
-/// their light is mixed at their borders, as that of a lumel is. `scale`: lumels per metre of a chart.
+/// Merges the charts of each object that are smaller than a lumel. `scale`: lumels per metre of a chart.
+///
+/// Narrow ones are laid out together with their neighbours, as far as all face about the same way. Those that are still tiny
+/// are put side by side with others that lie within a lumel and face about the same way: their light is mixed at their
+/// borders, as that of a lumel is.
 pub(crate) fn merged(scene: &Scene, charts: Vec<Chart>, scale: impl Fn(&Chart) -> f64) -> Vec<Chart> {
+    let is_narrow = |chart: &Chart| !chart.is_given() && chart.size.min_element() * scale(chart) < NARROW;
+    let mut narrow: BTreeMap<ObjectId, Vec<Chart>> = BTreeMap::new();
+    let mut wide = Vec::new();
+    for chart in charts {
+        if is_narrow(&chart) {
+            narrow.entry(chart.object).or_default().push(chart);
+        } else {
+            wide.push(chart);
+        }
+    }
+    wide.extend(narrow.into_values().flat_map(|charts| unfolded(scene, charts)));
+    together(scene, wide, scale)
+}
+
+/// Puts tiny charts side by side.
+fn together(scene: &Scene, charts: Vec<Chart>, scale: impl Fn(&Chart) -> f64) -> Vec<Chart> {
     let is_tiny = |chart: &Chart| !chart.is_given() && chart.size.max_element() * scale(chart) < TINY;
     let mut origins: BTreeMap<ObjectId, DVec3> = BTreeMap::new();
     for chart in charts.iter().filter(|chart| is_tiny(chart)) {
@@ -115,7 +138,7 @@ mod tests {
         let (scene, charts) = charts_of_two_cubes();
         let count = |density: f64| merged(&scene, charts.clone(), |_| density).len();
         // The sides of the one are five metres from those of the other.
-        assert_eq!([2.0, 0.5, 0.1].map(count), [12, 12, 6]);
+        assert_eq!([2.0, 0.6, 0.1].map(count), [12, 12, 6]);
     }
 
     #[test]
