@@ -4,8 +4,9 @@ use crate::{Atlas, Fault, Finding};
 use lumel_scene::{ObjectId, Scene, TriId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The share of an object's area that may have a fault where a file gives the layout: slivers that were flattened badly.
-pub(crate) const SLIGHT: f64 = 1e-3;
+/// The share of an object's area that may have a fault where a file gives the layout: programs flatten slivers badly. The
+/// layout of `House2` of the house has twelve such faults, with 0.10 % of its area.
+pub(crate) const SLIGHT: f64 = 2.5e-3;
 
 /// What has a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
