@@ -16,6 +16,7 @@
 
 mod assembly;
 mod at_vertices;
+mod atlas_entry;
 mod bake;
 mod baker;
 mod dark;
@@ -49,6 +50,7 @@ mod target;
 mod two_sided;
 mod workload;
 
+pub use atlas_entry::{AtlasEntry, LightBasis, UvChoice};
 pub use bake::{Bake, BakeError, Baked};
 pub use baker::Baker;
 pub use decimal::decimal;
@@ -88,7 +90,7 @@ pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
 pub use open::{AutoEdge, OpenError, OpenOptions, Opened, open};
 pub use progress::{Progress, Tracker};
-pub use project::{CameraEntry, MaterialEntry, Project, ProjectError, SlotEntry};
+pub use project::{CameraEntry, MaterialEntry, ObjectEntry, Project, ProjectError, SlotEntry};
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{

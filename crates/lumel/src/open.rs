@@ -1,7 +1,7 @@
 //! From a name on the command line to a scene.
 
 use crate::max_edge::MaxEdge;
-use crate::project::{MaterialEntry, Project, ProjectError};
+use crate::project::{MaterialEntry, ObjectEntry, Project, ProjectError};
 use crate::settings::SettingsPatch;
 use crate::two_sided::make_two_sided;
 use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy, TextureError};
@@ -204,6 +204,13 @@ fn apply(
             warnings.push(path.display().to_string(), text);
         }
     }
+    for ObjectEntry { name, density_factor } in &project.objects {
+        let named = builder.objects.iter_mut().filter(|object| object.name == *name);
+        if named.map(|object| object.density_factor = Some(*density_factor)).count() == 0 {
+            let text = format!("there is no object \"{name}\" to give a density factor to");
+            warnings.push(path.display().to_string(), text);
+        }
+    }
     two_sided(&path.display().to_string(), &project.two_sided, builder, warnings);
     Ok(())
 }
@@ -247,6 +254,24 @@ mod tests {
         assert_eq!(white.albedo, Vec3::new(0.1, 0.2, 0.3));
         let warnings: Vec<String> = opened.warnings.iter().map(ToString::to_string).collect();
         assert!(warnings.iter().any(|w| w.contains("there is no material \"gold\"")), "{warnings:?}");
+    }
+
+    #[test]
+    fn objects_of_a_project_have_its_density_factors_instead_of_those_of_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lumel.toml");
+        let entry = |name: &str| ObjectEntry { name: name.into(), density_factor: 2.5 };
+        let objects = vec![entry("floor"), entry("cellar")];
+        Project { builtin: Some("cornell-box".into()), objects, ..Project::default() }.write(&path).unwrap();
+        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        for object in &opened.builder.objects {
+            assert_eq!(object.density_factor, (object.name == "floor").then_some(2.5), "{}", object.name);
+        }
+        let warnings: Vec<String> = opened.warnings.iter().map(ToString::to_string).collect();
+        assert!(warnings.iter().any(|w| w.contains("there is no object \"cellar\"")), "{warnings:?}");
+        let scene = opened.builder.build().unwrap().0;
+        let floor = scene.object_names().iter().position(|name| name == "floor").unwrap();
+        assert_eq!(scene.density_factors()[floor], 2.5);
     }
 
     #[test]

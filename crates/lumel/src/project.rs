@@ -1,5 +1,6 @@
 //! Project files: a scene with its lights, cameras and settings.
 
+use crate::atlas_entry::{AtlasEntry, LightBasis};
 use crate::decimal::decimal;
 use crate::light_entry::LightEntry;
 use crate::max_edge::MaxEdge;
@@ -56,12 +57,18 @@ pub struct Project {
     /// Longest edge after tessellation: metres, `"auto"` or `"off"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_edge: Option<MaxEdge>,
+    /// Where a bake stores light.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub basis: Option<LightBasis>,
     /// Names of materials or objects that have two sides, whatever the mesh file says; `"all"` or `"*"` for all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub two_sided: Vec<String>,
     /// Light from outside the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sky: Option<SkyEntry>,
+    /// Objects that differ from those of the mesh file.
+    #[serde(default, rename = "object", skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectEntry>,
     /// Materials that differ from those of the mesh file.
     #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<MaterialEntry>,
@@ -74,6 +81,9 @@ pub struct Project {
     /// Settings of the bake.
     #[serde(default, skip_serializing_if = "is_default")]
     pub bake: SettingsPatch,
+    /// How a lightmap is laid out.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub lightmap: AtlasEntry,
     /// Views with their own lights and settings, which editors keep under a number; bakes ignore them.
     #[serde(default, rename = "slot", skip_serializing_if = "Vec::is_empty")]
     pub slots: Vec<SlotEntry>,
@@ -87,6 +97,16 @@ pub struct MaterialEntry {
     pub name: String,
     /// Linear, 0 to 1; multiplies the texture, if there is one.
     pub albedo: Vec3,
+}
+
+/// How fine the lumels of an object are, in a project file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectEntry {
+    /// The name of the object; the entry applies to all objects of that name.
+    pub name: String,
+    /// What multiplies the density of its lumels.
+    pub density_factor: f32,
 }
 
 /// A numbered view in a project file.
@@ -246,6 +266,13 @@ impl Project {
         if let Some(entry) = self.materials.iter().find(|entry| !possible(entry.albedo)) {
             return Some(format!("the albedo of material \"{}\" must lie between 0 and 1", entry.name));
         }
+        if let Some(problem) = self.lightmap.problem() {
+            return Some(problem);
+        }
+        let is_factor = |factor: f32| factor > 0.0 && factor.is_finite();
+        if let Some(entry) = self.objects.iter().find(|entry| !is_factor(entry.density_factor)) {
+            return Some(format!("the density factor of object \"{}\" must be above 0", entry.name));
+        }
         let numbers: Vec<u8> = self.slots.iter().map(|slot| slot.number).collect();
         if let Some(number) = numbers.iter().find(|&&number| number > MAX_SLOT) {
             return Some(format!("there is no slot {number}: slots have numbers from 0 to {MAX_SLOT}"));
@@ -294,7 +321,7 @@ impl From<&Camera> for CameraEntry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BounceLimit, Preset, Settings};
+    use crate::{BounceLimit, Preset, Settings, UvChoice};
 
     fn read_text(text: &str) -> Result<Project, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -341,11 +368,21 @@ mod tests {
             builtin: None,
             subdivide: Some(1),
             max_edge: Some(MaxEdge::Length(0.1)),
+            basis: Some(LightBasis::Lightmap),
             two_sided: vec!["*".into()],
             sky: Some(SkyEntry::Color(Vec3::splat(0.3))),
             materials: vec![MaterialEntry { name: "wall".into(), albedo: Vec3::new(0.7, 0.2, 1.0) }],
+            objects: vec![ObjectEntry { name: "floor".into(), density_factor: 0.3 }],
             lights: vec![light],
             cameras: vec![camera],
+            lightmap: AtlasEntry {
+                lumels: Some(1 << 18),
+                atlas_size: Some(1024),
+                gutter: Some(3),
+                align: Some(4),
+                uv: Some(UvChoice::New),
+                ..AtlasEntry::default()
+            },
             bake: SettingsPatch::complete(&Settings { seed: u64::MAX, ..Preset::Production.settings() }),
             slots: vec![slot.clone(), SlotEntry { number: 0, lights: Vec::new(), ..slot }],
         }
@@ -448,6 +485,29 @@ mod tests {
                 read_text(&format!("builtin = \"furnace\"\n{table}\ndirect_samples = 0\n")).unwrap_err();
             assert_eq!(error, "FILE: direct_samples is 0 but must be a whole number from 1 to 16777216");
         }
+    }
+
+    #[test]
+    fn lightmaps_that_cannot_be_and_factors_that_are_none_are_refused() {
+        let project = |text: &str| read_text(&format!("builtin = \"furnace\"\n{text}\n"));
+        let full = "basis = \"lightmap\"\n[lightmap]\ndensity = 12.5\n[[object]]\nname = \"ball\"\ndensity_factor = 2";
+        let read = project(full).unwrap();
+        assert_eq!((read.basis, read.lightmap.density), (Some(LightBasis::Lightmap), Some(12.5)));
+        assert_eq!(read.objects[0].density_factor, 2.0);
+        for (text, problem) in [
+            ("[lightmap]\ndensity = 1\nlumels = 9", "[lightmap] has both a density and a number of lumels"),
+            (
+                "[lightmap]\natlas_size = 99",
+                "[lightmap]: the page size is 99; it must be a multiple of 4 from 64 to 16384",
+            ),
+            (
+                "[[object]]\nname = \"ball\"\ndensity_factor = 0",
+                "the density factor of object \"ball\" must be above 0",
+            ),
+        ] {
+            assert_eq!(project(text).unwrap_err(), format!("FILE: {problem}"));
+        }
+        assert!(project("[lightmap]\ngutters = 1").unwrap_err().contains("gutters"));
     }
 
     #[test]

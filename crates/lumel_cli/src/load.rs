@@ -6,9 +6,9 @@ use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
 use glam::Vec3;
 use lumel::{
-    AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightFileError, MaxEdge, OpenError, OpenOptions,
-    Opened, Project, Scene, SceneError, Settings, SettingsError, SettingsPatch, SolveState, Warnings,
-    suggested_light,
+    AtlasEntry, AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightBasis, LightFileError, MaxEdge,
+    OpenError, OpenOptions, Opened, Project, Scene, SceneError, Settings, SettingsError, SettingsPatch,
+    SolveState, Warnings, suggested_light,
 };
 use lumel_export::SolutionMeta;
 use lumel_scene::TriId;
@@ -24,6 +24,8 @@ pub(crate) struct Loaded {
     pub(crate) scene: Arc<Scene>,
     /// The bake settings of its project.
     pub(crate) patch: SettingsPatch,
+    /// What its project says about lightmaps.
+    pub(crate) lightmap: AtlasEntry,
     /// What was left out.
     pub(crate) warnings: Warnings,
     /// What was chosen, if the lengths of edges suit the scene.
@@ -53,16 +55,25 @@ pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<(Loaded, Option<
 }
 
 /// The scene with no edge split at all, for lightmaps. Its warnings were those of the scene that was baked.
-pub(crate) fn load_whole(args: &SceneArgs) -> anyhow::Result<Arc<Scene>> {
+pub(crate) fn load_whole(args: &SceneArgs) -> anyhow::Result<Loaded> {
     let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..args.open_options(None) };
-    Ok(build(args, open(args, &options)?)?.scene)
+    build(args, open(args, &options)?)
+}
+
+/// The project file, if the scene is one that can be read.
+fn project(scene: &str) -> Option<Project> {
+    let path = Path::new(scene);
+    Project::is_file_name(path).then(|| Project::read(path).ok())?
+}
+
+/// Where the project stores light, if the scene is one and says it.
+pub(crate) fn basis_of_project(scene: &str) -> Option<LightBasis> {
+    project(scene)?.basis
 }
 
 /// The length of edges that a project gives, if it is one and does.
 fn length_of_project(scene: &str) -> Option<MaxEdge> {
-    let path = Path::new(scene);
-    let max_edge = Project::is_file_name(path).then(|| Project::read(path).ok()?.max_edge)?;
-    max_edge.filter(|max_edge| matches!(max_edge, MaxEdge::Length(_)))
+    project(scene)?.max_edge.filter(|max_edge| matches!(max_edge, MaxEdge::Length(_)))
 }
 
 fn auto(opened: &Opened) -> Result<Auto, SceneError> {
@@ -73,7 +84,7 @@ fn auto(opened: &Opened) -> Result<Auto, SceneError> {
 }
 
 fn build(args: &SceneArgs, opened: Opened) -> anyhow::Result<Loaded> {
-    let Opened { mut builder, mut warnings, settings: patch, auto_edge, .. } = opened;
+    let Opened { mut builder, mut warnings, settings: patch, auto_edge, project } = opened;
     let new_lights = || args.lights.iter().filter_map(LightChoice::as_new);
     if new_lights().next().is_some() {
         builder.clear_lights();
@@ -87,7 +98,8 @@ fn build(args: &SceneArgs, opened: Opened) -> anyhow::Result<Loaded> {
     }
     let (scene, more) = builder.build().map_err(|error| in_scene(error, args))?;
     warnings.append(more);
-    Ok(Loaded { scene: Arc::new(scene), patch, warnings, auto_edge })
+    let lightmap = project.map(|project| project.lightmap).unwrap_or_default();
+    Ok(Loaded { scene: Arc::new(scene), patch, lightmap, warnings, auto_edge })
 }
 
 /// What opening a scene for light that was baked needs: the number of vertices that tessellation might add, about.
@@ -201,9 +213,7 @@ pub(crate) fn warn_of_darkness(baker: &Baker, state: &SolveState, console: &Cons
 pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
     let path = Path::new(scene);
     let mut files = vec![path.to_owned()];
-    if Project::is_file_name(path)
-        && let Ok(project) = Project::read(path)
-    {
+    if let Some(project) = project(scene) {
         let sky = project.sky.as_ref().and_then(|sky| sky.file());
         let named = project.scene.as_deref().into_iter().chain(sky);
         files.extend(named.map(|file| path.parent().unwrap_or(Path::new("")).join(file)));

@@ -1,7 +1,7 @@
 //! Edges of a smooth surface that have two places in an atlas.
 
 use glam::DVec2;
-use lumel_scene::{Scene, TriId, Weld};
+use lumel_scene::{Edge, Edges, Scene, TriId, Weld};
 use lumel_uv::Atlas;
 
 /// Light does not jump where normals turn by less than this cosine, 8°: Iwanicki, *Lighting Technology of The Last of Us*,
@@ -35,13 +35,6 @@ impl Side {
     }
 }
 
-/// A triangle at an edge: its corners at the ends with the smaller and the larger number of all places.
-struct Use {
-    places: [u32; 2],
-    tri: TriId,
-    corners: [usize; 2],
-}
-
 /// All edges whose two triangles are neighbours on a smooth surface, but not in the atlas.
 ///
 /// Neighbours have the ends of the edge in the same places, bit by bit, run along it in opposite directions, and have
@@ -49,20 +42,11 @@ struct Use {
 pub(crate) fn seams(scene: &Scene, atlas: &Atlas) -> Vec<Seam> {
     let mut weld = Weld::default();
     let numbers: Vec<u32> = scene.positions().iter().map(|&position| weld.number(position)).collect();
-    let mut uses = Vec::with_capacity(3 * scene.triangle_count());
-    for tri in (0..scene.triangle_count() as u32).map(TriId) {
-        let places = scene.triangle(tri).map(|vertex| numbers[vertex as usize]);
-        for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-            let corners = if places[from] < places[to] { [from, to] } else { [to, from] };
-            let places = corners.map(|corner| places[corner]);
-            if places[0] != places[1] {
-                uses.push(Use { places, tri, corners });
-            }
-        }
-    }
-    uses.sort_unstable_by_key(|one| (one.places, one.tri));
+    let places = scene.triangles().iter().map(|triangle| triangle.map(|vertex| numbers[vertex as usize]));
+    let edges = Edges::new(places);
+    let is_an_edge = |sides: &&[Edge]| sides[0].ends[0] != sides[0].ends[1] && sides.len() <= MOST_AT_AN_EDGE;
     let mut found = Vec::new();
-    for edge in uses.chunk_by(|a, b| a.places == b.places).filter(|edge| edge.len() <= MOST_AT_AN_EDGE) {
+    for edge in edges.each().filter(is_an_edge) {
         for (i, a) in edge.iter().enumerate() {
             found.extend(edge[i + 1..].iter().filter_map(|b| seam(scene, atlas, a, b)));
         }
@@ -70,18 +54,19 @@ pub(crate) fn seams(scene: &Scene, atlas: &Atlas) -> Vec<Seam> {
     found
 }
 
-fn seam(scene: &Scene, atlas: &Atlas, a: &Use, b: &Use) -> Option<Seam> {
-    let forward = |one: &Use| (one.corners[0] + 1) % 3 == one.corners[1];
-    let normal = |one: &Use, end: usize| scene.normals()[scene.triangle(one.tri)[one.corners[end]] as usize];
-    let is_smooth = (0..2).all(|end| normal(a, end).dot(normal(b, end)) > SMOOTH);
-    if forward(a) == forward(b) || !is_smooth {
+fn seam(scene: &Scene, atlas: &Atlas, a: &Edge, b: &Edge) -> Option<Seam> {
+    let tri = |edge: &Edge| TriId(edge.tri);
+    let normals =
+        |edge: &Edge| edge.corners().map(|k| scene.normals()[scene.triangle(tri(edge))[k] as usize]);
+    let is_smooth = normals(a).iter().zip(normals(b)).all(|(a, b)| a.dot(b) > SMOOTH);
+    if a.forward == b.forward || !is_smooth {
         return None;
     }
-    let side = |one: &Use| {
-        let corners = atlas.corners(one.tri);
-        Side { tri: one.tri, ends: one.corners.map(|corner| corners[corner].as_dvec2()) }
+    let side = |edge: &Edge| {
+        let corners = atlas.corners(tri(edge));
+        Side { tri: tri(edge), ends: edge.corners().map(|corner| corners[corner].as_dvec2()) }
     };
     let sides = [side(a), side(b)];
     let is_apart = (0..2).any(|end| sides[0].ends[end].distance(sides[1].ends[end]) > ONE_PLACE);
-    (atlas.page(a.tri) != atlas.page(b.tri) || is_apart).then_some(Seam { sides })
+    (atlas.page(tri(a)) != atlas.page(tri(b)) || is_apart).then_some(Seam { sides })
 }

@@ -148,6 +148,33 @@ mod tests {
     }
 
     #[test]
+    fn places_in_a_lightmap_go_with_their_vertices_to_copies_and_backs() {
+        let face = |vertices, material| Face {
+            vertices,
+            material: MaterialId(material),
+            smoothing: Smoothing::Crease,
+        };
+        // A right angle along the edge from 0 to 1, whose one face has two sides.
+        let mut bent = quad("bent");
+        bent.positions.push(Vec3::Z);
+        bent.faces = vec![face([0, 1, 2], 0), face([0, 4, 1], 1)];
+        bent.lightmap_uvs = (0..5).map(|i| Vec2::splat(i as f32)).collect();
+        let moved = |mut mesh: ObjectMesh, by: f32| {
+            mesh.positions.iter_mut().for_each(|p| p.x += by);
+            mesh
+        };
+        let mut b = builder(vec![quad("without"), moved(bent, 5.0), moved(quad("without too"), 10.0)]);
+        b.materials.push(Material::default().two_sided());
+        let (scene, _) = b.build().unwrap();
+        let uvs = |tri: u32| scene.triangle(TriId(tri)).map(|v| scene.lightmap_uvs()[v as usize].x);
+        assert_eq!(scene.lightmap_uvs().len(), scene.vertex_count());
+        assert_eq!([2, 3, 6].map(uvs), [[0.0, 1.0, 2.0], [0.0, 4.0, 1.0], [4.0, 0.0, 1.0]]);
+        assert!([0, 1, 4, 5].map(uvs).as_flattened().iter().all(|uv| uv.is_nan()));
+        let (scene, _) = builder(vec![quad("without")]).build().unwrap();
+        assert!(scene.lightmap_uvs().is_empty());
+    }
+
+    #[test]
     fn bad_indices_and_counts_name_the_object() {
         let mut bad = quad("bad");
         bad.faces[1].vertices[2] = 9;

@@ -44,6 +44,7 @@ fn object(mesh: &ObjectMesh, n_materials: usize) -> Result<(), SceneError> {
     let counts = [
         ("normals", mesh.normals.len()),
         ("texture coordinates", mesh.uvs.len()),
+        ("lightmap coordinates", mesh.lightmap_uvs.len()),
         ("vertex colours", mesh.tints.len()),
         ("vertex alphas", mesh.alphas.len()),
     ];

@@ -7,10 +7,10 @@
 
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
-use crate::{Material, SceneBuilder, Warnings, luminance};
+use crate::{Edge, Edges, Material, SceneBuilder, Warnings, Weld, luminance};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// An object's face: the places of both in their lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -113,13 +113,10 @@ type Key = ([u32; 3], bool);
 
 impl Points {
     fn of(objects: &[ObjectMesh]) -> Self {
-        let mut numbers = HashMap::new();
-        let mut number = |position: &Vec3| {
-            let next = numbers.len() as u32;
-            // Adding zero turns -0 into 0.
-            *numbers.entry((*position + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert(next)
-        };
-        Self(objects.iter().map(|object| object.positions.iter().map(&mut number).collect()).collect())
+        let mut weld = Weld::default();
+        Self(
+            objects.iter().map(|object| object.positions.iter().map(|p| weld.number(*p)).collect()).collect(),
+        )
     }
 
     /// The points at the corners of a face, if there are such vertices.
@@ -147,25 +144,20 @@ impl Points {
     }
 
     fn unify_diagonals(&self, objects: &mut [ObjectMesh]) {
-        let mut edges: Vec<([u32; 2], FaceRef)> = Vec::new();
-        for (face, [a, b, c]) in self.faces(objects) {
-            edges.extend([[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], face)));
-        }
-        edges.sort_unstable();
-        let has_edge = |p: u32, q: u32| {
-            let edge = [p.min(q), p.max(q)];
-            edges.get(edges.partition_point(|(e, _)| *e < edge)).is_some_and(|(e, _)| *e == edge)
-        };
+        let (faces, corners): (Vec<FaceRef>, Vec<[u32; 3]>) = self.faces(objects).unzip();
+        let edges = Edges::new(corners);
+        let face = |edge: &Edge| faces[edge.tri as usize];
         // By four corners: the quads there.
         let mut quads: BTreeMap<[u32; 4], Vec<Quad>> = BTreeMap::new();
-        for at_edge in edges.chunk_by(|a, b| a.0 == b.0) {
-            for (i, &(diagonal, first)) in at_edge.iter().enumerate() {
-                let others = at_edge[i + 1..].iter().filter(|(_, second)| second.object == first.object);
-                for quad in others.filter_map(|&(_, second)| self.quad(objects, diagonal, [first, second])) {
+        for at_edge in edges.each() {
+            for (i, edge) in at_edge.iter().enumerate() {
+                let (diagonal, first) = (edge.ends, face(edge));
+                let others = at_edge[i + 1..].iter().map(face).filter(|second| second.object == first.object);
+                for quad in others.filter_map(|second| self.quad(objects, diagonal, [first, second])) {
                     let mut corners = quad.around.map(|vertex| self.0[first.object][vertex as usize]);
                     let [tip, _, other_tip, _] = corners;
                     corners.sort_unstable();
-                    if has_edge(tip, other_tip) {
+                    if !edges.between(tip, other_tip).is_empty() {
                         quads.entry(corners).or_default().push(quad);
                     }
                 }

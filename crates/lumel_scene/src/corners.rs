@@ -1,5 +1,6 @@
 //! Which corners around a vertex belong together.
 
+use crate::Forest;
 use crate::mesh::{Face, ObjectMesh};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -44,7 +45,7 @@ impl Corners {
     ///
     /// A group's number is its first corner in face order.
     pub(crate) fn groups(&self, faces: &[Face], joined: impl Fn(usize, usize) -> bool) -> Vec<u32> {
-        let mut groups = UnionFind::new(self.sorted.len());
+        let mut groups = Forest::new(self.sorted.len());
         let mut spokes: Vec<(u32, u32)> = Vec::new();
         for run in self.sorted.chunk_by(|&a, &b| self.point(faces, a) == self.point(faces, b)) {
             spokes.clear();
@@ -63,7 +64,7 @@ impl Corners {
                 }
             }
         }
-        (0..self.sorted.len() as u32).map(|corner| groups.find(corner)).collect()
+        (0..self.sorted.len() as u32).map(|corner| groups.of(corner)).collect()
     }
 }
 
@@ -102,30 +103,8 @@ fn copy_vertex(mesh: &mut ObjectMesh, vertex: u32) -> u32 {
     again(&mut mesh.positions, vertex);
     again(&mut mesh.normals, vertex);
     again(&mut mesh.uvs, vertex);
+    again(&mut mesh.lightmap_uvs, vertex);
     again(&mut mesh.tints, vertex);
     again(&mut mesh.alphas, vertex);
     mesh.positions.len() as u32 - 1
-}
-
-struct UnionFind(Vec<u32>);
-
-impl UnionFind {
-    fn new(n: usize) -> Self {
-        Self((0..n as u32).collect())
-    }
-
-    fn find(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            let parent = self.0[i as usize];
-            self.0[i as usize] = self.0[parent as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    /// Joins two groups under the smaller number.
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
 }

@@ -15,6 +15,8 @@ pub(crate) struct FaceList {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) normals: Vec<Vec3>,
     pub(crate) uvs: Vec<Vec2>,
+    /// Empty where no object has any, else no number for vertices that have none.
+    pub(crate) lightmap_uvs: Vec<Vec2>,
     pub(crate) tints: Vec<Vec3>,
     /// Empty where no object has any.
     pub(crate) alphas: Vec<f32>,
@@ -30,6 +32,8 @@ pub(crate) struct FaceList {
     /// By how many corners triangles begin later than they were given.
     pub(crate) turns: BTreeMap<TriId, u8>,
     pub(crate) object_names: Vec<String>,
+    /// By object.
+    pub(crate) density_factors: Vec<f32>,
     /// Where each object comes from.
     pub(crate) origins: Vec<Origin>,
 }
@@ -39,6 +43,7 @@ impl FaceList {
     pub(crate) fn append(&mut self, mesh: ObjectMesh, given: Given) {
         let id = ObjectId(self.object_names.len() as u32);
         self.object_names.push(mesh.name);
+        self.density_factors.push(mesh.density_factor.unwrap_or(1.0));
         let mut origin = Origin {
             first_vertex: self.positions.len() as u32,
             vertices: Runs::default(),
@@ -59,7 +64,13 @@ impl FaceList {
             self.normals.push(mesh.normals[old]);
             self.uvs.push(mesh.uvs.get(old).copied().unwrap_or_default());
             self.tints.push(mesh.tints.get(old).copied().unwrap_or(Vec3::ONE));
-            self.push_alpha(mesh.alphas.get(old).copied());
+            push_if_any(
+                &mut self.lightmap_uvs,
+                mesh.lightmap_uvs.get(old).copied(),
+                Vec2::NAN,
+                self.positions.len(),
+            );
+            push_if_any(&mut self.alphas, mesh.alphas.get(old).copied(), 1.0, self.positions.len());
         }
         for face in mesh.faces {
             self.triangles.push(face.vertices.map(|v| new_index[v as usize]));
@@ -108,14 +119,6 @@ impl FaceList {
         }
     }
 
-    /// The alpha of the vertex that was added last.
-    fn push_alpha(&mut self, alpha: Option<f32>) {
-        if alpha.is_some() || !self.alphas.is_empty() {
-            self.alphas.resize(self.positions.len() - 1, 1.0);
-            self.alphas.push(alpha.unwrap_or(1.0));
-        }
-    }
-
     /// The alphas at the corners of a triangle.
     #[inline]
     pub(crate) fn corner_alphas(&self, tri: usize) -> [f32; 3] {
@@ -147,7 +150,18 @@ impl FaceList {
         self.normals.push(-self.normals[front]);
         self.uvs.push(self.uvs[front]);
         self.tints.push(self.tints[front]);
-        self.push_alpha(self.alphas.get(front).copied());
+        let lightmap_uv = self.lightmap_uvs.get(front).copied();
+        push_if_any(&mut self.lightmap_uvs, lightmap_uv, Vec2::NAN, self.positions.len());
+        let alpha = self.alphas.get(front).copied();
+        push_if_any(&mut self.alphas, alpha, 1.0, self.positions.len());
+    }
+}
+
+/// Adds the value of the last of `n` vertices to a list that is empty as long as no vertex has any.
+fn push_if_any<T: Copy>(list: &mut Vec<T>, value: Option<T>, absent: T, n: usize) {
+    if value.is_some() || !list.is_empty() {
+        list.resize(n - 1, absent);
+        list.push(value.unwrap_or(absent));
     }
 }
 

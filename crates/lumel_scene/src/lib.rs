@@ -15,6 +15,7 @@ mod coincident;
 mod corners;
 mod creases;
 mod edge_length;
+mod edges;
 mod error;
 mod face_list;
 mod hash;
@@ -47,6 +48,7 @@ pub use address::{Barycentrics, FaceSide, MaterialId, ObjectId, SurfacePoint, Te
 pub use bounds::Bounds;
 pub use builder::SceneBuilder;
 pub use camera::Camera;
+pub use edges::{Edge, Edges, Forest};
 pub use error::{MAX_TRIANGLES, SceneError};
 pub use hash::SceneHash;
 pub use input_mesh::InputMesh;

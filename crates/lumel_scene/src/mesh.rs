@@ -37,10 +37,15 @@ pub struct ObjectMesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, `v` down: empty, or one per position.
     pub uvs: Vec<Vec2>,
+    /// The place of each vertex in a lightmap of the object's own, or of one that objects share, `v` down: empty, or one per
+    /// position. No number stands for "none given".
+    pub lightmap_uvs: Vec<Vec2>,
     /// Linear vertex colours that multiply the albedo: empty, or one per position.
     pub tints: Vec<Vec3>,
     /// Vertex alphas that multiply those of materials: empty, or one per position.
     pub alphas: Vec<f32>,
+    /// How much finer its lumels are in a lightmap than those of others; `None` stands for 1.
+    pub density_factor: Option<f32>,
     /// The triangles.
     pub faces: Vec<Face>,
     /// By how much a file or program may have rounded the coordinates before they came here, metres; zero if by no more

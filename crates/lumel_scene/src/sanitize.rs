@@ -90,6 +90,10 @@ pub(crate) fn object(
     for uv in &mut mesh.uvs {
         *uv = if uv.is_finite() { *uv } else { Vec2::ZERO };
     }
+    if let Some(factor) = mesh.density_factor.take_if(|factor| !(*factor > 0.0 && factor.is_finite())) {
+        let message = format!("its density factor is {factor}, which is not above 0: it is ignored");
+        warnings.push(&subject, message);
+    }
     mesh.tints.iter_mut().for_each(|tint| *tint = sound_tint(*tint));
     kept
 }

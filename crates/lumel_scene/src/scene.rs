@@ -177,6 +177,12 @@ impl Scene {
         &self.unlit.faces.uvs
     }
 
+    /// Places of the vertices in a lightmap, as files have them, `v` down: empty where no object has any, else no number for
+    /// vertices that have none.
+    pub fn lightmap_uvs(&self) -> &[Vec2] {
+        &self.unlit.faces.lightmap_uvs
+    }
+
     /// Vertex colours that multiply the albedo; one where the file has none.
     pub fn tints(&self) -> &[Vec3] {
         &self.unlit.faces.tints
@@ -195,6 +201,11 @@ impl Scene {
     /// Names of the objects; indexed by [`ObjectId`].
     pub fn object_names(&self) -> &[String] {
         &self.unlit.object_names
+    }
+
+    /// How much finer the lumels of each object are in a lightmap than those of others, usually 1; indexed by [`ObjectId`].
+    pub fn density_factors(&self) -> &[f32] {
+        &self.unlit.faces.density_factors
     }
 
     /// The materials; indexed by [`MaterialId`].

@@ -2,7 +2,7 @@
 
 use crate::face_list::FaceList;
 use crate::weld::Weld;
-use crate::{Scene, TriId};
+use crate::{Edge, Edges, Forest, Scene, TriId};
 use glam::DVec3;
 
 /// A shell whose volume is less than this share of what its area could enclose is a sheet with two sides.
@@ -45,25 +45,19 @@ impl Shells {
     pub(crate) fn of_faces(faces: &FaceList) -> Self {
         let mut weld = Weld::default();
         let points: Vec<u32> = faces.positions.iter().map(|p| weld.number(*p)).collect();
-        let mut edges = Vec::with_capacity(3 * faces.traced);
-        for tri in 0..faces.traced {
-            let [a, b, c] = faces.triangles[tri].map(|vertex| points[vertex as usize]);
-            let edge =
-                |(from, to): (u32, u32)| Edge { ends: (from.min(to), from.max(to)), forward: from < to, tri };
-            edges.extend([(a, b), (b, c), (c, a)].map(edge));
-        }
-        edges.sort_unstable_by_key(|edge| edge.ends);
+        let places = faces.triangles[..faces.traced].iter();
+        let edges = Edges::new(places.map(|triangle| triangle.map(|vertex| points[vertex as usize])));
         let mut forest = Forest::new(faces.traced);
-        for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
+        for edge in edges.each() {
             edge.windows(2).for_each(|pair| forest.join(pair[0].tri, pair[1].tri));
         }
-        let of: Vec<u32> = (0..faces.traced).map(|tri| forest.of(tri) as u32).collect();
+        let of: Vec<u32> = (0..faces.traced as u32).map(|tri| forest.of(tri)).collect();
         let mut all = vec![Shell::default(); faces.traced];
         let is_one_sided = |tri: usize| faces.other_side[tri].index() == tri;
-        for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
-            let one_sided = || edge.iter().filter(|edge| is_one_sided(edge.tri));
+        for edge in edges.each() {
+            let one_sided = || edge.iter().filter(|edge: &&Edge| is_one_sided(edge.tri as usize));
             let (n, forward) = (one_sided().count(), one_sided().filter(|edge| edge.forward).count());
-            let shell = &mut all[of[edge[0].tri] as usize];
+            let shell = &mut all[of[edge[0].tri as usize] as usize];
             shell.is_open |= 2 * forward != n;
             shell.is_twisted |= (2 * forward).abs_diff(n) > 1;
         }
@@ -83,13 +77,6 @@ impl Shells {
     pub(crate) fn has_inside(&self, tri: usize) -> bool {
         self.all[self.of[tri] as usize].has_inside()
     }
-}
-
-/// A side of a triangle between two points.
-struct Edge {
-    ends: (u32, u32),
-    forward: bool,
-    tri: usize,
 }
 
 /// Triangles that hang together.
@@ -122,28 +109,6 @@ impl Shell {
     fn has_inside(&self) -> bool {
         self.is_closed()
             || self.is_open && !self.is_twisted && self.opening.length() < MAX_OPENING * self.area
-    }
-}
-
-/// Triangles that hang together: a forest in which each points towards the one that stands for all.
-struct Forest(Vec<u32>);
-
-impl Forest {
-    fn new(n: usize) -> Self {
-        Self((0..n as u32).collect())
-    }
-
-    fn of(&mut self, mut tri: usize) -> usize {
-        while self.0[tri] as usize != tri {
-            self.0[tri] = self.0[self.0[tri] as usize];
-            tri = self.0[tri] as usize;
-        }
-        tri
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.0[a.max(b)] = a.min(b) as u32;
     }
 }
 

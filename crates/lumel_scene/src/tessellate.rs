@@ -100,7 +100,8 @@ impl SceneBuilder {
 
 /// Whether each attribute is there for all vertices or none.
 fn has_whole_attributes(object: &ObjectMesh) -> bool {
-    let counts = [object.normals.len(), object.uvs.len(), object.tints.len(), object.alphas.len()];
+    let ObjectMesh { normals, uvs, lightmap_uvs, tints, alphas, .. } = object;
+    let counts = [normals.len(), uvs.len(), lightmap_uvs.len(), tints.len(), alphas.len()];
     counts.iter().all(|&n| n == 0 || n == object.positions.len())
 }
 
@@ -237,6 +238,9 @@ fn add_middle(object: &mut ObjectMesh, a: u32, b: u32) -> u32 {
     object.normals.push((object.normals[i] + object.normals[j]).try_normalize().unwrap_or(Vec3::ZERO));
     if !object.uvs.is_empty() {
         object.uvs.push(0.5 * (object.uvs[i] + object.uvs[j]));
+    }
+    if !object.lightmap_uvs.is_empty() {
+        object.lightmap_uvs.push(0.5 * (object.lightmap_uvs[i] + object.lightmap_uvs[j]));
     }
     if !object.tints.is_empty() {
         object.tints.push(0.5 * (object.tints[i] + object.tints[j]));
@@ -405,10 +409,12 @@ mod tests {
         let uv = |p: Vec3| Vec2::new(p.x + 2.0 * p.y, p.z - p.x);
         let tint = |p: Vec3| Vec3::splat(2.0) + p * 0.3;
         object.uvs = object.positions.iter().map(|&p| uv(p)).collect();
+        object.lightmap_uvs = object.positions.iter().map(|&p| -uv(p)).collect();
         object.tints = object.positions.iter().map(|&p| tint(p)).collect();
         let fine = tessellated(object, 0.1);
         for (i, &p) in fine.positions.iter().enumerate() {
             assert!((fine.uvs[i] - uv(p)).length() < 1e-5);
+            assert!((fine.lightmap_uvs[i] + uv(p)).length() < 1e-5);
             assert!((fine.tints[i] - tint(p)).length() < 1e-5);
         }
     }

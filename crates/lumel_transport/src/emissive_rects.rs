@@ -1,7 +1,7 @@
 //! Rectangles among emissive triangles: one light each, with a closed form, however finely they are split.
 
 use glam::{DVec3, Vec3};
-use lumel_scene::{MaterialId, RectLight, Scene, TriId, Weld};
+use lumel_scene::{Edges, MaterialId, RectLight, Scene, TriId, Weld};
 use std::collections::BTreeMap;
 
 /// Normals of one plane agree to this cosine, and right angles are right to this one.
@@ -75,10 +75,7 @@ impl<'a> Patches<'a> {
         let mut weld = Weld::default();
         let corners: Vec<[u32; 3]> =
             tris.iter().map(|&tri| scene.triangle_positions(tri).map(|p| weld.number(p))).collect();
-        let mut at_edge: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
-        for (i, corners) in corners.iter().enumerate() {
-            edges(*corners).for_each(|(p, q)| at_edge.entry((p.min(q), p.max(q))).or_default().push(i));
-        }
+        let at_edge = Edges::new(corners.iter().copied());
         let normals: Vec<DVec3> = tris.iter().map(|&tri| scene.geometric_normal(tri).as_dvec3()).collect();
         let mut patch = vec![usize::MAX; tris.len()];
         for first in 0..tris.len() {
@@ -88,7 +85,7 @@ impl<'a> Patches<'a> {
             patch[first] = first;
             let mut next = vec![first];
             while let Some(i) = next.pop() {
-                for j in edges(corners[i]).flat_map(|(p, q)| &at_edge[&(p.min(q), p.max(q))]).copied() {
+                for j in edges(corners[i]).flat_map(|(p, q)| at_edge.between(p, q)).map(|e| e.tri as usize) {
                     if patch[j] == usize::MAX
                         && scene.material_id(tris[j]) == scene.material_id(tris[first])
                         && normals[j].dot(normals[first]) > FLAT

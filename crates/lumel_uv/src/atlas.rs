@@ -6,7 +6,7 @@ use lumel_scene::{ObjectId, TriId};
 /// Places for the light of all triangles of a scene, backs included.
 ///
 /// Coordinates are in lumels of a page: the centre of lumel (x, y) is at (x + ½, y + ½), and y runs down. All triangles
-/// have a positive area, so that no chart is mirrored on its page.
+/// of a chart have areas of one sign: positive, unless a file gives the layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Atlas {
     pub(crate) pages: Vec<[u32; 2]>,
@@ -31,7 +31,7 @@ pub struct ChartPlace {
     pub min: [u32; 2],
     /// The column and row after its last ones.
     pub max: [u32; 2],
-    /// Lumels per metre.
+    /// Lumels per metre, on average where a file gives the layout.
     pub density: f32,
 }
 
@@ -46,7 +46,7 @@ impl Atlas {
         self.density
     }
 
-    /// Lumels that are free between those of two charts.
+    /// Lumels whose centres are nearer to a chart than half of this are its own.
     pub fn gutter(&self) -> u32 {
         self.gutter
     }

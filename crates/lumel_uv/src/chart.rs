@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 pub(crate) struct Chart {
     pub(crate) object: ObjectId,
     pub(crate) triangles: Vec<TriId>,
-    /// Corners in metres, none negative; every triangle has a positive area.
+    /// Corners in metres, none negative; every triangle has a positive area, unless a file gives the layout.
     pub(crate) corners: Vec<[Vec2; 3]>,
     /// Width and height, metres.
     pub(crate) size: DVec2,
@@ -18,6 +18,9 @@ pub(crate) struct Chart {
     pub(crate) area: f64,
     /// Length of the border, metres.
     pub(crate) border: f64,
+    /// By triangle, the part that it belongs to, if a file gives the layout: its parts stay where they are to each other.
+    /// Empty for a chart of our own, which is one part.
+    pub(crate) islands: Vec<u32>,
 }
 
 impl Chart {
@@ -33,28 +36,35 @@ impl Chart {
     pub(crate) fn in_place(object: ObjectId, triangles: Vec<TriId>, corners: &[[DVec2; 3]]) -> Self {
         let all = || corners.iter().flatten().copied();
         let (min, max) = all().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
-        let area = corners.iter().map(|&t| signed_area(t)).sum();
+        let area = corners.iter().map(|&t| signed_area(t).abs()).sum();
         let corners: Vec<[Vec2; 3]> =
             corners.iter().map(|t| t.map(|c| (c - min).as_vec2().max(Vec2::ZERO))).collect();
         let border = border(&corners);
-        Self { object, triangles, corners, size: max - min, area, border }
+        Self { object, triangles, corners, size: max - min, area, border, islands: Vec::new() }
+    }
+
+    /// Whether a file gives the layout: it is put on a page as it is, and neither turned nor cut.
+    pub(crate) fn is_given(&self) -> bool {
+        !self.islands.is_empty()
     }
 
     /// Its triangles for which there is a back, seen from there: mirrored, so that they have a positive area again.
     pub(crate) fn back(&self, scene: &Scene) -> Option<Self> {
         let mirrored = |[a, b, c]: [Vec2; 3]| [b, a, c].map(|p| DVec2::new(-f64::from(p.x), f64::from(p.y)));
-        let has_back = |&(&tri, _): &(&TriId, _)| generated_back(scene, tri).is_some();
-        let pairs = || self.triangles.iter().zip(&self.corners).filter(has_back);
-        let triangles: Vec<TriId> = pairs().filter_map(|(&tri, _)| generated_back(scene, tri)).collect();
-        let corners: Vec<[DVec2; 3]> = pairs().map(|(_, &corners)| mirrored(corners)).collect();
-        (!triangles.is_empty()).then(|| Self::in_place(self.object, triangles, &corners))
+        let backs = self.triangles.iter().enumerate();
+        let backs: Vec<(usize, TriId)> =
+            backs.filter_map(|(i, &tri)| Some((i, generated_back(scene, tri)?))).collect();
+        let corners: Vec<[DVec2; 3]> = backs.iter().map(|&(i, _)| mirrored(self.corners[i])).collect();
+        let islands = backs.iter().filter_map(|&(i, _)| self.islands.get(i).copied()).collect();
+        let triangles: Vec<TriId> = backs.into_iter().map(|(_, tri)| tri).collect();
+        (!triangles.is_empty()).then(|| Self { islands, ..Self::in_place(self.object, triangles, &corners) })
     }
 }
 
 /// The triangle that building the scene added for the back of this one. Its first two corners are exchanged.
 ///
 /// A back that was given is a triangle like any other.
-fn generated_back(scene: &Scene, tri: TriId) -> Option<TriId> {
+pub(crate) fn generated_back(scene: &Scene, tri: TriId) -> Option<TriId> {
     let at = SurfacePoint { tri, ..SurfacePoint::default() };
     let back = scene.seen_side(at, FaceSide::Back)?.tri;
     (back.index() >= scene.traced_count()).then_some(back)

@@ -2,7 +2,7 @@
 
 use crate::Atlas;
 use crate::chart::signed_area;
-use crate::mask::INSET;
+use crate::mask::{INSET, reach_of};
 use crate::overlap::overlapping;
 use crate::raster::touched;
 use glam::DVec2;
@@ -29,7 +29,7 @@ pub enum Fault {
     NotFinite(TriId),
     /// It is not on its page.
     OutsidePage(TriId),
-    /// Its corners run the other way round.
+    /// Its corners run the other way round than those of its chart.
     Mirrored(TriId),
     /// It lies on another triangle.
     Overlap {
@@ -38,7 +38,8 @@ pub enum Fault {
         /// The other.
         other: TriId,
     },
-    /// Its chart comes nearer to another one than the gutter.
+    /// Its chart comes so near to another one that a lumel belongs to both: its centre is nearer to either than half of the
+    /// gutter. Charts that are as far apart as the gutter have none in common.
     Gutter {
         /// A triangle of the one chart.
         tri: TriId,
@@ -88,10 +89,11 @@ pub fn check(atlas: &Atlas, scene: &Scene) -> Vec<Fault> {
     if atlas.triangle_count() != scene.triangle_count() {
         return vec![Fault::OtherScene];
     }
+    let sides = sides(atlas);
     let mut faults = Vec::new();
     let mut by_page: Vec<Vec<TriId>> = vec![Vec::new(); atlas.pages().len()];
     for tri in (0..atlas.triangle_count() as u32).map(TriId) {
-        match fault_of(atlas, tri) {
+        match fault_of(atlas, tri, sides[atlas.chart(tri)]) {
             Some(fault) => faults.push(fault),
             None => by_page[atlas.page(tri)].push(tri),
         }
@@ -106,7 +108,17 @@ pub fn check(atlas: &Atlas, scene: &Scene) -> Vec<Fault> {
     faults
 }
 
-fn fault_of(atlas: &Atlas, tri: TriId) -> Option<Fault> {
+/// 1 or -1 for each chart: the side from which it is seen, as most of it is.
+fn sides(atlas: &Atlas) -> Vec<f64> {
+    let mut areas = vec![0.0; atlas.charts().len()];
+    for tri in (0..atlas.triangle_count() as u32).map(TriId) {
+        areas[atlas.chart(tri)] += signed_area(atlas.corners(tri).map(|c| c.as_dvec2()));
+    }
+    areas.into_iter().map(f64::signum).collect()
+}
+
+/// What is wrong with the place of a triangle by itself, on a chart seen from this side.
+fn fault_of(atlas: &Atlas, tri: TriId, side: f64) -> Option<Fault> {
     let corners = atlas.corners(tri).map(|c| c.as_dvec2());
     let [width, height] = atlas.pages()[atlas.page(tri)].map(f64::from);
     let inside = |c: &DVec2| (0.0..=width).contains(&c.x) && (0.0..=height).contains(&c.y);
@@ -115,53 +127,36 @@ fn fault_of(atlas: &Atlas, tri: TriId) -> Option<Fault> {
         Some(Fault::NotFinite(tri))
     } else if !corners.iter().all(inside) {
         Some(Fault::OutsidePage(tri))
-    } else if 2.0 * signed_area(corners) < -LINE * longest {
+    } else if 2.0 * side * signed_area(corners) < -LINE * longest {
         Some(Fault::Mirrored(tri))
     } else {
         None
     }
 }
 
-/// One fault for each chart that shares a lumel with another one, or has less than the gutter between.
+/// One fault for each two charts that have a lumel in common: one whose centre is nearer to both than half of the
+/// gutter, or that both touch.
 fn too_near(atlas: &Atlas, page: usize, triangles: &[TriId]) -> Vec<Fault> {
     let [width, height] = atlas.pages()[page].map(|side| side as usize);
-    // For each lumel, a triangle that touches it.
+    let reach = reach_of(atlas.gutter());
+    // For each lumel, a triangle that comes near.
     let mut owner = vec![NOBODY; width * height];
     let mut faults = Vec::new();
     let mut told = BTreeSet::new();
-    let mut tell = |tri: TriId, other: TriId, [x, y]: [usize; 2]| {
-        if told.insert(atlas.chart(tri)) {
-            faults.push(Fault::Gutter { tri, other, lumel: [x as u32, y as u32, page as u32] });
-        }
-    };
     for &tri in triangles {
-        touched(atlas.corners(tri).map(|c| c.as_dvec2()), -2.0 * INSET, |y, first, end| {
+        touched(atlas.corners(tri).map(|c| c.as_dvec2()), reach - 2.0 * INSET, |y, first, end| {
             let Ok(y) = usize::try_from(y) else { return };
             for x in first.max(0) as usize..(end.max(0) as usize).min(width) {
                 let Some(lumel) = owner.get_mut(y * width + x) else { continue };
-                if *lumel != NOBODY && atlas.chart(TriId(*lumel)) != atlas.chart(tri) {
-                    tell(tri, TriId(*lumel), [x, y]);
+                let other = TriId(std::mem::replace(lumel, tri.0));
+                if other.0 == NOBODY || atlas.chart(other) == atlas.chart(tri) {
+                    continue;
                 }
-                *lumel = tri.0;
+                if told.insert([atlas.chart(tri), atlas.chart(other)]) {
+                    faults.push(Fault::Gutter { tri, other, lumel: [x as u32, y as u32, page as u32] });
+                }
             }
         });
-    }
-    let gutter = atlas.gutter() as usize;
-    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let tri = owner[y * width + x];
-        // The far side of a chart of one lumel is looked at from there.
-        let inner = |at: usize| owner.get(at).is_some_and(|&other| other == tri);
-        if tri == NOBODY || inner(y * width + x + 1) && inner((y + 1) * width + x) && x + 1 < width {
-            continue;
-        }
-        for row in y..(y + gutter + 1).min(height) {
-            for column in x.saturating_sub(gutter)..(x + gutter + 1).min(width) {
-                let other = owner[row * width + column];
-                if other != NOBODY && atlas.chart(TriId(other)) != atlas.chart(TriId(tri)) {
-                    tell(TriId(tri), TriId(other), [x, y]);
-                }
-            }
-        }
     }
     faults
 }

@@ -17,10 +17,10 @@ impl Polygon {
         &self.corners[..self.len]
     }
 
-    /// Negative if it is mirrored.
+    /// Whichever way it is seen from.
     pub(crate) fn area(&self) -> f64 {
         let Some((&first, rest)) = self.corners().split_first() else { return 0.0 };
-        rest.windows(2).map(|pair| 0.5 * (pair[0] - first).perp_dot(pair[1] - first)).sum()
+        rest.windows(2).map(|pair| 0.5 * (pair[0] - first).perp_dot(pair[1] - first)).sum::<f64>().abs()
     }
 
     fn push(&mut self, corner: DVec2) {
@@ -79,7 +79,7 @@ mod tests {
         fn the_parts_in_all_squares_add_up_to_the_triangle(numbers in proptest::array::uniform6(0.0_f64..6.0)) {
             let [a, b, c, d, e, f] = numbers;
             let corners = [DVec2::new(a, b), DVec2::new(c, d), DVec2::new(e, f)];
-            let whole = 0.5 * (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
+            let whole = 0.5 * (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs();
             let squares = (0..6).flat_map(|x| (0..6).map(move |y| DVec2::new(f64::from(x), f64::from(y))));
             let sum: f64 = squares.map(|min| clip_to_square(corners, min, 1.0).area()).sum();
             proptest::prop_assert!((sum - whole).abs() < 1e-9, "{} {}", sum, whole);

@@ -1,6 +1,7 @@
 //! Which parts of which triangles lie in each lumel.
 
 use crate::Atlas;
+use crate::chart::signed_area;
 use crate::clip::{Polygon, clip_to_square};
 use crate::raster::touched;
 use glam::DVec2;
@@ -164,7 +165,8 @@ impl Piece {
         let Some((&first, rest)) = self.polygon.corners().split_first() else {
             return SurfacePoint { tri: self.tri, bary: self.nearest };
         };
-        let fan = || rest.windows(2).map(|pair| (pair, 0.5 * (pair[0] - first).perp_dot(pair[1] - first)));
+        let area = |pair: &[DVec2]| 0.5 * (pair[0] - first).perp_dot(pair[1] - first).abs();
+        let fan = || rest.windows(2).map(|pair| (pair, area(pair)));
         let mut left = f64::from(u[0]) * self.polygon.area();
         for (i, (pair, area)) in fan().enumerate() {
             if left <= area || i + 2 == rest.len() {
@@ -192,7 +194,7 @@ impl Piece {
     fn surface_point(&self, at: DVec2) -> SurfacePoint {
         let [a, b, c] = self.corners;
         let whole = (b - a).perp_dot(c - a);
-        if whole <= 0.0 {
+        if whole == 0.0 {
             return SurfacePoint { tri: self.tri, bary: self.nearest };
         }
         let u = ((b - at).perp_dot(c - at) / whole).clamp(0.0, 1.0);
@@ -207,10 +209,11 @@ fn each_square(corners: [DVec2; 3], reach: f64, mut square: impl FnMut(i64, i64)
 
 /// Whether all of a square of one lumel lies in a triangle.
 fn contains_square(corners: [DVec2; 3], min: DVec2) -> bool {
+    let side = signed_area(corners).signum();
     (0..3).all(|k| {
         let (from, edge) = (corners[k], corners[(k + 1) % 3] - corners[k]);
         let squares = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
-        squares.into_iter().all(|corner| edge.perp_dot(min + corner - from) >= 0.0)
+        squares.into_iter().all(|corner| side * edge.perp_dot(min + corner - from) >= 0.0)
     })
 }
 
@@ -222,7 +225,7 @@ fn area_in_square(corners: [DVec2; 3], min: DVec2) -> f64 {
 fn nearest(corners: [DVec2; 3], to: DVec2) -> (Barycentrics, f64) {
     let whole = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
     let opposite = |k: usize| (corners[(k + 1) % 3] - to).perp_dot(corners[(k + 2) % 3] - to);
-    if whole > 0.0 && (0..3).all(|k| opposite(k) >= 0.0) {
+    if whole != 0.0 && (0..3).all(|k| opposite(k) * whole >= 0.0) {
         let [u, v] = [0, 1].map(|k| (opposite(k) / whole) as f32);
         return (Barycentrics { u, v }, 0.0);
     }

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 ///
 /// Each part gets the triangles whose centres are in its cell. A part may still be larger by its largest triangle.
 pub(crate) fn cut(chart: Chart, most: f64) -> Vec<Chart> {
-    if chart.size.max_element() <= most || chart.triangles.len() == 1 {
+    if chart.size.max_element() <= most || chart.triangles.len() == 1 || chart.is_given() {
         return vec![chart];
     }
     // Room for triangles that reach out of their cell.

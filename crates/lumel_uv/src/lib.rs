@@ -5,7 +5,7 @@
 //! says which parts of which triangles lie in each lumel.
 //!
 //! Coordinates on a page are in lumels: the centre of lumel (x, y) is at (x + ½, y + ½), and y runs down, as rows of an
-//! image do. All triangles have a positive area there.
+//! image do. All triangles have a positive area there, but for layouts that files give, which are kept as they are.
 
 mod atlas;
 mod atlas_parts;
@@ -16,7 +16,10 @@ mod conformal;
 mod coverage;
 mod cut;
 mod error;
+mod given;
+mod lay_out;
 mod mask;
+mod merge;
 mod object;
 mod overlap;
 mod pack;
@@ -27,9 +30,12 @@ mod raster;
 mod rectangle;
 mod report;
 mod settings;
+mod shared;
+mod slight;
 #[cfg(test)]
 mod testing;
 mod topology;
+mod unfold;
 mod unwrap;
 
 pub use atlas::{Atlas, ChartPlace};
@@ -38,5 +44,5 @@ pub use check::{Fault, check};
 pub use coverage::{Coverage, Piece, Share};
 pub use error::UvError;
 pub use report::{Finding, Method, ObjectReport, Report};
-pub use settings::{Density, MAX_PAGE, Pace, UnwrapSettings};
+pub use settings::{Density, GivenUvs, MAX_PAGE, Pace, UnwrapSettings};
 pub use unwrap::{Unwrapped, unwrap};

@@ -8,30 +8,35 @@ use glam::{DVec2, Vec2, Vec2Swizzles as _};
 /// more than this part from the next one.
 pub(crate) const INSET: f64 = 1e-3;
 
+/// Charts keep so much further from lumels of others than reading needs: graphics devices round places to 1/256 of a lumel.
+const SPARE: f64 = 1.0 / 64.0;
+
 /// How charts lie in the cells of a page.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     /// Lumels per side of a cell.
     pub(crate) cell: u32,
-    /// Cells that stay free between charts.
-    pub(crate) gap: u32,
-    /// Cells that stay free at the border of a page.
-    pub(crate) margin: u32,
-    /// Lumels around a chart that belong to its cells.
-    pad: u32,
+    /// What lies within this distance of a lumel's square is read from the lumel, which is the chart's own, lumels.
+    pub(crate) reach: f64,
 }
 
 impl Grid {
-    /// Without blocks a cell is a lumel. With them a cell is a block, and half of the gutter lies in it: two charts in blocks
-    /// of their own have the whole gutter between them.
+    /// A cell is a lumel or a block of lumels. No two charts have a cell in common.
     pub(crate) fn new(gutter: u32, align: u32) -> Self {
-        let half = gutter.div_ceil(2);
-        if align > 1 {
-            Self { cell: align, gap: 0, margin: 0, pad: half }
-        } else {
-            Self { cell: 1, gap: gutter, margin: half, pad: 0 }
-        }
+        let spare = if gutter > 1 { SPARE } else { 0.0 };
+        Self { cell: align, reach: reach_of(gutter) + spare }
     }
+
+    /// The whole lumels of a box for a chart of this size.
+    fn box_of(&self, size: DVec2) -> DVec2 {
+        (size + 2.0 * self.reach - INSET).ceil().max(DVec2::ONE)
+    }
+}
+
+/// How far from the square of a lumel a chart must lie that it does not belong to, for this gutter: the centre is then half
+/// of the gutter away.
+pub(crate) fn reach_of(gutter: u32) -> f64 {
+    (0.5 * (f64::from(gutter) - 1.0)).max(0.0)
 }
 
 /// How a chart is put into its box on a page.
@@ -48,11 +53,11 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// In the middle of a box of at least two by two lumels.
-    pub(crate) fn new(chart: &Chart, scale: f64, turned: bool) -> Self {
+    /// In the middle of its box.
+    pub(crate) fn new(chart: &Chart, scale: f64, turned: bool, grid: Grid) -> Self {
         let size = chart.size * scale;
         let turned_size = if turned { size.yx() } else { size };
-        let offset = 0.5 * (box_of(turned_size) - turned_size);
+        let offset = 0.5 * (grid.box_of(turned_size) - turned_size);
         Self { scale, turned, width: size.x, offset }
     }
 
@@ -62,11 +67,6 @@ impl Pose {
         let turned = if self.turned { DVec2::new(scaled.y, self.width - scaled.x) } else { scaled };
         turned + self.offset
     }
-}
-
-/// The whole lumels that a chart of this size needs.
-fn box_of(size: DVec2) -> DVec2 {
-    (size - INSET).ceil().max(DVec2::splat(2.0))
 }
 
 /// Cells of a box, as runs by row.
@@ -80,42 +80,33 @@ pub(crate) struct Mask {
     runs: Vec<[u32; 2]>,
     /// Number of cells.
     pub(crate) count: u64,
-    /// From the corner of the mask to that of the box, lumels.
-    pub(crate) pad: u32,
 }
 
 impl Mask {
     pub(crate) fn new(chart: &Chart, pose: &Pose, grid: Grid) -> Self {
-        let Grid { cell, pad, .. } = grid;
         let size = chart.size * pose.scale;
-        let size = box_of(if pose.turned { size.yx() } else { size });
-        let cells = |lumels: f64| (lumels as u32 + 2 * pad).div_ceil(cell);
+        let size = grid.box_of(if pose.turned { size.yx() } else { size });
+        let cells = |lumels: f64| (lumels as u32).div_ceil(grid.cell);
         let (width, height) = (cells(size.x), cells(size.y));
         let mut rows: Vec<Vec<[u32; 2]>> = vec![Vec::new(); height as usize];
-        // A chart that is narrower than its box is in all of it.
-        if chart.size.min_element() * pose.scale < 2.0 {
-            rows.iter_mut().for_each(|row| row.push([0, width]));
-        }
-        let (pad, cell) = (i64::from(pad), i64::from(cell));
+        let cell = i64::from(grid.cell);
         for corners in &chart.corners {
-            touched(corners.map(|c| pose.apply(c)), 0.0, |y, first, end| {
+            touched(corners.map(|c| pose.apply(c)), grid.reach - 0.5 * INSET, |y, first, end| {
                 let at = |lumel: i64| (lumel.max(0) / cell) as u32;
-                let run = [at(first), (at(end + 2 * pad - 1) + 1).min(width)];
-                if run[0] >= run[1] {
+                let run = [at(first), (at(end - 1) + 1).min(width)];
+                if run[0] >= run[1] || at(y) >= height {
                     return;
                 }
-                for row in at(y)..=at(y + 2 * pad).min(height - 1) {
-                    let row = &mut rows[row as usize];
-                    match row.last_mut() {
-                        Some(last) if last[0] <= run[1] && run[0] <= last[1] => {
-                            *last = [last[0].min(run[0]), last[1].max(run[1])];
-                        }
-                        _ => row.push(run),
+                let row = &mut rows[at(y) as usize];
+                match row.last_mut() {
+                    Some(last) if last[0] <= run[1] && run[0] <= last[1] => {
+                        *last = [last[0].min(run[0]), last[1].max(run[1])];
                     }
+                    _ => row.push(run),
                 }
             });
         }
-        let mut mask = Self { width, height, first: vec![0], runs: Vec::new(), count: 0, pad: pad as u32 };
+        let mut mask = Self { width, height, first: vec![0], runs: Vec::new(), count: 0 };
         for row in &mut rows {
             row.sort_unstable();
             for &run in &*row {
@@ -147,38 +138,44 @@ mod tests {
         Chart::in_place(ObjectId(0), vec![TriId(0)], &corners)
     }
 
+    fn mask(chart: &Chart, grid: Grid) -> Mask {
+        Mask::new(chart, &Pose::new(chart, 1.0, false, grid), grid)
+    }
+
     #[test]
     fn a_triangle_touches_half_of_its_box_and_its_diagonal() {
-        let chart = corner(4.0, 4.0);
-        let mask = Mask::new(&chart, &Pose::new(&chart, 1.0, false), Grid::new(2, 1));
+        let mask = mask(&corner(4.0, 4.0), Grid::new(1, 1));
         assert_eq!((mask.width, mask.height, mask.count), (4, 4, 10));
         assert_eq!(mask.row(0), [[0, 4]]);
         assert_eq!(mask.row(3), [[0, 1]]);
     }
 
     #[test]
+    fn a_chart_has_the_lumels_that_reading_between_lumels_reads() {
+        // From centre to centre of lumels: ten of them hold nine and a little less.
+        for (size, lumels) in [(8.9, 10), (9.1, 11), (0.0, 2), (0.9, 2), (1.1, 3)] {
+            let mask = mask(&corner(size, size), Grid::new(2, 1));
+            assert_eq!((mask.width, mask.height), (lumels, lumels), "{size}");
+        }
+        assert_eq!(mask(&corner(8.9, 8.9), Grid::new(3, 1)).width, 11, "half a lumel more on both sides");
+    }
+
+    #[test]
     fn a_turned_chart_keeps_its_orientation() {
         let chart = corner(6.0, 3.0);
-        let pose = Pose::new(&chart, 1.0, true);
+        let grid = Grid::new(1, 1);
+        let pose = Pose::new(&chart, 1.0, true, grid);
         let turned = chart.corners[0].map(|c| pose.apply(c));
         assert!(crate::chart::signed_area(turned) > 0.0);
-        let mask = Mask::new(&chart, &pose, Grid::new(2, 1));
+        let mask = Mask::new(&chart, &pose, grid);
         assert_eq!((mask.width, mask.height), (3, 6));
     }
 
     #[test]
-    fn the_smallest_charts_have_two_by_two_lumels() {
-        let chart = corner(0.001, 0.0001);
-        let mask = Mask::new(&chart, &Pose::new(&chart, 1.0, false), Grid::new(2, 1));
-        assert_eq!((mask.width, mask.height, mask.count), (2, 2, 4));
-    }
-
-    #[test]
     fn blocks_hold_the_lumels_around_a_chart() {
-        let chart = corner(7.0, 7.0);
-        let mask = Mask::new(&chart, &Pose::new(&chart, 1.0, false), Grid::new(2, 4));
+        let mask = mask(&corner(7.0, 7.0), Grid::new(2, 4));
         assert_eq!((mask.width, mask.height), (3, 3));
         assert_eq!(mask.row(0), [[0, 3]]);
-        assert_eq!(mask.row(2), [[0, 1]], "columns 0 to 2 of lumels with the gutter");
+        assert_eq!(mask.row(2), [[0, 1]]);
     }
 }

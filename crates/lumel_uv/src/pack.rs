@@ -46,17 +46,19 @@ impl Packed {
 
 /// The largest side of a chart that fits on a page, lumels.
 pub(crate) fn longest(settings: &UnwrapSettings) -> u32 {
-    // A gutter on either side and the rest of a block: more than any grid needs.
+    // A gutter and the rest of a block: more than any grid needs.
     settings.page_size - 2 * settings.gutter - 2 * settings.align
 }
 
 /// The lumels that a chart takes up with its gutter, about. `scale`: lumels per metre.
 pub(crate) fn footprint(chart: &Chart, scale: f64, settings: &UnwrapSettings) -> f64 {
-    let around = 1.0 + f64::from(settings.gutter) + 0.5 * f64::from(settings.align - 1);
-    let size = (chart.size * scale).max(glam::DVec2::splat(2.0));
+    // Half a lumel is lost on average by whole lumels.
+    let reach = 2.0 * Grid::new(settings.gutter, settings.align).reach;
+    let around = reach + 0.5 * f64::from(settings.align);
+    let size = chart.size * scale;
     let (area, border) = (chart.area * scale * scale, chart.border * scale);
-    let full = (size.x + around) * (size.y + around);
-    (area + 0.5 * border * around + around * around).clamp((2.0 + around).powi(2), full.max(1.0))
+    let full = ((size.x + around) * (size.y + around)).max(reach.ceil().powi(2));
+    (area + 0.5 * border * around + around * around).min(full)
 }
 
 /// Puts charts on pages, the highest first, each at the first place where it fits (bottom left, by their shapes).
@@ -73,11 +75,12 @@ pub(crate) fn pack(charts: &[Chart], scales: &[f64], settings: &UnwrapSettings) 
         .zip(scales)
         .map(|(chart, &scale)| {
             let shape = |turned| {
-                let pose = Pose::new(chart, scale, turned);
+                let pose = Pose::new(chart, scale, turned, grid);
                 (pose, Mask::new(chart, &pose, grid))
             };
             let lying = shape(false);
-            let turns = lying.1.width > TURNED_FROM && lying.1.width != lying.1.height;
+            let is_long = lying.1.width > TURNED_FROM && lying.1.width != lying.1.height;
+            let turns = is_long && !chart.is_given();
             if turns { vec![lying, shape(true)] } else { vec![lying] }
         })
         .collect();
@@ -89,7 +92,7 @@ pub(crate) fn pack(charts: &[Chart], scales: &[f64], settings: &UnwrapSettings) 
     let [width, height] = page_cells(&shapes, grid, settings);
     let most = settings.page_size / grid.cell;
     let tried = if charts.len() <= MOST_FOR_WIDTHS && width < most { WIDTHS.len() } else { 1 };
-    let widest = shapes.iter().map(|shape| shape[0].1.width).max().unwrap_or(1) + 2 * grid.margin;
+    let widest = shapes.iter().map(|shape| shape[0].1.width).max().unwrap_or(1);
     let all: Vec<Packed> = WIDTHS[..tried]
         .par_iter()
         .map(|part| {
@@ -114,18 +117,18 @@ fn place_all(
     let mut begins: BTreeMap<[u32; 2], (usize, u32)> = BTreeMap::new();
     for &i in order {
         let at = loop {
-            if let Some(found) = place(&pages, &shapes[i], grid, &mut begins) {
+            if let Some(found) = place(&pages, &shapes[i], &mut begins) {
                 break found;
             }
             pages.push(Page::new(width, height));
         };
         let (pose, mask) = &shapes[i][at.shape];
-        pages[at.page].take(mask, grid, at.cell);
-        let min = at.cell.map(|cell| cell * grid.cell + mask.pad);
+        pages[at.page].take(mask, at.cell);
+        let min = at.cell.map(|cell| cell * grid.cell);
         placed[i] = Some(Placed { page: at.page as u32, min, pose: *pose });
     }
     let cropped = |page: &Page| {
-        let used = (page.used + grid.margin) * grid.cell;
+        let used = page.used * grid.cell;
         [(page.width * grid.cell), used.next_multiple_of(4).min(settings.page_size)]
     };
     Packed { pages: pages.iter().map(cropped).collect(), placed: placed.into_iter().flatten().collect() }
@@ -142,7 +145,6 @@ struct Place {
 fn place(
     pages: &[Page],
     shapes: &[(Pose, Mask)],
-    grid: Grid,
     begins: &mut BTreeMap<[u32; 2], (usize, u32)>,
 ) -> Option<Place> {
     let mut best: Option<(usize, u32, Place)> = None;
@@ -150,7 +152,7 @@ fn place(
         let begin = begins.entry([mask.width, mask.height].map(size_class)).or_default();
         let mut first_row = begin.1;
         for (page, on) in pages.iter().enumerate().skip(begin.0) {
-            if let Some(cell) = on.find(mask, grid, first_row) {
+            if let Some(cell) = on.find(mask, first_row) {
                 *begin = (page, cell[1]);
                 let ends = cell[1] + mask.height;
                 if best.as_ref().is_none_or(|(p, e, _)| (page, ends) < (*p, *e)) {
@@ -172,14 +174,10 @@ fn size_class(cells: u32) -> u32 {
 /// Width and height of pages, in cells: as wide as they may be, or about square if one is enough.
 fn page_cells(shapes: &[Vec<(Pose, Mask)>], grid: Grid, settings: &UnwrapSettings) -> [u32; 2] {
     let most = settings.page_size / grid.cell;
-    let with_gap = |mask: &Mask| {
-        let grown = |side: u32| f64::from(side + grid.gap) / f64::from(side);
-        mask.count as f64 * grown(mask.width) * grown(mask.height)
-    };
-    let total: f64 = shapes.iter().map(|shape| with_gap(&shape[0].1)).sum();
+    let total: f64 = shapes.iter().map(|shape| shape[0].1.count as f64).sum();
     let widest = shapes.iter().map(|shape| shape[0].1.width).max().unwrap_or(1);
-    let side = (total / FILL).sqrt() as u32 + 2 * grid.margin;
-    let width = side.max(widest + 2 * grid.margin).next_multiple_of(if grid.cell == 1 { 4 } else { 1 });
+    let side = (total / FILL).sqrt() as u32;
+    let width = side.max(widest).next_multiple_of(if grid.cell == 1 { 4 } else { 1 });
     [width.min(most), most]
 }
 
@@ -220,7 +218,7 @@ mod tests {
         let settings = UnwrapSettings { align: 4, ..UnwrapSettings::default() };
         let charts: Vec<Chart> = (0..50).map(|i| rectangle(f64::from(3 + i % 9), 5.0)).collect();
         let packed = pack(&charts, &[1.0; 50], &settings).unwrap();
-        assert!(packed.placed.iter().all(|placed| placed.min.iter().all(|x| x % 4 == 1)));
+        assert!(packed.placed.iter().all(|placed| placed.min.iter().all(|x| x % 4 == 0)));
         assert!(packed.pages.iter().flatten().all(|side| side % 4 == 0));
     }
 }

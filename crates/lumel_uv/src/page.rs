@@ -1,13 +1,13 @@
 //! The cells of a page that are taken, and where a chart fits.
 
-use crate::mask::{Grid, Mask};
+use crate::mask::Mask;
 
 /// A page in the making.
 pub(crate) struct Page {
     pub(crate) width: u32,
     pub(crate) height: u32,
     words_per_row: usize,
-    /// A bit for each cell in which no chart may lie: those of charts, and the gap around them.
+    /// A bit for each cell that a chart has.
     taken: Vec<u64>,
     /// The row after the last one that has a chart.
     pub(crate) used: u32,
@@ -21,12 +21,11 @@ impl Page {
     }
 
     /// The first place where a mask fits, row by row from `first_row` on.
-    pub(crate) fn find(&self, mask: &Mask, grid: Grid, first_row: u32) -> Option<[u32; 2]> {
-        let last = |side: u32, size: u32| side.checked_sub(size + grid.margin);
-        let (last_x, last_y) = (last(self.width, mask.width)?, last(self.height, mask.height)?);
+    pub(crate) fn find(&self, mask: &Mask, first_row: u32) -> Option<[u32; 2]> {
+        let (last_x, last_y) = (self.width.checked_sub(mask.width)?, self.height.checked_sub(mask.height)?);
         let mut row = 0;
-        for y in first_row.max(grid.margin)..=last_y {
-            let mut x = grid.margin;
+        for y in first_row..=last_y {
+            let mut x = 0;
             while x <= last_x {
                 match self.conflict(mask, x, y, row) {
                     None => return Some([x, y]),
@@ -63,18 +62,14 @@ impl Page {
         None
     }
 
-    /// Takes the cells of a mask, and the gap around them.
-    pub(crate) fn take(&mut self, mask: &Mask, grid: Grid, [x, y]: [u32; 2]) {
-        let gap = grid.gap;
+    /// Takes the cells of a mask.
+    pub(crate) fn take(&mut self, mask: &Mask, [x, y]: [u32; 2]) {
         for row in 0..mask.height {
+            let cells = &mut self.taken[(y + row) as usize * self.words_per_row..][..self.words_per_row];
             for &[begin, end] in mask.row(row) {
-                let (begin, end) = ((x + begin).saturating_sub(gap), (x + end + gap).min(self.width));
-                let rows = (y + row).saturating_sub(gap)..(y + row + gap + 1).min(self.height);
-                for at in rows {
-                    let row = &mut self.taken[at as usize * self.words_per_row..][..self.words_per_row];
-                    let (first, last) = ((begin / 64) as usize, ((end - 1) / 64) as usize);
-                    (first..=last).for_each(|word| row[word] |= bits_between(word, begin, end));
-                }
+                let (begin, end) = (x + begin, x + end);
+                let (first, last) = ((begin / 64) as usize, ((end - 1) / 64) as usize);
+                (first..=last).for_each(|word| cells[word] |= bits_between(word, begin, end));
             }
         }
         self.used = self.used.max(y + mask.height);
@@ -92,7 +87,7 @@ fn bits_between(word: usize, begin: u32, end: u32) -> u64 {
 mod tests {
     use super::*;
     use crate::chart::Chart;
-    use crate::mask::Pose;
+    use crate::mask::{Grid, Pose};
     use glam::DVec2;
     use lumel_scene::{ObjectId, TriId};
 
@@ -100,11 +95,8 @@ mod tests {
         Chart::in_place(ObjectId(0), vec![TriId(0)], &[corners.map(DVec2::from)])
     }
 
-    fn place(page: &mut Page, chart: &Chart, grid: Grid) -> [u32; 2] {
-        let mask = Mask::new(chart, &Pose::new(chart, 1.0, false), grid);
-        let at = page.find(&mask, grid, 0).unwrap();
-        page.take(&mask, grid, at);
-        at
+    fn mask(chart: &Chart, scale: f64, grid: Grid) -> Mask {
+        Mask::new(chart, &Pose::new(chart, scale, false, grid), grid)
     }
 
     #[test]
@@ -113,21 +105,25 @@ mod tests {
         let mut page = Page::new(130, 200);
         let (lower, upper) =
             ([[0.0, 0.0], [100.0, 0.0], [0.0, 100.0]], [[100.0, 0.0], [100.0, 100.0], [0.0, 100.0]]);
-        assert_eq!(place(&mut page, &triangle(lower), grid), [1, 1]);
-        let [x, y] = place(&mut page, &triangle(upper), grid);
-        assert!(x <= 29 && y < 20, "{x} {y}: it lies along the other one's diagonal");
-        assert_eq!(page.used, y + 100);
+        let mut place = |corners| {
+            let mask = mask(&triangle(corners), 1.0, grid);
+            let at = page.find(&mask, 0).unwrap();
+            page.take(&mask, at);
+            at
+        };
+        assert_eq!(place(lower), [0, 0]);
+        let [x, y] = place(upper);
+        assert!(x <= 28 && y < 20, "{x} {y}: it lies along the other one's diagonal");
+        assert_eq!(page.used, y + 102);
     }
 
     #[test]
     fn a_full_page_has_no_place() {
-        let grid = Grid::new(0, 1);
         let mut page = Page::new(64, 64);
-        let chart = triangle([[0.0, 0.0], [128.0, 0.0], [0.0, 128.0]]);
-        let mask = Mask::new(&chart, &Pose::new(&chart, 0.5, false), grid);
-        assert_eq!(page.find(&mask, grid, 0), Some([0, 0]));
-        page.take(&mask, grid, [0, 0]);
-        assert_eq!(page.find(&mask, grid, 0), None);
+        let mask = mask(&triangle([[0.0, 0.0], [128.0, 0.0], [0.0, 128.0]]), 0.5, Grid::new(0, 1));
+        assert_eq!(page.find(&mask, 0), Some([0, 0]));
+        page.take(&mask, [0, 0]);
+        assert_eq!(page.find(&mask, 0), None);
     }
 
     #[test]

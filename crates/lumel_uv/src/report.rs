@@ -8,6 +8,8 @@ use std::fmt;
 /// How the charts of an object were made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
+    /// As the file lays it out: its lightmap coordinates are kept.
+    Given,
     /// Flattened with little change of angles: few charts, also on curved surfaces.
     Conformal,
     /// Nearly flat parts, seen from their front.
@@ -20,6 +22,7 @@ impl Method {
     /// What does with less.
     pub(crate) fn simpler(self) -> Self {
         match self {
+            Self::Given => Self::Conformal,
             Self::Conformal => Self::Planar,
             Self::Planar | Self::Triangles => Self::Triangles,
         }
@@ -28,6 +31,7 @@ impl Method {
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Given => "given",
             Self::Conformal => "conformal",
             Self::Planar => "planar",
             Self::Triangles => "triangles",
@@ -82,6 +86,8 @@ pub struct Report {
     /// The 1st, 50th and 99th percentile of the areas of triangles on the page, in parts of what their charts' density asks
     /// for; weighted by area.
     pub stretch: [f32; 3],
+    /// Whether the page is the square on which the file lays out all objects.
+    pub is_shared: bool,
     /// What did not go as it was asked for.
     pub findings: Vec<Finding>,
 }
@@ -91,6 +97,7 @@ impl Report {
         scene: &Scene,
         atlas: &Atlas,
         methods: &[(ObjectId, Method)],
+        is_shared: bool,
         findings: Vec<Finding>,
     ) -> Self {
         let mut objects: Vec<ObjectReport> = Vec::with_capacity(methods.len());
@@ -115,7 +122,7 @@ impl Report {
         }
         let mut stretches = Vec::with_capacity(atlas.triangle_count());
         for tri in (0..atlas.triangle_count() as u32).map(TriId) {
-            let lumels = signed_area(atlas.corners(tri).map(|c| c.as_dvec2()));
+            let lumels = signed_area(atlas.corners(tri).map(|c| c.as_dvec2())).abs();
             let place = &atlas.charts()[atlas.chart(tri)];
             let asked = f64::from(scene.area(tri)) * f64::from(place.density).powi(2);
             let report = &mut objects[index[place.object.index()]];
@@ -139,8 +146,14 @@ impl Report {
                 |part| percentile(&stretches, part)
             }),
             objects,
+            is_shared,
             findings,
         }
+    }
+
+    /// Number of objects that keep the layout of their file.
+    pub fn kept_count(&self) -> usize {
+        self.objects.iter().filter(|report| report.method == Method::Given).count()
     }
 
     /// Number of charts.

@@ -1,7 +1,7 @@
 //! Which triangles of an object continue each other's surface.
 
 use glam::Vec3;
-use lumel_scene::{ObjectId, Scene, TriId};
+use lumel_scene::{Edges, ObjectId, Scene, TriId};
 use std::ops::Range;
 
 /// No neighbour.
@@ -117,21 +117,12 @@ fn weld(scene: &Scene, faces: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 fn neighbours(corners: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    // Both ends, ascending; the triangle and which of its edges; whether it runs from the smaller end.
-    let mut edges: Vec<([u32; 2], u32, bool)> = Vec::with_capacity(3 * corners.len());
-    for (face, triangle) in corners.iter().enumerate() {
-        for k in 0..3 {
-            let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
-            edges.push(([from.min(to), from.max(to)], (3 * face + k) as u32, from < to));
-        }
-    }
-    edges.sort_unstable();
     let mut across = vec![[NONE; 3]; corners.len()];
-    for group in edges.chunk_by(|a, b| a.0 == b.0) {
-        let [(_, a, a_up), (_, b, b_up)] = *group else { continue };
-        if a_up != b_up && a / 3 != b / 3 {
-            across[a as usize / 3][a as usize % 3] = b / 3;
-            across[b as usize / 3][b as usize % 3] = a / 3;
+    for edge in Edges::new(corners.iter().copied()).each() {
+        let [a, b] = edge else { continue };
+        if a.forward != b.forward && a.tri != b.tri {
+            across[a.tri as usize][a.side as usize] = b.tri;
+            across[b.tri as usize][b.side as usize] = a.tri;
         }
     }
     across

@@ -10,7 +10,7 @@ pub(crate) use atlas::AtlasArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};
-use lumel::{AmbientOcclusion, SolutionSelection, spec};
+use lumel::{AmbientOcclusion, LightBasis, SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, ThreadArgs};
@@ -106,9 +106,9 @@ pub(crate) struct BakeArgs {
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) outputs: Vec<PathBuf>,
 
-    /// Where light is stored.
-    #[arg(long, value_enum, value_name = "BASIS", default_value_t = Basis::Vertex)]
-    pub(crate) basis: Basis,
+    /// Where light is stored. [default: vertex]
+    #[arg(long, value_enum, value_name = "BASIS")]
+    pub(crate) basis: Option<Basis>,
 
     /// What a .glb file with a lightmap is made for.
     #[arg(long, value_enum, value_name = "TARGET", default_value_t = Target::Any, help_heading = "Atlas")]
@@ -172,6 +172,15 @@ impl BakeArgs {
     /// The ambient occlusion that is asked for.
     pub(crate) fn occlusion(&self) -> Option<AmbientOcclusion> {
         self.ao_distance.map(|distance| AmbientOcclusion { distance, falloff: self.ao_falloff as f32 })
+    }
+}
+
+impl From<LightBasis> for Basis {
+    fn from(basis: LightBasis) -> Self {
+        match basis {
+            LightBasis::Vertex => Self::Vertex,
+            LightBasis::Lightmap => Self::Lightmap,
+        }
     }
 }
 

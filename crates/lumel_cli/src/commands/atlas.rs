@@ -4,38 +4,41 @@ use crate::args::AtlasArgs;
 use crate::command_run::CommandRun;
 use crate::console::Console;
 use crate::failure::{hinted, with_hint};
-use lumel::Scene;
-use lumel_uv::{Density, Finding, Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
+use lumel::{AtlasEntry, Scene};
+use lumel_uv::{Finding, Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
 
 /// Further findings are only counted: when time is up, every object can have one.
 const MAX_FINDINGS: usize = 20;
 
-/// Unwraps a scene that the command line calls `name`, into about so many lumels if nothing else is asked for, and warns of
-/// what could not be as asked. `None` if it was stopped.
+/// A scene to unwrap.
+pub(crate) struct ToUnwrap<'a> {
+    pub(crate) scene: &'a Scene,
+    /// What the command line calls it.
+    pub(crate) name: &'a str,
+    /// What its project says about lightmaps.
+    pub(crate) project: AtlasEntry,
+    /// How many lumels it gets if nothing else is asked for.
+    pub(crate) usual_lumels: u32,
+}
+
+/// Unwraps a scene, and warns of what could not be as asked. `None` if it was stopped.
 pub(crate) fn of(
-    scene: &Scene,
+    to_unwrap: &ToUnwrap<'_>,
     args: &AtlasArgs,
-    (name, usual_lumels): (&str, u32),
     run: &CommandRun,
 ) -> anyhow::Result<Option<Unwrapped>> {
-    let settings = settings(args, scene, name, usual_lumels)?;
-    let unwrapped = in_time(args, scene, &settings, run)?;
+    let settings = settings(args, to_unwrap)?;
+    let unwrapped = in_time(args, to_unwrap.scene, &settings, run)?;
     if let Some(unwrapped) = &unwrapped {
         warn(&unwrapped.report.findings, &run.console);
     }
     Ok(unwrapped)
 }
 
-fn settings(
-    args: &AtlasArgs,
-    scene: &Scene,
-    scene_name: &str,
-    usual_lumels: u32,
-) -> anyhow::Result<UnwrapSettings> {
-    let budget = Density::Budget(args.lumels.unwrap_or(usual_lumels));
-    let mut factors = Vec::new();
+fn settings(args: &AtlasArgs, to_unwrap: &ToUnwrap<'_>) -> anyhow::Result<UnwrapSettings> {
+    let ToUnwrap { scene, name: scene_name, project, usual_lumels } = *to_unwrap;
+    let mut factors = scene.density_factors().to_vec();
     for (name, factor) in &args.density_factor {
-        factors.resize(scene.object_names().len(), 1.0);
         let named = || scene.object_names().iter().enumerate().filter(|(_, object)| *object == name);
         if named().next().is_none() {
             return Err(hinted(
@@ -45,14 +48,7 @@ fn settings(
         }
         named().for_each(|(object, _)| factors[object] = *factor);
     }
-    Ok(UnwrapSettings {
-        density: args.density.map_or(budget, Density::PerMetre),
-        factors,
-        page_size: args.atlas_size,
-        gutter: args.gutter,
-        // The parser lets nothing else pass.
-        align: args.align.parse()?,
-    })
+    Ok(UnwrapSettings { factors, ..project.overridden_by(args.entry()).settings(usual_lumels) })
 }
 
 fn in_time(

@@ -46,6 +46,7 @@ enum Baked {
 
 /// The files of a bake.
 struct BakeFiles {
+    basis: Basis,
     outputs: Vec<Output>,
     checkpoint: PathBuf,
 }
@@ -53,15 +54,14 @@ struct BakeFiles {
 impl BakeFiles {
     /// Checks everything that can be checked in advance.
     fn new(args: &BakeArgs) -> anyhow::Result<Self> {
-        let mut outputs = args
-            .outputs
-            .iter()
-            .map(|path| Output::new(path, args.basis))
-            .collect::<anyhow::Result<Vec<_>>>()?;
+        let of_project = || load::basis_of_project(&args.scene.scene).map(Basis::from);
+        let basis = args.basis.or_else(of_project).unwrap_or(Basis::Vertex);
+        let outputs = args.outputs.iter().map(|path| Output::new(path, basis));
+        let mut outputs = outputs.collect::<anyhow::Result<Vec<_>>>()?;
         if outputs.is_empty() {
-            let extension = if args.basis == Basis::Lightmap { "exr" } else { "npz" };
+            let extension = if basis == Basis::Lightmap { "exr" } else { "npz" };
             let name = format!("{}.{extension}", load::file_stem(&args.scene.scene));
-            outputs.push(Output::new(Path::new(&name), args.basis)?);
+            outputs.push(Output::new(Path::new(&name), basis)?);
         }
         let checkpoint = checkpoint::path_for(&outputs[0].path);
         let mut paths: Vec<&Path> = outputs.iter().map(|output| output.path.as_path()).collect();
@@ -74,7 +74,7 @@ impl BakeFiles {
         }
         outputs::check(&paths, &load::source_files(&args.scene.scene))?;
         outputs.iter().try_for_each(Output::check_company)?;
-        Ok(Self { outputs, checkpoint })
+        Ok(Self { basis, outputs, checkpoint })
     }
 }
 
@@ -86,7 +86,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     let preset = args.settings.patch.preset.or(patch.preset).unwrap_or_default();
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
-    let prepared = match args.basis {
+    let prepared = match files.basis {
         Basis::Vertex => None,
         Basis::Lightmap => match lightmap::prepare(args, preset, run)? {
             Some(prepared) => Some(prepared),

@@ -1,11 +1,12 @@
 //! The lightmap of a bake.
 
-use super::atlas;
+use super::atlas::{self, ToUnwrap};
 use super::summary::{LightmapReport, NoiseReport};
 use crate::args::BakeArgs;
 use crate::checkpoint::Checkpoint;
 use crate::command_run::{CHECKPOINT_SHARE, CommandRun};
-use crate::{load, report};
+use crate::load::{self, Loaded};
+use crate::report;
 use glam::Vec3;
 use lumel::{
     Baker, Lightmap, LightmapLayer, LumelAccuracy, LumelLight, LumelState, Lumels, Preset, Scene, Settings,
@@ -34,9 +35,14 @@ pub(crate) struct Prepared {
 /// Unwraps the scene as it is in its files. `None` if it was stopped.
 pub(crate) fn prepare(args: &BakeArgs, preset: Preset, run: &CommandRun) -> anyhow::Result<Option<Prepared>> {
     let (scene, _) = run.timed("load", || load::load_whole(&args.scene));
-    let scene = scene?;
-    let named = (&*args.scene.scene, preset.lumel_budget());
-    let (unwrapped, seconds) = run.timed("unwrap", || atlas::of(&scene, &args.atlas, named, run));
+    let Loaded { scene, lightmap, .. } = scene?;
+    let to_unwrap = ToUnwrap {
+        scene: &scene,
+        name: &args.scene.scene,
+        project: lightmap,
+        usual_lumels: preset.lumel_budget(),
+    };
+    let (unwrapped, seconds) = run.timed("unwrap", || atlas::of(&to_unwrap, &args.atlas, run));
     Ok(unwrapped?.map(|Unwrapped { atlas, report }| Prepared {
         lumels: Lumels::new(scene, atlas),
         report,

@@ -64,7 +64,8 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
 /// Draws and writes the image. `None` if cancelled.
 fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Result<Option<Picture>> {
     if let Some(path) = args.solution.as_deref().filter(|path| LightmapSolution::is_file(path)) {
-        let scene = load::load_whole(&args.scene)?;
+        let Loaded { scene, warnings, .. } = load::load_whole(&args.scene)?;
+        load::warn(&warnings, &args.scene, &run.console);
         let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
         return draw(args, display, &scene, &|at, _: Vec3| solution.lightmap.at(layer, at), run);
     }

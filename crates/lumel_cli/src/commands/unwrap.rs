@@ -1,6 +1,6 @@
 //! `lumel unwrap`
 
-use super::atlas;
+use super::atlas::{self, ToUnwrap};
 use super::summary::Written;
 use crate::args::{ProgressMode, UnwrapArgs};
 use crate::command_run::{CommandRun, thread_pool};
@@ -36,10 +36,12 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
     outputs::check(&paths, &load::source_files(&args.scene.scene))?;
     let pool = thread_pool(&args.threads)?;
     let run = CommandRun::start(ProgressMode::None, console)?;
-    let (Loaded { scene, warnings, .. }, _) = load::load_as_it_is(&args.scene)?;
+    let (Loaded { scene, warnings, lightmap, .. }, _) = load::load_as_it_is(&args.scene)?;
     load::warn(&warnings, &args.scene, console);
     let begun = run.clock.seconds();
-    let unwrapped = pool.install(|| atlas::of(&scene, &args.atlas, (&args.scene.scene, LUMELS), &run))?;
+    let to_unwrap =
+        ToUnwrap { scene: &scene, name: &args.scene.scene, project: lightmap, usual_lumels: LUMELS };
+    let unwrapped = pool.install(|| atlas::of(&to_unwrap, &args.atlas, &run))?;
     let Some(unwrapped) = unwrapped else {
         console.note("stopped; no file was written");
         return Ok(Outcome::Cancelled);
@@ -97,7 +99,7 @@ fn summary(
     let size = |&[width, height]: &[u32; 2]| format!("{width} x {height}");
     let sizes: Vec<String> = atlas.pages().iter().map(size).collect();
     let [p1, p50, p99] = report.stretch.map(|stretch| significant(f64::from(stretch)));
-    let rows = [
+    let mut rows = vec![
         ("scene", scene.name().to_owned()),
         (
             "objects",
@@ -116,6 +118,15 @@ fn summary(
         ("density", format!("{} lumels per metre", significant(f64::from(atlas.density())))),
         ("stretch", format!("1% {p1}, median {p50}, 99% {p99} of the area")),
     ];
+    if report.is_shared {
+        rows.push((
+            "kept",
+            "the lightmap coordinates of all objects, on the square that they share".to_owned(),
+        ));
+    } else if report.kept_count() > 0 {
+        let kept = format!("the lightmap coordinates of {} of them", report.kept_count());
+        rows.insert(2, ("kept", kept));
+    }
     let mut text: String = rows.iter().map(|(label, row)| format!("{label:12}{row}\n")).collect();
     for Written { path, bytes: size } in written {
         text += &format!("wrote {}, {}\n", path.display(), bytes(*size));
@@ -150,6 +161,8 @@ fn report(
         "density": atlas.density(),
         "gutter": atlas.gutter(),
         "stretch": report.stretch,
+        "kept": report.kept_count(),
+        "shared": report.is_shared,
         "hash": atlas.identity().to_hex().as_str(),
         "seconds": seconds,
         "objects": objects.collect::<Vec<_>>(),

@@ -48,6 +48,7 @@ const FLAGS: [(&str, &[&str]); 6] = [
             "--atlas-size",
             "--gutter",
             "--align",
+            "--uv",
             "--time-limit",
             "--json",
             "--strict",

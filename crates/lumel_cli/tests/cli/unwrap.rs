@@ -67,6 +67,49 @@ fn objects_can_be_finer_than_others() {
 }
 
 #[test]
+fn the_layout_of_an_unwrapped_file_is_kept_unless_a_new_one_is_wanted() {
+    let place = Place::new();
+    place.write("room.obj", FLOOR_AND_SHELF);
+    run(&mut place.lumel("unwrap room.obj --density 20 -o own.glb")).done();
+    let [kept, new] = ["", "--uv new"].map(|uv| report(&place, &format!("own.glb --density 50 {uv}")));
+    assert_eq!((&kept["kept"], &kept["shared"]), (&Value::from(2), &Value::from(true)));
+    assert_eq!((&new["kept"], &new["shared"]), (&Value::from(0), &Value::from(false)));
+    assert_eq!(
+        [&kept, &new].map(|report| &report["objects"][0]["method"]),
+        [&Value::from("given"), &"conformal".into()]
+    );
+    let text = run(&mut place.lumel("unwrap own.glb")).done().stdout;
+    let row = "kept        the lightmap coordinates of all objects, on the square that they share\n";
+    assert!(text.contains(row), "{text}");
+}
+
+#[test]
+fn a_project_says_how_a_scene_is_laid_out_and_the_command_line_says_it_better() {
+    let place = Place::new();
+    place.write("room.obj", FLOOR_AND_SHELF);
+    let project = "scene = \"room.obj\"\nbasis = \"lightmap\"\ntwo_sided = [\"none\"]\n[lightmap]\ndensity = 20\ngutter = 3\n\
+                   [[object]]\nname = \"Shelf\"\ndensity_factor = 2\n";
+    place.write("room.lumel.toml", project);
+    let densities = |line: &str| {
+        let report = report(&place, &format!("room.lumel.toml {line}"));
+        let density = |object: usize| report["objects"][object]["density"].as_f64().unwrap();
+        ([density(0), density(1)], report["gutter"].as_u64().unwrap())
+    };
+    assert_eq!(densities(""), ([20.0, 40.0], 3));
+    assert_eq!(densities("--density 10 --gutter 2 --density-factor Shelf=3"), ([10.0, 30.0], 2));
+    let ([floor, shelf], _) = densities("--lumels 5000");
+    assert!(floor != 20.0 && (shelf / floor - 2.0).abs() < 1e-5, "{floor} {shelf}");
+    let sun = ["--light", "sun direction=0,-1,0 irradiance=1,1,1"];
+    let bake =
+        |line: &str| run(place.lumel(&format!("bake room.lumel.toml --preset draft {line}")).args(sun));
+    bake("-o a.npz").failed("--basis lightmap writes no .npz files");
+    let text = bake("").done().stdout;
+    assert!(text.contains(" lumels of 20 per metre\n"), "{text}");
+    assert!(place.path("room.exr").exists());
+    bake("--basis vertex -o a.npz").done();
+}
+
+#[test]
 fn several_pages_have_a_picture_each() {
     let place = Place::new();
     let line = "cornell-box --subdivide 0 --density 400 --atlas-size 512 -o atlas.png";

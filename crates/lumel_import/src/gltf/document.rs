@@ -26,6 +26,8 @@ pub(super) struct Document {
     pub(super) meshes: Vec<Mesh>,
     pub(super) targets: MorphTargets,
     pub(super) nodes: Vec<Node>,
+    /// By node: how much finer its lumels are than those of others, where the file says it.
+    pub(super) density_factors: Vec<Option<f32>>,
     pub(super) skins: Vec<Skin>,
     pub(super) materials: Vec<Option<Material>>,
     pub(super) textures: Vec<Option<Texture>>,
@@ -43,6 +45,7 @@ impl Document {
         let mut root: Value = serde_json::from_slice(json)
             .map_err(|error| Fault::Malformed(format!("not a glTF document: {error}")))?;
         own::restore(&mut root, warnings);
+        let density_factors = density_factors(&root, warnings);
         if !tidy(&mut root, "") {
             warnings.push("", "names that are not text are ignored");
         }
@@ -67,6 +70,7 @@ impl Document {
             meshes: strict(&mut root, "meshes", "mesh")?,
             targets,
             nodes: strict(&mut root, "nodes", "node")?,
+            density_factors,
             skins: strict(&mut root, "skins", "skin")?,
             materials: lenient(materials, "material", warnings),
             textures: lenient(take_list(&mut root, "textures")?, "texture", warnings),
@@ -100,6 +104,27 @@ pub(super) fn named(index: usize, name: Option<&str>) -> String {
         Some(name) => format!("\"{name}\""),
         None => index.to_string(),
     }
+}
+
+/// What `extras` of nodes say about lumels: there is no common name for it.
+const DENSITY_FACTOR: &str = "lumel_density_factor";
+
+/// The density factors of all nodes.
+fn density_factors(root: &Value, warnings: &mut Warnings) -> Vec<Option<f32>> {
+    let nodes = root.get("nodes").and_then(Value::as_array).into_iter().flatten();
+    let mut factor = |(index, node): (usize, &Value)| {
+        let given = node.get("extras").and_then(|extras| extras.get(DENSITY_FACTOR))?;
+        let factor =
+            given.as_f64().map(|factor| factor as f32).filter(|factor| *factor > 0.0 && factor.is_finite());
+        if factor.is_none() {
+            let name = node.get("name").and_then(Value::as_str);
+            let message =
+                format!("its {DENSITY_FACTOR} is {given}, which is no number above 0: it is ignored");
+            warnings.push(label("node", index, name.map(escaped).as_deref()), message);
+        }
+        factor
+    };
+    nodes.enumerate().map(&mut factor).collect()
 }
 
 /// Corrects cases in which the types of the schema are too strict or too lax.

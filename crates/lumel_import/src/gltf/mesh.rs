@@ -71,6 +71,8 @@ impl<'a> MeshReader<'a> {
         let name = names.into_iter().find(|name| !name.is_empty()).unwrap_or(&mesh_label);
         let stand = self.stand(placed, nodes, warnings)?;
         let mut objects = stand.objects(name);
+        let density_factor = document.density_factors.get(placed.node).copied().flatten();
+        objects.iter_mut().for_each(|object| object.density_factor = density_factor);
         let weights = node.weights.as_ref().or(mesh.weights.as_ref()).map_or(&[][..], Vec::as_slice);
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("{mesh_label}, primitive {number}");

@@ -37,6 +37,8 @@ pub(super) struct Part<'a> {
     positions: Morphed<'a>,
     normals: Option<Morphed<'a>>,
     uvs: Option<Morphed<'a>>,
+    /// The second set of texture coordinates: places in a lightmap, whatever else materials use it for.
+    lightmap_uvs: Option<Morphed<'a>>,
     colors: Option<Morphed<'a>>,
     /// Colours that are light: their alpha counts.
     baked: Option<Morphed<'a>>,
@@ -123,15 +125,20 @@ impl<'a> Source<'_, 'a> {
             let message = format!("it has no {uv_name}, for which its material asks: zero is used");
             warnings.push(self.place, message);
         }
-        // The specification wants integer colours normalised; where the flag is missing, nothing else makes sense.
-        let colors = self.attribute(&Semantic::Colors(0), &[3, 4], count)?.map(Elements::normalized);
+        // The specification wants integer colours normalised; where the flag is missing, nothing else makes sense. Without
+        // it, quantized places in a lightmap have a scale that no material tells: charts keep their shapes.
+        let normalized = |semantic: &Semantic, widths: &[usize]| {
+            let base = self.attribute(semantic, widths, count)?.map(Elements::normalized);
+            base.map(|base| morphed(base, semantic)).transpose()
+        };
         Ok(Part {
             material: material.id,
             positions: morphed(shape.positions, &Semantic::Positions)?,
             normals: attribute(&Semantic::Normals, &[3])?,
             uvs,
+            lightmap_uvs: normalized(&Semantic::TexCoords(1), &[2])?,
             baked: attribute(&Semantic::Extras(BAKED.to_owned()), &[4])?,
-            colors: colors.map(|base| morphed(base, &Semantic::Colors(0))).transpose()?,
+            colors: normalized(&Semantic::Colors(0), &[3, 4])?,
             shape,
         })
     }
@@ -208,8 +215,11 @@ impl Part<'_> {
         // The specification asks for flat normals where there are none.
         let smoothing = if normals.is_some() { Smoothing::default() } else { Smoothing::Flat };
         fill(&mut object.normals, first, end, Vec3::ZERO, normals);
-        let uvs = self.uvs.as_ref().map(|uvs| vertices().map(|v| Vec2::from(uvs.vector::<2>(v))));
-        fill(&mut object.uvs, first, end, Vec2::ZERO, uvs);
+        let coordinates = |uvs: &Option<Morphed<'_>>| {
+            uvs.as_ref().map(|uvs| vertices().map(|v| Vec2::from(uvs.vector::<2>(v))).collect::<Vec<_>>())
+        };
+        fill(&mut object.uvs, first, end, Vec2::ZERO, coordinates(&self.uvs));
+        fill(&mut object.lightmap_uvs, first, end, Vec2::NAN, coordinates(&self.lightmap_uvs));
         let tint = |color: [f32; 3]| Vec3::from(color).clamp(Vec3::ZERO, Vec3::ONE);
         let tints = self.colors.as_ref().map(|colors| vertices().map(move |v| tint(colors.vector(v))));
         fill(&mut object.tints, first, end, Vec3::ONE, tints);
@@ -254,7 +264,7 @@ fn fill<T: Copy>(
     first: usize,
     end: usize,
     absent: T,
-    values: Option<impl Iterator<Item = T>>,
+    values: Option<impl IntoIterator<Item = T>>,
 ) {
     match values {
         Some(values) => {

@@ -177,9 +177,8 @@ impl<'a> Assembler<'a> {
             normals: if has_normals { corners.iter().map(normal).collect() } else { Vec::new() },
             uvs: if has_uvs { corners.iter().map(uv).collect() } else { Vec::new() },
             tints: if file.colors.is_empty() { Vec::new() } else { corners.iter().map(tint).collect() },
-            alphas: Vec::new(),
             faces,
-            rounding: 0.0,
+            ..ObjectMesh::default()
         }
     }
 }

@@ -249,6 +249,7 @@ impl PlyFile {
             alphas: self.alphas.clone(),
             faces,
             rounding: self.rounding(),
+            ..ObjectMesh::default()
         }
     }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are no tests to Clippy")]
 
 mod coverage;
+mod given;
 mod laws;
 mod meshes;
 mod settings;

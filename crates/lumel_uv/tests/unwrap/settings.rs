@@ -2,6 +2,7 @@
 
 use crate::meshes::{room, soup};
 use crate::{built, settings, unwrapped};
+use glam::Vec2;
 use lumel_scene::TriId;
 use lumel_uv::{Density, Pace, UnwrapSettings, UvError, check, unwrap};
 
@@ -20,13 +21,10 @@ fn a_budget_that_is_too_small_for_so_many_charts_gives_a_warning() {
     let scene = built(soup(2000));
     let out = unwrapped(&scene, &UnwrapSettings { density: Density::Budget(1000), ..settings() });
     let used = out.atlas.lumel_count();
-    // The smallest boxes with their gutters, and some more.
-    assert!((2000 * 16..2 * 2000 * 16).contains(&used), "{used}");
+    // Nearly all have the smallest boxes, four lumels; some are merged.
+    assert!((2000 * 3..2000 * 6).contains(&used), "{used}");
     let finding = out.report.findings[0].to_string();
-    assert!(
-        finding.starts_with("2000 charts have ") && finding.contains("above the budget of 1000"),
-        "{finding}"
-    );
+    assert!(finding.contains(" charts have ") && finding.contains("above the budget of 1000"), "{finding}");
 }
 
 #[test]
@@ -54,12 +52,18 @@ fn a_triangle_longer_than_a_page_has_fewer_lumels_and_is_told_of() {
 
 #[test]
 fn a_factor_makes_the_lumels_of_its_object_finer() {
-    let scene = built(room());
-    let settings = UnwrapSettings { factors: vec![1.0, 2.0], density: Density::PerMetre(10.0), ..settings() };
-    let out = unwrapped(&scene, &settings);
-    let densities: Vec<f32> = out.report.objects.iter().map(|object| object.density).collect();
-    assert_eq!(densities[..3], [10.0, 20.0, 10.0]);
-    assert_eq!(check(&out.atlas, &scene), []);
+    let mut builder = room();
+    builder.objects[2].density_factor = Some(3.0);
+    let scene = built(builder);
+    for (factors, expected) in
+        [(vec![1.0, 2.0], [10.0, 20.0, 30.0]), (vec![1.0, 2.0, 4.0], [10.0, 20.0, 40.0])]
+    {
+        let out =
+            unwrapped(&scene, &UnwrapSettings { factors, density: Density::PerMetre(10.0), ..settings() });
+        let densities: Vec<f32> = out.report.objects.iter().map(|object| object.density).collect();
+        assert_eq!(densities[..3], expected);
+        assert_eq!(check(&out.atlas, &scene), []);
+    }
 }
 
 #[test]
@@ -70,13 +74,16 @@ fn blocks_of_four_lumels_belong_to_one_chart() {
         let out = unwrapped(&scene, &settings);
         assert_eq!(check(&out.atlas, &scene), []);
         let mut owners = std::collections::BTreeMap::new();
-        for place in 0..out.atlas.charts().len() {
-            let chart = out.atlas.charts()[place];
+        for tri in (0..scene.triangle_count() as u32).map(TriId) {
             // Lumels that a bilinear reader reads are in the chart's own blocks, too.
-            for y in (chart.min[1] - 1) / 4..=chart.max[1] / 4 {
-                for x in (chart.min[0] - 1) / 4..=chart.max[0] / 4 {
-                    // Walls are rectangles: they fill their bounds.
-                    assert_eq!(*owners.entry((chart.page, x, y)).or_insert(place), place);
+            let reads = out.atlas.corners(tri).map(|c| [c - 0.5, c + 0.5]);
+            let blocks = reads.as_flattened().iter().map(|c| (*c / 4.0).floor());
+            let (min, max) = blocks.fold((Vec2::INFINITY, Vec2::ZERO), |(a, b), c| (a.min(c), b.max(c)));
+            let place = out.atlas.chart(tri);
+            // Walls are rectangles: they fill the bounds of their triangles.
+            for y in min.y as u32..=max.y as u32 {
+                for x in min.x as u32..=max.x as u32 {
+                    assert_eq!(*owners.entry((out.atlas.page(tri), x, y)).or_insert(place), place);
                 }
             }
         }
@@ -89,20 +96,6 @@ fn a_wide_gutter_is_kept() {
     for gutter in [0, 1, 3, 8] {
         let out = unwrapped(&scene, &UnwrapSettings { gutter, ..settings() });
         assert_eq!(check(&out.atlas, &scene), [], "gutter {gutter}");
-    }
-}
-
-#[test]
-fn a_reader_of_three_lumels_around_stays_in_the_chart_without_blocks() {
-    let scene = built(room());
-    let atlas = unwrapped(&scene, &UnwrapSettings { gutter: 3, ..settings() }).atlas;
-    let page = |tri: u32| atlas.page(TriId(tri));
-    assert!((0..scene.triangle_count() as u32).all(|tri| page(tri) < atlas.pages().len()));
-    for (i, a) in atlas.charts().iter().enumerate() {
-        for b in atlas.charts()[..i].iter().filter(|b| b.page == a.page) {
-            let apart = |k: usize| a.min[k] >= b.max[k] + 3 || b.min[k] >= a.max[k] + 3;
-            assert!(apart(0) || apart(1), "{a:?} {b:?}");
-        }
     }
 }
 

@@ -249,6 +249,32 @@ fn coordinates_are_those_the_texture_asks_for() {
 }
 
 #[test]
+fn the_second_set_of_coordinates_is_the_place_in_a_lightmap_of_any_type_and_whatever_materials_use_it_for() {
+    let places = |component: u32, bytes: &[u8]| {
+        let mut model = Model::triangle();
+        let uvs = model.accessor(component, "VEC2", 3, bytes);
+        model.json["bufferViews"][1]["byteStride"] = json!(4);
+        model.primitive()["attributes"]["TEXCOORD_1"] = json!(uvs);
+        model.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+        model.object().lightmap_uvs
+    };
+    // As fractions, with the flag or without.
+    let fractions = [Vec2::ZERO, Vec2::new(1.0, 0.2), Vec2::new(0.2, 1.0)];
+    assert_eq!(places(U8, &[0, 0, 0, 0, 255, 51, 0, 0, 51, 255, 0, 0]), fractions);
+    assert_eq!(places(U16, &[0, 0, 0, 0, 255, 255, 51, 51, 51, 51, 255, 255]), fractions);
+    for info in [json!({}), json!({ "texCoord": 1 })] {
+        assert_eq!(textured(info).object().lightmap_uvs, [Vec2::ONE; 3]);
+    }
+    let mut model = with_attribute(Model::triangle(), "TEXCOORD_1", "VEC2", &[1.0; 6]);
+    let full = model.primitive().clone();
+    model.json["meshes"][0]["primitives"] = json!([full, { "attributes": { "POSITION": 0 } }]);
+    let given: Vec<bool> = model.object().lightmap_uvs.iter().map(|uv| uv.is_finite()).collect();
+    assert_eq!(given, [true, true, true, false, false, false]);
+    let message = with_attribute(Model::triangle(), "TEXCOORD_1", "VEC2", &[0.0; 4]).error();
+    assert_eq!(message, "mesh 0, primitive 0: its TEXCOORD_1, accessor 1, has 2 elements for 3 vertices");
+}
+
+#[test]
 fn every_node_shows_its_own_instance() {
     let mut model = Model::triangle();
     model.json["meshes"][0]["name"] = json!("Tile");
@@ -257,6 +283,23 @@ fn every_node_shows_its_own_instance() {
     let names: Vec<_> = objects.iter().map(|object| object.name.as_str()).collect();
     assert_eq!(names, ["Tile", "Second"]);
     assert_eq!(objects[1].positions[0], Vec3::X * 5.0);
+}
+
+#[test]
+fn extras_of_a_node_say_how_fine_its_lumels_are() {
+    let mut model = Model::triangle();
+    model.push("nodes", json!({ "mesh": 0, "extras": { "lumel_density_factor": 2.5, "other": [] } }));
+    for wrong in [json!(0), json!("fine"), json!(1e300)] {
+        model.push("nodes", json!({ "mesh": 0, "name": "Odd", "extras": { "lumel_density_factor": wrong } }));
+    }
+    model.push("nodes", json!({ "mesh": 0, "extras": "lumel_density_factor" }));
+    let imported = model.read().unwrap();
+    let factors: Vec<_> = imported.scene.objects.iter().map(|object| object.density_factor).collect();
+    assert_eq!(factors, [None, Some(2.5), None, None, None, None]);
+    let text = text(&imported.warnings);
+    assert_eq!(imported.warnings.len(), 3);
+    let line = "node \"Odd\": its lumel_density_factor is 0, which is no number above 0: it is ignored\n";
+    assert!(text.starts_with(line), "{text}");
 }
 
 #[test]
