@@ -24,6 +24,7 @@ mod patches;
 mod planar;
 mod raster;
 mod rectangle;
+mod refined;
 mod report;
 mod settings;
 #[cfg(test)]
