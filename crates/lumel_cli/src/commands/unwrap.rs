@@ -8,7 +8,7 @@ use crate::console::{self, Console};
 use crate::failure::hinted;
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
-use crate::outputs::{self, path_of_page, sized};
+use crate::outputs::{self, sized};
 use crate::report::{bytes, counted, duration, percent, significant};
 use lumel::Scene;
 use lumel_export::{write_atlas_png, write_unwrapped_glb};
