@@ -84,7 +84,7 @@ pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, 
 pub use lumel_transport::{
     AmbientOcclusion, Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError,
 };
-pub use lumels::{LumelAccuracy, Lumels, PartDone};
+pub use lumels::{LumelAccuracy, LumelParts, Lumels, PartDone};
 pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;

@@ -11,6 +11,10 @@ struct Interpolated {
     @location(0) light: vec3<f32>,
     @location(1) tint: vec3<f32>,
     @location(2) uv: vec2<f32>,
+    @location(3) place: vec2<f32>,
+    @location(4) @interpolate(flat) page: u32,
+    /// The smallest and largest places of the chart: the middle of a pixel may lie beyond the triangle that covers a part of it.
+    @location(5) @interpolate(flat) chart: vec4<f32>,
 };
 
 @vertex
@@ -19,8 +23,11 @@ fn vertex(
     @location(1) light: vec3<f32>,
     @location(2) uv: vec2<f32>,
     @location(3) tint: vec3<f32>,
+    @location(4) place: vec2<f32>,
+    @location(5) page: u32,
+    @location(6) chart: vec4<f32>,
 ) -> Interpolated {
-    return Interpolated(project(position - view.eye), light, tint, uv);
+    return Interpolated(project(position - view.eye), light, tint, uv, place, page, chart);
 }
 
 /// Whether the surface is not there: below the least alpha of a mask, otherwise at that share of pixels.
@@ -53,5 +60,6 @@ fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
         let uv = mapped(in.uv, material.emission_u, material.emission_v);
         emission *= textureSample(emission_map, emission_sampler, uv).rgb;
     }
-    return vec4<f32>(storable((emission + albedo * in.light * INVERSE_PI) * view.exposure), 1.0);
+    let light = value_at(clamp(in.place, in.chart.xy, in.chart.zw), in.page, in.light);
+    return vec4<f32>(storable((emission + albedo * light * INVERSE_PI) * view.exposure), 1.0);
 }

@@ -28,6 +28,7 @@ mod patches;
 mod planar;
 mod raster;
 mod rectangle;
+mod refined;
 mod report;
 mod settings;
 mod shared;

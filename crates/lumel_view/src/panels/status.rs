@@ -5,6 +5,7 @@ use crate::session::Session;
 use crate::solver::Phase;
 use crate::stage::Stage;
 use crate::theme;
+use crate::values::grouped;
 use eframe::egui::{self, ProgressBar, RichText, Ui};
 use lumel::{Accuracy, Ended, Settings};
 
@@ -52,17 +53,29 @@ fn state(session: &Session) -> (String, egui::Color32) {
             let accuracy = computed.accuracy().zip(computed.settings());
             let missed = accuracy.is_some_and(|(a, _)| a.ended != Some(Ended::Reached));
             let within = accuracy.map_or_else(String::new, |(a, s)| format!(", {}", within(&a, s)));
-            let text = format!("Solved: {}{time}{within}", computed.label(&session.light));
+            let text = format!("Solved: {}{time}{within}{}", computed.label(&session.light), lumels(session));
             (text, if missed { theme::WARNING } else { theme::GOOD })
         }
         None => (String::new(), theme::WEAK),
     }
 }
 
+/// How many lumels have the light, if there is a lightmap.
+fn lumels(session: &Session) -> String {
+    match session.layout().filter(|_| session.has_whole_lightmap()) {
+        Some(layout) => format!("; {} lumels", grouped(layout.lumels.coverage.len())),
+        None => String::new(),
+    }
+}
+
 fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
     let Some(job) = session.job() else { return };
     let progress = job.progress();
-    match progress.step_share {
+    let share = match *phase {
+        Phase::Lumels { percent, .. } => Some(f64::from(percent) / 100.0),
+        _ => progress.step_share,
+    };
+    match share {
         Some(share) => {
             ui.add(
                 ProgressBar::new(share as f32).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT),
@@ -82,6 +95,8 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::Layer(layer) => format!("Layer {} of {}", layer + 1, progress.layers),
         Phase::StandardError => "Measuring the standard error".to_owned(),
+        Phase::Lumels { round, .. } => format!("Measuring lumels, round {}", round + 1),
+        Phase::Finishing => "Finishing the lightmap".to_owned(),
         Phase::Ended(_) => String::new(),
     };
     if let Some(accuracy) = progress.accuracy {
