@@ -7,7 +7,8 @@
 
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
-use crate::{Edge, Edges, Material, SceneBuilder, Warnings, Weld, luminance};
+use crate::weld::{Weld, sorted_by_number};
+use crate::{Edges, Material, SceneBuilder, Warnings, luminance};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -105,8 +106,12 @@ fn drop_faces(objects: &mut [ObjectMesh], kept: &mut [Runs], drops: &[Vec<bool>]
     places
 }
 
-/// The same number for all vertices in one place, by object.
-struct Points(Vec<Vec<u32>>);
+/// The same number for all vertices in one place.
+struct Points {
+    /// By object and vertex.
+    numbers: Vec<Vec<u32>>,
+    len: usize,
+}
 
 /// A face by the numbers of its corners in ascending order, and whether its winding is an odd permutation of that.
 type Key = ([u32; 3], bool);
@@ -114,14 +119,15 @@ type Key = ([u32; 3], bool);
 impl Points {
     fn of(objects: &[ObjectMesh]) -> Self {
         let mut weld = Weld::default();
-        Self(
-            objects.iter().map(|object| object.positions.iter().map(|p| weld.number(*p)).collect()).collect(),
-        )
+        let mut number = |position: &Vec3| weld.number(*position);
+        let numbers =
+            objects.iter().map(|object| object.positions.iter().map(&mut number).collect()).collect();
+        Self { numbers, len: weld.len() }
     }
 
     /// The points at the corners of a face, if there are such vertices.
     fn corners(&self, object: usize, vertices: [u32; 3]) -> Option<[u32; 3]> {
-        let [a, b, c] = vertices.map(|vertex| self.0[object].get(vertex as usize).copied());
+        let [a, b, c] = vertices.map(|vertex| self.numbers[object].get(vertex as usize).copied());
         Some([a?, b?, c?])
     }
 
@@ -138,7 +144,9 @@ impl Points {
     fn groups(&self, objects: &[ObjectMesh]) -> Vec<Vec<(FaceRef, bool)>> {
         let mut all: Vec<(Key, FaceRef)> =
             self.faces(objects).map(|(face, corners)| (sorted(corners), face)).collect();
-        all.sort_unstable_by_key(|&((corners, _), face)| (corners, face));
+        for k in [2, 1, 0] {
+            all = sorted_by_number(&all, self.len, |((corners, _), _)| corners[k]);
+        }
         let same = all.chunk_by(|a, b| a.0.0 == b.0.0).filter(|same| same.len() > 1);
         same.map(|same| same.iter().map(|&((_, is_odd), face)| (face, is_odd)).collect()).collect()
     }
@@ -146,18 +154,24 @@ impl Points {
     fn unify_diagonals(&self, objects: &mut [ObjectMesh]) {
         let (faces, corners): (Vec<FaceRef>, Vec<[u32; 3]>) = self.faces(objects).unzip();
         let edges = Edges::new(corners);
-        let face = |edge: &Edge| faces[edge.tri as usize];
         // By four corners: the quads there.
         let mut quads: BTreeMap<[u32; 4], Vec<Quad>> = BTreeMap::new();
         for at_edge in edges.each() {
             for (i, edge) in at_edge.iter().enumerate() {
-                let (diagonal, first) = (edge.ends, face(edge));
-                let others = at_edge[i + 1..].iter().map(face).filter(|second| second.object == first.object);
-                for quad in others.filter_map(|second| self.quad(objects, diagonal, [first, second])) {
-                    let mut corners = quad.around.map(|vertex| self.0[first.object][vertex as usize]);
-                    let [tip, _, other_tip, _] = corners;
-                    corners.sort_unstable();
-                    if !edges.between(tip, other_tip).is_empty() {
+                let (diagonal, first) = (edge.ends, faces[edge.tri as usize]);
+                let others = at_edge[i + 1..].iter().map(|edge| faces[edge.tri as usize]);
+                for second in others.filter(|second| second.object == first.object) {
+                    let Some([one, other]) = self.halves(objects, diagonal, [first, second]) else {
+                        continue;
+                    };
+                    let points = &self.numbers[first.object];
+                    // Most edges are no diagonal of a quad that is there twice.
+                    if edges.between(points[one[0] as usize], points[other[0] as usize]).is_empty() {
+                        continue;
+                    }
+                    if let Some(quad) = self.quad(objects, diagonal, [(first, one), (second, other)]) {
+                        let mut corners = quad.around.map(|vertex| points[vertex as usize]);
+                        corners.sort_unstable();
                         quads.entry(corners).or_default().push(quad);
                     }
                 }
@@ -176,22 +190,32 @@ impl Points {
         }
     }
 
-    /// The quad that two faces with an edge in common are halves of: flat, facing one way, of one material.
-    fn quad(&self, objects: &[ObjectMesh], diagonal: [u32; 2], halves: [FaceRef; 2]) -> Option<Quad> {
-        let (object, points) = (&objects[halves[0].object], &self.0[halves[0].object]);
-        let faces = halves.map(|half| object.faces[half.face]);
-        // From the corner that the diagonal leaves out.
-        let [one, other] = faces.map(|face| {
-            let tip = (0..3).find(|&i| !diagonal.contains(&points[face.vertices[i] as usize]));
-            tip.map(|tip| [0, 1, 2].map(|i| face.vertices[(tip + i) % 3]))
+    /// The vertices of two faces of an object, each from the corner that their common edge leaves out.
+    fn halves(&self, objects: &[ObjectMesh], edge: [u32; 2], halves: [FaceRef; 2]) -> Option<[[u32; 3]; 2]> {
+        let points = &self.numbers[halves[0].object];
+        let [one, other] = halves.map(|half| {
+            let vertices = objects[half.object].faces[half.face].vertices;
+            let tip = (0..3).find(|&i| !edge.contains(&points[vertices[i] as usize]));
+            tip.map(|tip| [0, 1, 2].map(|i| vertices[(tip + i) % 3]))
         });
-        let ([a, b, d], [c, e, f]) = (one?, other?);
+        Some([one?, other?])
+    }
+
+    /// The quad that two faces with an edge in common are halves of: flat, facing one way, of one material.
+    fn quad(
+        &self,
+        objects: &[ObjectMesh],
+        diagonal: [u32; 2],
+        [(first, [a, b, d]), (second, [c, e, f])]: [(FaceRef, [u32; 3]); 2],
+    ) -> Option<Quad> {
+        let (object, points) = (&objects[first.object], &self.numbers[first.object]);
+        let faces = [first, second].map(|half| object.faces[half.face]);
         let same = |v: u32, w: u32| points[v as usize] == points[w as usize];
         let is_one = faces[0].material == faces[1].material && faces[0].smoothing == faces[1].smoothing;
         let around = [a, b, c, d];
         let is_quad =
             is_one && same(b, f) && same(d, e) && is_flat(around.map(|v| object.positions[v as usize]));
-        is_quad.then_some(Quad { diagonal, halves, around })
+        is_quad.then_some(Quad { diagonal, halves: [first, second], around })
     }
 }
 
