@@ -224,7 +224,7 @@ fn add_openness<B: Basis, R: Receivers>(
         openness[at] = occlusion.openness(distance)
     })?;
     let all: Vec<usize> = (0..lanes).collect();
-    add_samples(op, area, &all, sums, |i, slot| {
+    add_samples::<CHUNK, _, _>(op, area, &all, sums, |i, slot| {
         let at = slot as usize * lanes + i;
         ends[at].map_or(Vec4::ZERO, |_| Vec3::splat(openness[at]).extend(1.0))
     });
