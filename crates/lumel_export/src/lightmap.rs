@@ -1,5 +1,6 @@
 //! Pages of lightmaps as images.
 
+mod dither;
 mod exr;
 mod png;
 
@@ -9,9 +10,10 @@ use lumel_lightmap::Lightmap;
 use std::ops::Range;
 use std::path::Path;
 
+pub(crate) use dither::{Curve, dithered};
 pub use exr::{Precision, write_lightmap_exr};
+pub(crate) use png::encode_rgb;
 pub use png::write_lightmap_png;
-pub(crate) use png::{dithered, encode_linear};
 
 /// The lumels of a page, of which a file of `path` is to be made.
 pub(crate) fn lumels_of(path: &Path, lightmap: &Lightmap, page: usize) -> Result<Range<usize>, ExportError> {

@@ -1,6 +1,6 @@
 //! The pages of a lightmap as images in a GLB file.
 
-use crate::lightmap::{dithered, encode_linear};
+use crate::lightmap::{Curve, dithered, encode_rgb};
 use glam::Vec3;
 use lumel_scene::Material;
 use std::io;
@@ -21,11 +21,11 @@ pub(super) struct PageImages {
 impl PageImages {
     /// Of light by lumel of each page. If there are twice as many as pages, the second half is for what emits: what is
     /// bright has an image of its own, because all that is in one image with it has few steps.
-    pub(super) fn new(pages: &[[u32; 2]], light: &[Vec<Vec3>]) -> io::Result<Self> {
+    pub(super) fn new(pages: &[[u32; 2]], light: &[Vec<Vec3>], curve: Curve) -> io::Result<Self> {
         let encoded = |(values, &size): (&Vec<Vec3>, &[u32; 2])| {
-            let (scale, bytes) = dithered(values, size[0]);
+            let (scale, bytes) = dithered(values, size[0], curve);
             let mut png = Vec::new();
-            encode_linear(&mut png, size, ::png::BitDepth::Eight, &bytes, &[])?;
+            encode_rgb(&mut png, size, ::png::BitDepth::Eight, &bytes, &[])?;
             Ok(PageImage { png, scale })
         };
         let images = light.iter().zip(pages.iter().cycle()).map(encoded).collect::<io::Result<_>>()?;
