@@ -2,10 +2,11 @@
 //
 //     const loader = new GLTFLoader().register((parser) => new MozLightmap(parser));
 
-import { MeshLambertMaterial } from "three";
+import { DataTexture, LinearFilter, MeshLambertMaterial, RGBFormat, UnsignedInt5999Type } from "three";
 
 export class MozLightmap {
   name = "MOZ_lightmap";
+  fine = new Map();
 
   constructor(parser) {
     this.parser = parser;
@@ -26,7 +27,24 @@ export class MozLightmap {
     delete params.metalness;
     delete params.roughness;
     params.lightMapIntensity = lightmap.intensity ?? 1;
-    // Texels are linear, as three.js takes them unless it is told otherwise.
-    await this.parser.assignTexture(params, "lightMap", { texCoord: 1, ...lightmap });
+    const { textures, images } = this.parser.json;
+    const rgb9e5 = images[textures[lightmap.index].source].extras?.rgb9e5;
+    // Either is linear, as three.js takes textures unless it is told otherwise.
+    if (rgb9e5) params.lightMap = await this.fineTexture(rgb9e5);
+    else await this.parser.assignTexture(params, "lightMap", { texCoord: 1, ...lightmap });
+  }
+
+  // Images have 8 bits, which are coarse where it is dark. Beside them lumel puts the same light in 32 bits.
+  fineTexture({ bufferView, size }) {
+    const load = async () => {
+      const words = new Uint32Array(await this.parser.getDependency("bufferView", bufferView));
+      const texture = new DataTexture(words, ...size, RGBFormat, UnsignedInt5999Type);
+      texture.magFilter = texture.minFilter = LinearFilter;
+      texture.channel = 1;
+      texture.needsUpdate = true;
+      return texture;
+    };
+    if (!this.fine.has(bufferView)) this.fine.set(bufferView, load());
+    return this.fine.get(bufferView);
   }
 }

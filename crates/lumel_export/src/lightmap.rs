@@ -3,6 +3,7 @@
 mod dither;
 mod exr;
 mod png;
+mod shared_exponent;
 
 use crate::ExportError;
 use glam::Vec3;
@@ -14,6 +15,7 @@ pub(crate) use dither::{Curve, dithered};
 pub use exr::{Precision, write_lightmap_exr};
 pub(crate) use png::encode_rgb;
 pub use png::write_lightmap_png;
+pub(crate) use shared_exponent::shared_exponent;
 
 /// The lumels of a page, of which a file of `path` is to be made.
 pub(crate) fn lumels_of(path: &Path, lightmap: &Lightmap, page: usize) -> Result<Range<usize>, ExportError> {

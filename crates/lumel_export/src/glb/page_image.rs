@@ -1,6 +1,6 @@
 //! The pages of a lightmap as images in a GLB file.
 
-use crate::lightmap::{Curve, dithered, encode_rgb};
+use crate::lightmap::{Curve, dithered, encode_rgb, shared_exponent};
 use glam::Vec3;
 use lumel_scene::Material;
 use std::io;
@@ -10,6 +10,15 @@ pub(super) struct PageImage {
     pub(super) png: Vec<u8>,
     /// What the largest byte stands for.
     pub(super) scale: f32,
+    /// The same in more digits, if bytes are linear: too coarse for what is dark.
+    pub(super) fine: Option<FineImage>,
+}
+
+/// Rows of lumels of 32 bits, which share an exponent.
+#[derive(Clone)]
+pub(super) struct FineImage {
+    pub(super) size: [u32; 2],
+    pub(super) words: Vec<u8>,
 }
 
 /// Images that materials show.
@@ -26,7 +35,9 @@ impl PageImages {
             let (scale, bytes) = dithered(values, size[0], curve);
             let mut png = Vec::new();
             encode_rgb(&mut png, size, ::png::BitDepth::Eight, &bytes, &[])?;
-            Ok(PageImage { png, scale })
+            let fine =
+                (curve == Curve::Linear).then(|| FineImage { size, words: shared_exponent(values, scale) });
+            Ok(PageImage { png, scale, fine })
         };
         let images = light.iter().zip(pages.iter().cycle()).map(encoded).collect::<io::Result<_>>()?;
         Ok(Self { images, n_pages: pages.len() })

@@ -128,6 +128,33 @@ fn three_js_reads_the_irradiance_of_every_vertex() {
 }
 
 #[test]
+fn images_of_irradiance_have_the_same_light_in_32_bits_beside_them() {
+    let scene = colourful();
+    let lightmap = lightmap_of(&scene);
+    let glb = written(&scene, &lightmap, LightmapTarget::Three);
+    let mut pages = BTreeSet::new();
+    for primitive in glb.primitives() {
+        let material = glb.material(primitive);
+        let shown = Shown::of(&glb, material);
+        let source =
+            &glb.json["textures"][number(&material["extensions"]["MOZ_lightmap"]["index"])]["source"];
+        let fine = &glb.json["images"][number(source)]["extras"]["rgb9e5"];
+        assert_eq!(fine["size"], serde_json::json!(shown.size));
+        let page = number(&primitive["extras"]["lightmap_page"]);
+        let light = &lightmap.layers[0].values[lightmap.atlas.first_lumel(page)..];
+        let words = glb.view(&fine["bufferView"]).as_chunks().0;
+        assert_eq!(words.len(), shown.size[0] * shown.size[1]);
+        for (word, is) in words.iter().map(|&word| u32::from_le_bytes(word)).zip(light) {
+            let mantissas = Vec3::from([0, 9, 18].map(|shift| (word >> shift & 511) as f32));
+            let read = mantissas * ((word >> 27) as f32 - 24.0).exp2() * shown.scale;
+            assert!((read - is).abs().max_element() <= is.max_element() / 500.0, "{read} {is}");
+        }
+        pages.insert(page);
+    }
+    assert_eq!(pages.len(), lightmap.atlas.pages().len());
+}
+
+#[test]
 fn any_reader_sees_the_radiance_of_every_triangle() {
     let scene = colourful();
     let lightmap = lightmap_of(&scene);

@@ -1,8 +1,9 @@
 // node browser.mjs PICTURES.json: draws GLB files with three.js in a headless browser and writes PNG files.
 //
-// PICTURES.json is a list of { glb, png, plugin, width, height, stops, fov_deg, position, target }. LUMEL_BROWSER is a
-// browser of the Chromium family, NODE_PATH the folder that has three.js; `cargo x test` sets both. The page that draws
-// gets everything from this script, which ends when the page says that it is done.
+// PICTURES.json is a list of { glb, png, reader, width, height, stops, fov_deg, position, target }; the reader is "none",
+// "plugin", or "bytes" for the plugin without what only lumel writes. LUMEL_BROWSER is a browser of the Chromium family,
+// NODE_PATH the folder that has three.js; `cargo x test` sets both. The page that draws gets everything from this script,
+// which ends when the page says that it is done.
 
 import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";

@@ -6,9 +6,14 @@ import { MozLightmap } from "/moz_lightmap.js";
 
 const tell = (path, body) => fetch(path, { method: "POST", body });
 
-async function draw(renderer, { width, height, stops, fov_deg, position, target, plugin }, url) {
+async function draw(renderer, { width, height, stops, fov_deg, position, target, reader }, url) {
   const loader = new GLTFLoader();
-  if (plugin) loader.register((parser) => new MozLightmap(parser));
+  if (reader !== "none") {
+    loader.register((parser) => {
+      if (reader === "bytes") parser.json.images.forEach((image) => delete image.extras);
+      return new MozLightmap(parser);
+    });
+  }
   const { scene } = await loader.loadAsync(url);
   const camera = new PerspectiveCamera(fov_deg, width / height, 0.01, 100);
   camera.position.fromArray(position);
