@@ -2,6 +2,7 @@
 
 mod arm;
 mod bench;
+mod browser;
 mod cargo;
 mod embree;
 mod fuzz;
@@ -9,6 +10,7 @@ mod instructions;
 mod licences;
 mod manifests;
 mod metadata;
+mod node;
 mod shell;
 mod system;
 mod tidy;

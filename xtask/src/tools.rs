@@ -1,7 +1,8 @@
-//! Programs that read our files as users do: NumPy and Khronos' glTF validator.
+//! Programs that read our files as users do: NumPy, Khronos' glTF validator, and three.js in a browser.
 
 use crate::cargo::root;
 use crate::shell::{say, succeeds};
+use crate::{browser, node};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,15 +20,22 @@ pub(crate) fn provide(tests: &mut Command) -> Result<()> {
         }
         None => missing("Python 3 with the package numpy", "`python3 -m pip install numpy`")?,
     }
-    match gltf_validator() {
-        Some(modules) => {
-            tests.env("NODE_PATH", modules);
+    let Some(modules) = node::modules() else {
+        return missing(
+            "Node.js with the packages gltf-validator and three",
+            "`apt-get install nodejs npm`, or get them from https://nodejs.org",
+        );
+    };
+    match browser::find(&modules) {
+        Some(browser) => {
+            tests.env(browser::VARIABLE, browser);
         }
         None => missing(
-            "Node.js with the package gltf-validator",
-            "`apt-get install nodejs npm`, or get them from https://nodejs.org",
+            "a browser of the Chromium family",
+            &format!("`apt-get install chromium`, or name one in {}", browser::VARIABLE),
         )?,
     }
+    tests.env("NODE_PATH", modules);
     Ok(())
 }
 
@@ -58,21 +66,3 @@ fn python_with_numpy() -> Option<PathBuf> {
 
 /// What Python 3 is called: `python` where it comes from python.org for Windows.
 const PYTHONS: [&str; 2] = ["python3", "python"];
-
-/// Node's package manager, which is a script on Windows.
-const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
-
-/// The folder of Node.js modules that has the validator.
-fn gltf_validator() -> Option<PathBuf> {
-    let folder = root().join("target/node");
-    let modules = folder.join("node_modules");
-    let mut probe = Command::new("node");
-    probe.args(["-e", "require.resolve('gltf-validator')"]).env("NODE_PATH", &modules);
-    if succeeds(&mut probe) {
-        return Some(modules);
-    }
-    let mut install = Command::new(NPM);
-    install.args(["install", "--silent", "--no-save", "--prefix"]).arg(&folder).arg("gltf-validator");
-    (std::fs::create_dir_all(&folder).is_ok() && succeeds(&mut install) && succeeds(&mut probe))
-        .then_some(modules)
-}

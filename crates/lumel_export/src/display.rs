@@ -63,7 +63,12 @@ pub(crate) fn srgb(linear: f32) -> f64 {
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The same as a byte.
+/// The linear value of a place on the sRGB curve, both 0..=1.
+pub(crate) fn linear(srgb: f64) -> f64 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
+}
+
+/// A linear value on the sRGB curve as a byte.
 pub(crate) fn srgb_byte(linear: f32) -> u8 {
     (255.0 * srgb(linear)).round() as u8
 }
@@ -114,5 +119,8 @@ mod tests {
     fn the_srgb_curve_passes_its_known_points() {
         let bytes = [-1.0, 0.0, 0.002, 0.214_041, 1.0, 9.0, f32::NAN].map(srgb_byte);
         assert_eq!(bytes, [0, 0, 7, 127, 255, 255, 0]);
+        for byte in 0..=255 {
+            assert_eq!(srgb_byte(linear(f64::from(byte) / 255.0) as f32), byte);
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! Pages of lightmaps as images.
 
+mod dither;
 mod exr;
 mod npz;
 mod png;
+mod shared_exponent;
 
 use crate::ExportError;
 use glam::Vec3;
@@ -10,10 +12,12 @@ use lumel_lightmap::Lightmap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+pub(crate) use dither::{Curve, dithered, dithered_over};
 pub use exr::{Precision, write_lightmap_exr};
 pub use npz::LightmapSolution;
+pub(crate) use png::encode_rgb;
 pub use png::write_lightmap_png;
-pub(crate) use png::{dithered, dithered_over, encode_linear};
+pub(crate) use shared_exponent::shared_exponent;
 
 /// The file of one of several pages of a lightmap or an atlas: `room-2.exr` for `room.exr`; the file itself if there is one.
 pub fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {

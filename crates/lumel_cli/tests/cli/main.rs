@@ -17,6 +17,7 @@ mod refusals;
 mod render;
 mod resume;
 mod shown;
+mod three;
 mod unwrap;
 #[cfg(unix)]
 mod view;

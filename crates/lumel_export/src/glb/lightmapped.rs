@@ -7,7 +7,7 @@ use super::unwrapped::{extras, placed_attributes, split_by_place};
 use super::write;
 use crate::ExportError;
 use crate::display::seen_radiance;
-use crate::lightmap::{check, lumels_of};
+use crate::lightmap::{Curve, check, lumels_of};
 use glam::Vec3;
 use lumel_lightmap::{Dilation, Lightmap};
 use lumel_scene::{Scene, TriId};
@@ -37,19 +37,20 @@ const LOOKS: u32 = 4;
 /// Writes a scene with its light on the lumels of its atlas as a GLB file, atomically. The lightmap must be finished.
 ///
 /// Geometry and materials are those of [`write_unwrapped_glb`](crate::write_unwrapped_glb). The first layer is in PNG images of
-/// 8 bits, linear, dithered, one for each page, or two where emission is in them: what emits has its own. Materials are there
+/// 8 bits, dithered, one for each page, or two where emission is in them: what emits has its own. Materials are there
 /// once for each page that they are on, and show it by `TEXCOORD_1`. The lights that were baked are left out.
 ///
-/// - [`LightmapTarget::Three`]: `MOZ_lightmap` has irradiance over its `intensity`, which three.js multiplies by the albedo.
-///   Materials that emit keep their emission.
+/// - [`LightmapTarget::Three`]: `MOZ_lightmap` has linear irradiance over its `intensity`, which three.js multiplies by the albedo.
+///   Materials that emit keep their emission. Bytes are coarse for what is dark; the `extras` of images name a view of the buffer,
+///   `rgb9e5`, that has the same in 32 bits, row by row, for readers that know it.
 /// - [`LightmapTarget::Any`]: surfaces are black and emit. The image has radiance over the `emissiveStrength` of
-///   `KHR_materials_emissive_strength`: light that is reflected, with the mean albedo of each lumel, and emitted. Textures are
-///   as coarse as lumels there.
+///   `KHR_materials_emissive_strength`, on the sRGB curve: light that is reflected, with the mean albedo of each lumel, and
+///   emitted. Textures are as coarse as lumels there.
 /// - [`LightmapTarget::Occlusion`]: materials are those of the scene, and dim ambient light by the layer "occlusion".
 ///
 /// # Errors
-/// An atlas of another scene, a layer that there is not, light that is not finite, a scene beyond the format's limit of 4 GiB, and the errors of
-/// [`write_atomically`](crate::write_atomically).
+/// An atlas of another scene, a layer that there is not, light that is not finite, a scene beyond the format's limit of 4 GiB,
+/// and the errors of [`write_atomically`](crate::write_atomically).
 pub fn write_lightmap_glb(
     path: &Path,
     scene: &Scene,
@@ -66,16 +67,16 @@ pub fn write_lightmap_glb(
         }
         Ok(())
     };
-    let (appearance, meaning) = match target {
+    let (appearance, curve, meaning) = match target {
         LightmapTarget::Three => {
             add(&lightmap.layers[0].values)?;
-            (Appearance::Surfaces, "irradiance over the intensity of MOZ_lightmap, W/m^2")
+            (Appearance::Surfaces, Curve::Linear, "irradiance over the intensity of MOZ_lightmap, W/m^2")
         }
         LightmapTarget::Occlusion => {
             let layer = lightmap.layers.iter().find(|layer| layer.name == OCCLUSION);
             let missing = || ExportError::content(path, "the lightmap has no layer \"occlusion\"".to_owned());
             add(&layer.ok_or_else(missing)?.values)?;
-            (Appearance::Occluded, "share of an even sky that is seen past what is near")
+            (Appearance::Occluded, Curve::Linear, "share of an even sky that is seen past what is near")
         }
         LightmapTarget::Any => {
             let emits = |tri: TriId| scene.material(tri).emits();
@@ -84,13 +85,13 @@ pub fn write_lightmap_glb(
             if primitives.iter().any(|primitive| scene.materials()[primitive.material.index()].emits()) {
                 add(&radiance(scene, lightmap, &coverage, emits))?;
             }
-            (Appearance::Emitters, "radiance over the strength of the emission, W/(m^2 sr)")
+            (Appearance::Emitters, Curve::Srgb, "radiance over the strength of the emission, W/(m^2 sr)")
         }
     };
     let io = |error| ExportError::io(path, error);
     let pages = match target {
         LightmapTarget::Occlusion => PageImages::of_shares(atlas.pages(), &light),
-        LightmapTarget::Three | LightmapTarget::Any => PageImages::new(atlas.pages(), &light),
+        LightmapTarget::Three | LightmapTarget::Any => PageImages::new(atlas.pages(), &light, curve),
     };
     let pages = pages.map_err(io)?;
     let materials = Materials::new(scene, &primitives, appearance, Some(&pages)).map_err(io)?;

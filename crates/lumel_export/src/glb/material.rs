@@ -1,7 +1,7 @@
 //! The materials and images of a GLB file.
 
 use super::binary::Binary;
-use super::page_image::PageImages;
+use super::page_image::{FineImage, PageImages};
 use super::primitive::Primitive;
 use crate::pixels::{self, opacity_pixels, srgb_pixels};
 use crate::png::encode_png;
@@ -88,6 +88,7 @@ struct Image {
     name: String,
     png: Vec<u8>,
     sampler: Value,
+    fine: Option<FineImage>,
 }
 
 /// The textures of a file under construction.
@@ -161,7 +162,12 @@ impl Materials {
             document["images"] = (self.images.iter())
                 .map(|image| {
                     let view = binary.add_view(image.png.len() as u64, json!({}));
-                    json!({ "name": image.name, "mimeType": "image/png", "bufferView": view })
+                    let mut json = json!({ "name": image.name, "mimeType": "image/png", "bufferView": view });
+                    if let Some(FineImage { size, words }) = &image.fine {
+                        let view = binary.add_view(words.len() as u64, json!({}));
+                        json["extras"] = json!({ "rgb9e5": { "bufferView": view, "size": size } });
+                    }
+                    json
                 })
                 .collect();
         }
@@ -172,9 +178,12 @@ impl Materials {
 
     /// Writes the images in the order of [`Self::add_to`].
     pub(super) fn write_images(&self, out: &mut impl Write) -> io::Result<()> {
-        for Image { png, .. } in &self.images {
+        for Image { png, fine, .. } in &self.images {
             out.write_all(png)?;
             out.write_all(&[0; 3][..png.len().next_multiple_of(4) - png.len()])?;
+            if let Some(FineImage { words, .. }) = fine {
+                out.write_all(words)?;
+            }
         }
         Ok(())
     }
@@ -258,7 +267,8 @@ impl Images {
         let list = &mut self.list;
         let index = *self.pages.entry(place).or_insert_with(|| {
             let name = format!("lightmap {place}");
-            list.push(Image { name, png: image.png.clone(), sampler: sampler([CLAMP; 2], LIGHTMAP) });
+            let (png, fine) = (image.png.clone(), image.fine.clone());
+            list.push(Image { name, png, sampler: sampler([CLAMP; 2], LIGHTMAP), fine });
             list.len() - 1
         });
         if appearance == Appearance::Occluded {
@@ -338,7 +348,7 @@ fn encode(texture: &Texture, with_alpha: bool) -> io::Result<Image> {
         Filter::Linear => LINEAR,
         Filter::Nearest => NEAREST,
     };
-    Ok(Image { name: texture.name.clone(), png, sampler: sampler(wrap, filter) })
+    Ok(Image { name: texture.name.clone(), png, sampler: sampler(wrap, filter), fine: None })
 }
 
 fn sampler([s, t]: [u32; 2], [mag, min]: [u32; 2]) -> Value {

@@ -26,11 +26,14 @@ struct Shown {
     size: [usize; 2],
     pixels: Vec<u8>,
     scale: f32,
+    /// Textures of emission are on the sRGB curve.
+    is_srgb: bool,
 }
 
 impl Shown {
     fn of(glb: &Glb, material: &Value) -> Self {
-        let (reference, scale) = if material["emissiveTexture"]["texCoord"] == 1 {
+        let is_srgb = material["emissiveTexture"]["texCoord"] == 1;
+        let (reference, scale) = if is_srgb {
             let strength = &material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"];
             assert_eq!(material["emissiveFactor"], serde_json::json!([1.0, 1.0, 1.0]));
             assert_eq!(material["pbrMetallicRoughness"]["baseColorFactor"][0], 0.0);
@@ -45,12 +48,15 @@ impl Shown {
         assert_eq!((number(&sampler["minFilter"]), number(&sampler["wrapS"])), (9729, 33071), "no mip maps");
         let image = &glb.json["images"][number(&texture["source"])];
         let (pixels, (width, height)) = decode(glb.view(&image["bufferView"]));
-        Self { size: [width as usize, height as usize], pixels, scale: scale.as_f64().unwrap() as f32 }
+        let (size, scale) = ([width as usize, height as usize], scale.as_f64().unwrap() as f32);
+        Self { size, pixels, scale, is_srgb }
     }
 
     fn texel(&self, x: usize, y: usize) -> Vec3 {
         let at = 3 * (y * self.size[0] + x);
-        Vec3::from([0, 1, 2].map(|k| f32::from(self.pixels[at + k]))) / 255.0 * self.scale
+        let code = |k: usize| f32::from(self.pixels[at + k]) / 255.0;
+        let light = |code: f32| if self.is_srgb { linear(code) } else { code };
+        Vec3::from([0, 1, 2].map(|k| light(code(k)))) * self.scale
     }
 
     /// Bilinear, as glTF defines it.
@@ -64,6 +70,11 @@ impl Shown {
         let rows = [0.0, 1.0].map(|dy| texel(0.0, dy).lerp(texel(1.0, dy), part.x));
         rows[0].lerp(rows[1], part.y)
     }
+}
+
+/// The linear value of a place on the sRGB curve (IEC 61966-2-1).
+fn linear(code: f32) -> f32 {
+    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Every vertex of the file: the image that its material shows, its place there, and the corner of the scene.
@@ -117,6 +128,33 @@ fn three_js_reads_the_irradiance_of_every_vertex() {
 }
 
 #[test]
+fn images_of_irradiance_have_the_same_light_in_32_bits_beside_them() {
+    let scene = colourful();
+    let lightmap = lightmap_of(&scene);
+    let glb = written(&scene, &lightmap, LightmapTarget::Three);
+    let mut pages = BTreeSet::new();
+    for primitive in glb.primitives() {
+        let material = glb.material(primitive);
+        let shown = Shown::of(&glb, material);
+        let source =
+            &glb.json["textures"][number(&material["extensions"]["MOZ_lightmap"]["index"])]["source"];
+        let fine = &glb.json["images"][number(source)]["extras"]["rgb9e5"];
+        assert_eq!(fine["size"], serde_json::json!(shown.size));
+        let page = number(&primitive["extras"]["lightmap_page"]);
+        let light = &lightmap.layers[0].values[lightmap.atlas.first_lumel(page)..];
+        let words = glb.view(&fine["bufferView"]).as_chunks().0;
+        assert_eq!(words.len(), shown.size[0] * shown.size[1]);
+        for (word, is) in words.iter().map(|&word| u32::from_le_bytes(word)).zip(light) {
+            let mantissas = Vec3::from([0, 9, 18].map(|shift| (word >> shift & 511) as f32));
+            let read = mantissas * ((word >> 27) as f32 - 24.0).exp2() * shown.scale;
+            assert!((read - is).abs().max_element() <= is.max_element() / 500.0, "{read} {is}");
+        }
+        pages.insert(page);
+    }
+    assert_eq!(pages.len(), lightmap.atlas.pages().len());
+}
+
+#[test]
 fn any_reader_sees_the_radiance_of_every_triangle() {
     let scene = colourful();
     let lightmap = lightmap_of(&scene);
@@ -133,7 +171,9 @@ fn any_reader_sees_the_radiance_of_every_triangle() {
         let light: Irradiance = lightmap.at(0, at);
         let is = light.reflected(scene.albedo(at)).radiance().0 + scene.emission(at).0;
         let read = shown.sample(place);
-        assert!((read - is).abs().max_element() < 1.01 * shown.scale / 255.0, "{read} {is}");
+        // The last step of the sRGB curve is the largest.
+        let step = 1.0 - linear(254.0 / 255.0);
+        assert!((read - is).abs().max_element() < 1.01 * shown.scale * step, "{read} {is}");
         n_lamps += usize::from(scene.material(tri).emits());
     });
     assert!(n_lamps > 0);
