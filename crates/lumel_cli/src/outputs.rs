@@ -5,9 +5,10 @@ use crate::commands::Lightmapped;
 use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
-use glam::Vec3;
 use lumel::{Baker, FileFormat, Solution, SolutionSelection, tracer_of};
-use lumel_export::{LightmapTarget, Precision, check_obj, write_lightmap_exr, write_lightmap_glb};
+use lumel_export::{
+    LightmapTarget, Precision, check_obj, path_of_page, write_lightmap_exr, write_lightmap_glb,
+};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -111,8 +112,7 @@ impl Output {
                 picture::write_default(&self.path, baker.scene(), &**baker.tracer(), &lighting, cancel)?;
             }
             (Content::Picture, Some(Lightmapped { scene, lightmap, .. })) => {
-                let lighting = |at, _: Vec3| lightmap.at(0, at);
-                picture::write_default(&self.path, scene, &*tracer_of(scene), &lighting, cancel)?;
+                picture::write_default(&self.path, scene, &*tracer_of(scene), &lightmap.lighting(0), cancel)?;
             }
             (Content::LightmapGlb, Some(Lightmapped { scene, lightmap, .. })) => {
                 let target = match target {
@@ -140,16 +140,6 @@ impl Output {
 pub(crate) fn sized(path: PathBuf) -> anyhow::Result<(PathBuf, u64)> {
     let found = fs::metadata(&path).with_context(|| format!("cannot find {}", path.display()))?;
     Ok((path, found.len()))
-}
-
-/// The file of one of several pages; the file itself if there is one.
-pub(crate) fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
-    if pages == 1 {
-        return path.to_owned();
-    }
-    let [stem, extension] =
-        [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
-    path.with_file_name(format!("{stem}-{page}.{extension}"))
 }
 
 /// Checks before a long bake that all files can be written and that none would replace a source of the scene.

@@ -37,25 +37,25 @@ pub fn write_atlas_png(path: &Path, atlas: &Atlas, page: usize) -> Result<(), Ex
         let share = coverage.shares(place)[0];
         let shade = if share.area > 0.0 { 0.45 } else { 0.2 };
         let [x, y] = [lumel as u32 % width, lumel as u32 / width].map(|k| k * scale);
-        picture.fill_square([x, y], scale, shaded(color(atlas.chart(share.tri)), shade));
+        picture.fill_square([x, y], scale, shaded(chart_color(atlas.chart(share.tri)), shade));
     }
     let tris = || (0..atlas.triangle_count() as u32).map(TriId).filter(|&tri| atlas.page(tri) == page);
     let corners = |tri: TriId| atlas.corners(tri).map(|c| c.as_dvec2() * f64::from(scale));
     for tri in tris() {
-        picture.fill_triangle(corners(tri), shaded(color(atlas.chart(tri)), 1.0));
+        picture.fill_triangle(corners(tri), shaded(chart_color(atlas.chart(tri)), 1.0));
     }
     for tri in tris() {
         let [a, b, c] = corners(tri);
         if (b - a).perp_dot(c - a) > EDGES_FROM * EDGES_FROM {
-            let dark = shaded(color(atlas.chart(tri)), 0.7);
+            let dark = shaded(chart_color(atlas.chart(tri)), 0.7);
             [(a, b), (b, c), (c, a)].into_iter().for_each(|(from, to)| picture.line(from, to, dark));
         }
     }
     write_png(path, picture.width, picture.height, &picture.pixels, &[("Title", "atlas")])
 }
 
-/// The colour of a chart: neighbouring numbers have hues far apart.
-fn color(chart: usize) -> Vec3 {
+/// The colour of a chart in pictures, by its number: neighbouring numbers have hues far apart.
+pub fn chart_color(chart: usize) -> Vec3 {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     let hue = (chart as f64 * GOLDEN).fract() as f32 * 6.0;
     let channel = |shift: f32| (((hue + shift) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
@@ -142,8 +142,8 @@ mod tests {
     #[test]
     fn neighbouring_charts_have_colours_that_differ() {
         for chart in 0..100 {
-            assert!(color(chart).distance(color(chart + 1)) > 0.2, "{chart}");
-            assert!(color(chart).min_element() >= 0.0 && color(chart).max_element() <= 1.0);
+            assert!(chart_color(chart).distance(chart_color(chart + 1)) > 0.2, "{chart}");
+            assert!(chart_color(chart).min_element() >= 0.0 && chart_color(chart).max_element() <= 1.0);
         }
     }
 }

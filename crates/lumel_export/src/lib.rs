@@ -33,13 +33,13 @@ mod png;
 mod rad;
 mod solution;
 
-pub use atlas_png::write_atlas_png;
+pub use atlas_png::{chart_color, write_atlas_png};
 pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
 pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};
-pub use lightmap::{Precision, write_lightmap_exr, write_lightmap_png};
+pub use lightmap::{Precision, path_of_page, write_lightmap_exr, write_lightmap_png};
 pub use lumel_state::LumelState;
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};

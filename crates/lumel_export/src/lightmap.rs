@@ -7,11 +7,21 @@ use crate::ExportError;
 use glam::Vec3;
 use lumel_lightmap::Lightmap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use exr::{Precision, write_lightmap_exr};
 pub use png::write_lightmap_png;
 pub(crate) use png::{dithered, encode_linear};
+
+/// The file of one of several pages of a lightmap or an atlas: `room-2.exr` for `room.exr`; the file itself if there is one.
+pub fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
+    if pages == 1 {
+        return path.to_owned();
+    }
+    let [stem, extension] =
+        [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
+    path.with_file_name(format!("{stem}-{page}.{extension}"))
+}
 
 /// The lumels of a page, of which a file of `path` is to be made.
 pub(crate) fn lumels_of(path: &Path, lightmap: &Lightmap, page: usize) -> Result<Range<usize>, ExportError> {

@@ -14,6 +14,7 @@ mod denoise;
 mod dilate;
 mod edges;
 mod light;
+mod lighting;
 mod lightmap;
 mod nearest;
 mod seams;
@@ -22,5 +23,7 @@ mod taps;
 
 pub use dilate::Dilation;
 pub use light::{Half, LumelLight, PartLight};
+pub use lighting::LumelLighting;
 pub use lightmap::{Lightmap, LightmapLayer};
 pub use seams::Seams;
+pub use taps::Filter;

@@ -1,8 +1,7 @@
 //! Irradiance by lumel.
 
-use crate::taps::taps;
-use crate::{Dilation, LumelLight, Seams};
-use glam::{DVec2, DVec3, Vec3};
+use crate::{Dilation, Filter, LumelLight, LumelLighting, Seams};
+use glam::Vec3;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 use lumel_uv::{Atlas, Coverage};
 use std::sync::Arc;
@@ -70,18 +69,21 @@ impl Lightmap {
         lightmap
     }
 
+    /// The light of a layer, read bilinearly.
+    ///
+    /// # Panics
+    /// If there is no such layer.
+    pub fn lighting(&self, layer: usize) -> LumelLighting<'_> {
+        let values = &self.layers[layer].values;
+        LumelLighting { atlas: &self.atlas, values, filter: Filter::default() }
+    }
+
     /// The light at a surface point, read bilinearly.
     ///
     /// # Panics
     /// If there is no such layer, or no such triangle in the atlas.
     pub fn at(&self, layer: usize, at: SurfacePoint) -> Irradiance {
-        let weights = at.bary.weights().map(f64::from);
-        let corners = self.atlas.corners(at.tri).map(|corner| corner.as_dvec2());
-        let place: DVec2 = corners.iter().zip(weights).map(|(&corner, weight)| corner * weight).sum();
-        let values = &self.layers[layer].values;
-        let read = |(lumel, weight): (usize, f64)| values[lumel].as_dvec3() * weight;
-        let light: DVec3 = taps(&self.atlas, self.atlas.page(at.tri), place).into_iter().map(read).sum();
-        Irradiance(light.as_vec3())
+        self.lighting(layer).at(at)
     }
 
     /// Closes the seams of all layers, and gives light to all lumels that were not measured.

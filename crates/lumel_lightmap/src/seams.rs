@@ -59,6 +59,11 @@ impl Seams {
         Self { groups: grouped(rows), weight }
     }
 
+    /// The lumels that are read along seams.
+    pub fn lumels(&self) -> impl Iterator<Item = u32> {
+        self.groups.iter().flat_map(|group| group.lumels.iter().copied())
+    }
+
     /// Whether nothing is cut.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()

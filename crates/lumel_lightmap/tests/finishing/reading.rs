@@ -1,5 +1,7 @@
 use crate::{Stage, moved, of, pair, settings, stages};
 use glam::{DVec3, Vec3};
+use lumel_lightmap::{Filter, LumelLighting};
+use lumel_uv::UnwrapSettings;
 
 /// Linear in space, positive around our scenes.
 fn linear(at: DVec3) -> Vec3 {
@@ -60,4 +62,30 @@ fn results_have_the_same_bits_on_any_number_of_threads() {
         };
         assert!(finished(1) == finished(3), "{name}");
     }
+}
+
+#[test]
+fn filters_read_what_they_say() {
+    let stage = Stage::new(moved(of(pair())), &UnwrapSettings { gutter: 3, ..settings(256) });
+    let mut lightmap = stage.lightmap(stage.measured(|_, at| linear(at)), |_| true);
+    lightmap.finish(&stage.scene, &stage.coverage);
+    let (atlas, values) = (&*stage.atlas, &*lightmap.layers[0].values);
+    let read = |filter, at| LumelLighting { atlas, values, filter }.at(at).0;
+    let mut inside = 0;
+    for at in stage.points() {
+        let is = linear(stage.scene.position(at).as_dvec3());
+        let near = |value: Vec3, lumels: f32| (value - is).abs().max_element() < lumels * 2.0 * 0.4 / 12.0;
+        assert!(
+            near(read(Filter::Nearest, at), 1.0) && values.contains(&read(Filter::Nearest, at)),
+            "{at:?}"
+        );
+        assert!(near(read(Filter::Bicubic, at), 1.0), "{at:?}");
+        assert_eq!(read(Filter::Bilinear, at), lightmap.at(0, at).0);
+        // Lumels beyond the chart are not linear.
+        if at.bary.weights().iter().all(|weight| *weight > 0.17) {
+            assert!((read(Filter::Bicubic, at) - is).abs().max_element() < 1e-5 * is.max_element(), "{at:?}");
+            inside += 1;
+        }
+    }
+    assert!(inside > 0);
 }
