@@ -50,7 +50,7 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
             let eye = Vec3::new(0.0, 1.0, 3.6);
             let ahead = Vec3::new(yaw.sin(), 0.0, -yaw.cos());
             let camera = Camera::looking_at("c", eye, eye + ahead, 45_f32.to_radians());
-            let (light, sky) = (Lit::One(&light), Radiance::ZERO);
+            let (light, sky) = (Lit::One((&light).into()), Radiance::ZERO);
             let frame = Frame {
                 model: &model,
                 camera: &camera,
@@ -58,6 +58,7 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
                 rect_lights: &[],
                 look,
                 wireframe: false,
+                grid: false,
                 overlay: None,
                 sky,
             };

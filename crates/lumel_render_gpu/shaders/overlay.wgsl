@@ -12,6 +12,12 @@ const HALF_WIDTH: f32 = 0.75;
 /// Triangle edges: a blue that is visible on black and on white.
 const EDGE = vec4<f32>(0.25, 0.55, 1.0, 0.4);
 
+/// Borders of lumels: an orange that is visible on black and on white.
+const GRID = vec4<f32>(1.0, 0.45, 0.1, 0.5);
+
+/// Borders closer than this vanish, pixels, as they would cover everything; from the second on they are drawn in full.
+const GRID_FADES = vec2<f32>(3.0, 8.0);
+
 struct Dot {
     @builtin(position) clip: vec4<f32>,
     @location(0) color: vec4<f32>,
@@ -102,4 +108,28 @@ fn edge_vertex(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32>
 @fragment
 fn edge_fragment() -> @location(0) vec4<f32> {
     return painted(EDGE, 1.0);
+}
+
+struct Grid {
+    @builtin(position) clip: vec4<f32>,
+    /// Lumels.
+    @location(0) place: vec2<f32>,
+};
+
+@vertex
+fn grid_vertex(
+    @location(0) position: vec3<f32>,
+    @location(1) place: vec2<f32>,
+    @location(2) page: u32,
+) -> Grid {
+    return Grid(marked(project(position - view.eye)), place);
+}
+
+@fragment
+fn grid_fragment(in: Grid) -> @location(0) vec4<f32> {
+    let lumels_per_pixel = max(fwidth(in.place), vec2<f32>(1e-6));
+    let to_border = abs(fract(in.place + 0.5) - 0.5) / lumels_per_pixel;
+    let is_wide = smoothstep(vec2<f32>(GRID_FADES.x), vec2<f32>(GRID_FADES.y), 1.0 / lumels_per_pixel);
+    let covered = clamp(HALF_WIDTH + 0.5 - to_border, vec2<f32>(0.0), vec2<f32>(1.0)) * is_wide;
+    return painted(GRID, max(covered.x, covered.y));
 }

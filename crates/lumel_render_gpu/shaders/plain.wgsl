@@ -19,8 +19,5 @@ fn vertex(
 
 @fragment
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
-    // Too small to matter; prevents a division by zero.
-    let lengths = max(length(in.normal) * length(in.from_eye), 1e-30);
-    let facing = abs(dot(in.normal, in.from_eye)) / lengths;
-    return vec4<f32>(storable(in.color * (0.35 + 0.65 * facing)), 1.0);
+    return under_headlight(in.color, in.normal, in.from_eye);
 }

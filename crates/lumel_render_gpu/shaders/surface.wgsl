@@ -11,6 +11,8 @@ struct Interpolated {
     @location(0) light: vec3<f32>,
     @location(1) tint: vec3<f32>,
     @location(2) uv: vec2<f32>,
+    @location(3) place: vec2<f32>,
+    @location(4) @interpolate(flat) page: u32,
 };
 
 @vertex
@@ -19,8 +21,10 @@ fn vertex(
     @location(1) light: vec3<f32>,
     @location(2) uv: vec2<f32>,
     @location(3) tint: vec3<f32>,
+    @location(4) place: vec2<f32>,
+    @location(5) page: u32,
 ) -> Interpolated {
-    return Interpolated(project(position - view.eye), light, tint, uv);
+    return Interpolated(project(position - view.eye), light, tint, uv, place, page);
 }
 
 /// Whether the surface is not there: below the least alpha of a mask, otherwise at that share of pixels.
@@ -53,5 +57,6 @@ fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
         let uv = mapped(in.uv, material.emission_u, material.emission_v);
         emission *= textureSample(emission_map, emission_sampler, uv).rgb;
     }
-    return vec4<f32>(storable((emission + albedo * in.light * INVERSE_PI) * view.exposure), 1.0);
+    let light = value_at(in.place, in.page, in.light);
+    return vec4<f32>(storable((emission + albedo * light * INVERSE_PI) * view.exposure), 1.0);
 }

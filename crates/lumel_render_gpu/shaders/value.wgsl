@@ -27,11 +27,8 @@ fn vertex(@location(0) position: vec3<f32>, @location(1) light: vec3<f32>) -> In
 
 @fragment
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
-    let value = storable(in.value * view.exposure);
     if (VALUE == 3u) {
-        // One number in two halves: 11 bits cannot distinguish 256 colours.
-        let high = bitcast<f32>(bitcast<u32>(value.x) & 0xffffe000u);
-        return vec4<f32>(high, value.x - high, 0.0, 1.0);
+        return in_halves(in.value.x * view.exposure);
     }
-    return vec4<f32>(value, 1.0);
+    return vec4<f32>(storable(in.value * view.exposure), 1.0);
 }

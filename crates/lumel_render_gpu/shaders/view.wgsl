@@ -34,3 +34,10 @@ fn project(from_eye: vec3<f32>) -> vec4<f32> {
 fn storable(color: vec3<f32>) -> vec3<f32> {
     return clamp(color, vec3<f32>(-MAX_F16), vec3<f32>(MAX_F16));
 }
+
+/// One number as two halves that add up to it: 11 bits cannot distinguish 256 colours.
+fn in_halves(number: f32) -> vec4<f32> {
+    let value = storable(vec3<f32>(number)).x;
+    let high = bitcast<f32>(bitcast<u32>(value) & 0xffffe000u);
+    return vec4<f32>(high, value - high, 0.0, 1.0);
+}

@@ -1,8 +1,10 @@
 //! Triangles in the order they are drawn: grouped by material and side.
 
+use crate::corners::Corners;
 use crate::pipelines::Detail;
 use glam::Vec3;
 use lumel_scene::{Scene, Transparency, TriId};
+use lumel_uv::Atlas;
 use std::ops::Range;
 
 /// Triangles that are drawn at once.
@@ -18,8 +20,8 @@ pub(crate) struct Group {
     pub(crate) detail: Detail,
 }
 
-/// Vertex indices of all triangles by material and side, each in the scene's order, and where the groups are.
-pub(crate) fn grouped(scene: &Scene) -> (Vec<[u32; 3]>, Vec<Group>) {
+/// Corners of all triangles by material and side, each in the scene's order, and where the groups are.
+pub(crate) fn grouped(scene: &Scene, atlas: Option<&Atlas>) -> (Corners, Vec<Group>) {
     let slot = |tri: TriId| {
         let back = usize::from(scene.traced(tri) != tri);
         2 * scene.material_id(tri).index() + back
@@ -37,12 +39,13 @@ pub(crate) fn grouped(scene: &Scene) -> (Vec<[u32; 3]>, Vec<Group>) {
         })
         .collect();
     let mut next: Vec<u32> = ranges.iter().map(|range| range.start).collect();
-    let mut indices = vec![[0; 3]; scene.triangle_count()];
+    let mut tris = vec![TriId(0); scene.triangle_count()];
     for tri in triangles() {
         let place = &mut next[slot(tri)];
-        indices[*place as usize] = scene.triangle(tri);
+        tris[*place as usize] = tri;
         *place += 1;
     }
+    let indices: Vec<[u32; 3]> = tris.iter().map(|&tri| scene.triangle(tri)).collect();
     let group = |(slot, range): (usize, Range<u32>)| {
         let vertices = indices[range.start as usize..range.end as usize].as_flattened();
         let material = &scene.materials()[slot / 2];
@@ -60,7 +63,11 @@ pub(crate) fn grouped(scene: &Scene) -> (Vec<[u32; 3]>, Vec<Group>) {
     };
     let filled = ranges.into_iter().enumerate().filter(|(_, range)| !range.is_empty());
     let groups = filled.map(group).collect();
-    (indices, groups)
+    let corners = match atlas {
+        Some(atlas) => Corners::split(&indices, &tris, atlas),
+        None => Corners::new(indices),
+    };
+    (corners, groups)
 }
 
 #[cfg(test)]
@@ -78,11 +85,11 @@ mod tests {
             vec![scene::grey(0.5, 0.0), scene::two_sided(scene::grey(0.2, 0.0)), scene::grey(0.1, 0.0)];
         let (scene, _) =
             scene::scene(vec![wall(1, 1.0), tinted, wall(1, 2.0)], materials, vec![]).build().unwrap();
-        let (indices, groups) = grouped(&scene);
+        let (corners, groups) = grouped(&scene, None);
         let found: Vec<_> =
             groups.iter().map(|g| (g.material, g.side, g.indices.clone(), g.detail.tint)).collect();
         assert_eq!(found, [(0, 1.0, 0..12, true), (1, 1.0, 12..36, false), (1, -1.0, 36..60, false)]);
-        let mut ours = indices.clone();
+        let mut ours = corners.indices.clone();
         let mut theirs = scene.triangles().to_vec();
         ours.sort_unstable();
         theirs.sort_unstable();

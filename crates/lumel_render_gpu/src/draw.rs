@@ -5,20 +5,26 @@ use crate::layout::View;
 use crate::memory::buffer;
 use crate::model::Model;
 use crate::overlay::Hidden;
-use crate::pipelines::{Detail, Key, Layer, Pipelines, Quantity, Value};
+use crate::pipelines::{Detail, Key, Layer, Pipelines, Quantity, Reading, Value};
 use crate::rect_lights::{RectLightInstance, instances};
 use crate::shaders::MAX_F16;
-use crate::{Frame, Gpu, LightBuffer, Lit, Look, Target};
+use crate::{Frame, Gpu, Lit, Look, LumelBuffer, Target, Values};
 
 /// Draws a frame on a target.
-pub(crate) fn draw(gpu: &Gpu, pipelines: &Pipelines, target: &Target, frame: &Frame<'_>) {
+pub(crate) fn draw(
+    gpu: &Gpu,
+    pipelines: &Pipelines,
+    no_lumels: &LumelBuffer,
+    target: &Target,
+    frame: &Frame<'_>,
+) {
     let shown = Shown::of(&frame.look);
     let view = View::new(frame.camera, frame.model.near, target.size(), shown.exposure);
     if let Some(view) = &view {
         gpu.queue().write_buffer(&target.view_values, 0, bytemuck::bytes_of(view));
     }
     gpu.queue().write_buffer(&target.tone_values, 0, bytemuck::bytes_of(&shown.tone));
-    let draw = Draw { gpu, pipelines, target, frame };
+    let draw = Draw { gpu, pipelines, no_lumels, target, frame };
     // A camera without a view sees nothing.
     let sees = view.is_some();
     let marks = sees && draw.has_marks();
@@ -39,6 +45,7 @@ pub(crate) fn draw(gpu: &Gpu, pipelines: &Pipelines, target: &Target, frame: &Fr
 struct Draw<'a> {
     gpu: &'a Gpu,
     pipelines: &'a Pipelines,
+    no_lumels: &'a LumelBuffer,
     target: &'a Target,
     frame: &'a Frame<'a>,
 }
@@ -52,9 +59,13 @@ impl Draw<'_> {
         self.frame.wireframe && self.gpu.draws_wireframes()
     }
 
+    fn shows_grid(&self) -> bool {
+        self.frame.grid && self.frame.model.has_atlas()
+    }
+
     fn has_marks(&self) -> bool {
         let marks = |overlay: &crate::Overlay| overlay.dots.count + overlay.lines.count > 0;
-        self.shows_edges() || self.frame.overlay.is_some_and(marks)
+        self.shows_edges() || self.shows_grid() || self.frame.overlay.is_some_and(marks)
     }
 
     fn background(&self, exposure: f32) -> wgpu::Color {
@@ -85,7 +96,7 @@ impl Draw<'_> {
         pass.set_bind_group(0, &self.target.view_group, &[]);
         let [width, height] = self.target.size();
         for (light, columns) in self.parts(width) {
-            if columns.is_empty() || light.len() != self.frame.model.vertex_count() {
+            if columns.is_empty() || !self.fits(light) {
                 continue;
             }
             pass.set_scissor_rect(columns.start, 0, columns.end - columns.start, height);
@@ -97,8 +108,15 @@ impl Draw<'_> {
         }
     }
 
+    /// Whether values are those of the model.
+    fn fits(&self, values: Values<'_>) -> bool {
+        let (Values::Vertices(vertices) | Values::Lumels { vertices, .. }) = values;
+        let model = self.frame.model;
+        vertices.fits(model.vertex_count(), model.sources.as_ref())
+    }
+
     /// The light shown in each range of columns.
-    fn parts(&self, width: u32) -> Vec<(&LightBuffer, std::ops::Range<u32>)> {
+    fn parts(&self, width: u32) -> Vec<(Values<'_>, std::ops::Range<u32>)> {
         match self.frame.light {
             Lit::One(light) => vec![(light, 0..width)],
             Lit::Split { left, right, at } => {
@@ -109,15 +127,36 @@ impl Draw<'_> {
         }
     }
 
-    fn surfaces(&self, pass: &mut wgpu::RenderPass<'_>, light: &LightBuffer) {
-        let Model { positions, normals, uvs, tints, no_tint, indices, .. } = self.frame.model;
+    fn surfaces(&self, pass: &mut wgpu::RenderPass<'_>, values: Values<'_>) {
+        let Model { positions, normals, uvs, places, tints, no_tint, indices, .. } = self.frame.model;
         let samples = self.target.samples();
+        let (light, lumels, reading) = match values {
+            Values::Lumels { lumels, filter, vertices } if self.frame.model.has_atlas() => {
+                (vertices, lumels, Reading::from(filter))
+            }
+            Values::Vertices(vertices) | Values::Lumels { vertices, .. } => {
+                (vertices, self.no_lumels, Reading::Vertices)
+            }
+        };
+        pass.set_bind_group(3, &lumels.group, &[]);
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(0, positions.slice(..));
         pass.set_vertex_buffer(1, light.buffer.slice(..));
         let quantity = match self.frame.look {
             Look::Radiance { .. } => Quantity::Radiance,
             Look::Albedo => Quantity::Albedo,
+            Look::Irradiance { .. } | Look::FalseColor { .. } | Look::Plain
+                if reading != Reading::Vertices =>
+            {
+                let value = match self.frame.look {
+                    Look::Irradiance { .. } => Value::Irradiance,
+                    Look::FalseColor { .. } => Value::Luminance,
+                    _ => Value::Color,
+                };
+                pass.set_vertex_buffer(2, normals.slice(..));
+                pass.set_vertex_buffer(3, places.slice(..));
+                return self.everything(pass, Key::LumelValue(value, reading, samples));
+            }
             Look::Irradiance { .. } => return self.everything(pass, Key::Value(Value::Irradiance, samples)),
             Look::FalseColor { .. } => return self.everything(pass, Key::Value(Value::Luminance, samples)),
             Look::Plain => {
@@ -134,9 +173,11 @@ impl Draw<'_> {
                 Quantity::Albedo => Detail { emission_map: false, ..batch.detail },
             };
             let key = match (detail == Detail::default(), quantity) {
-                (true, Quantity::Radiance) => Key::Value(Value::Radiance, samples),
+                (true, Quantity::Radiance) if reading == Reading::Vertices => {
+                    Key::Value(Value::Radiance, samples)
+                }
                 (true, Quantity::Albedo) => Key::Value(Value::Albedo, samples),
-                (false, _) => Key::Surface(quantity, detail, samples),
+                _ => Key::Surface(quantity, detail, reading, samples),
             };
             if last != Some(key) {
                 pass.set_pipeline(&self.pipeline(key));
@@ -146,6 +187,7 @@ impl Draw<'_> {
             if let Key::Surface(..) = key {
                 pass.set_bind_group(2, &batch.textures, &[]);
                 pass.set_vertex_buffer(3, if detail.tint { tints } else { no_tint }.slice(..));
+                pass.set_vertex_buffer(4, places.slice(..));
             }
             pass.draw_indexed(batch.indices.clone(), 0, 0..1);
         }
@@ -242,6 +284,14 @@ impl Draw<'_> {
             let model = self.frame.model;
             pass.set_pipeline(&self.pipeline(Key::Edges(samples)));
             pass.set_vertex_buffer(0, model.positions.slice(..));
+            pass.set_index_buffer(model.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(model.all_indices(), 0, 0..1);
+        }
+        if self.shows_grid() {
+            let model = self.frame.model;
+            pass.set_pipeline(&self.pipeline(Key::Grid(samples)));
+            pass.set_vertex_buffer(0, model.positions.slice(..));
+            pass.set_vertex_buffer(1, model.places.slice(..));
             pass.set_index_buffer(model.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(model.all_indices(), 0, 0..1);
         }

@@ -20,6 +20,18 @@ pub enum RenderError {
         /// The limit.
         limit: u64,
     },
+    /// More or larger pages of a lightmap than the device allows.
+    #[error(
+        "a lightmap of {pages} pages cannot be shown; the graphics device allows {limit} of {side} x {side} lumels"
+    )]
+    Atlas {
+        /// Number of pages.
+        pages: usize,
+        /// How many there may be.
+        limit: usize,
+        /// The longest side of a page.
+        side: u32,
+    },
     /// The device has no memory left.
     #[error("the graphics device has no memory left for {what}")]
     OutOfMemory {

@@ -1,6 +1,7 @@
 //! What to draw.
 
-use crate::{LightBuffer, Model, Overlay};
+use crate::{LightBuffer, LumelBuffer, Model, Overlay};
+use lumel_lightmap::Filter;
 use lumel_render_cpu::{Scale, ToneMapper};
 use lumel_scene::{Camera, Radiance, RectLight};
 
@@ -19,6 +20,8 @@ pub struct Frame<'a> {
     pub look: Look,
     /// Whether triangle edges are drawn over the picture, if [`Gpu::draws_wireframes`](crate::Gpu).
     pub wireframe: bool,
+    /// Whether borders of lumels are drawn over the picture, if the model has an atlas.
+    pub grid: bool,
     /// Dots and lines over the picture.
     pub overlay: Option<&'a Overlay>,
     /// The background of [`Look::Radiance`], W·m⁻²·sr⁻¹; otherwise it is black.
@@ -29,16 +32,38 @@ pub struct Frame<'a> {
 #[derive(Clone, Copy)]
 pub enum Lit<'a> {
     /// The same everywhere in the picture.
-    One(&'a LightBuffer),
+    One(Values<'a>),
     /// Two, compared at a divider.
     Split {
         /// Left of the divider.
-        left: &'a LightBuffer,
+        left: Values<'a>,
         /// Right of it.
-        right: &'a LightBuffer,
+        right: Values<'a>,
         /// Position of the divider, 0..=1 of the width; rounded to whole pixels.
         at: f32,
     },
+}
+
+/// Where the values of a model's surfaces are.
+#[derive(Clone, Copy)]
+pub enum Values<'a> {
+    /// At its vertices.
+    Vertices(&'a LightBuffer),
+    /// On the lumels of the atlas that it was uploaded with. A model without one shows the vertices.
+    Lumels {
+        /// The lumels.
+        lumels: &'a LumelBuffer,
+        /// How they are read.
+        filter: Filter,
+        /// What shows where they are not known.
+        vertices: &'a LightBuffer,
+    },
+}
+
+impl<'a> From<&'a LightBuffer> for Values<'a> {
+    fn from(vertices: &'a LightBuffer) -> Self {
+        Self::Vertices(vertices)
+    }
 }
 
 /// What is shown, by the formulas of [`lumel_render_cpu`]; the names are those of [`Show`](lumel_render_cpu::Show).
@@ -73,7 +98,7 @@ pub enum Look {
         /// How the range is divided.
         scale: Scale,
     },
-    /// The values of the light buffer as linear colours, shaded by a headlight to reveal shapes.
+    /// The values as linear colours, shaded by a headlight to reveal shapes.
     ///
     /// With shading normal `n` and unit vector `v` to the camera, a colour is multiplied by `0.35 + 0.65 |n·v|`. There
     /// is no exposure: this is for diagnostics whose values are colours.

@@ -1,7 +1,7 @@
 //! Draws lit scenes with wgpu, offscreen, for the viewer, tests and screenshots. Needs neither a window nor a UI.
 //!
-//! A [`Renderer`] turns a scene into a [`Model`] once, and its light into a [`LightBuffer`] whenever it
-//! changes. A [`Frame`] describes what to draw, a [`Target`] holds the picture: a texture that a UI can show and that
+//! A [`Renderer`] turns a scene into a [`Model`] once, and its light into a [`LightBuffer`] or a [`LumelBuffer`] whenever
+//! it changes. A [`Frame`] describes what to draw, a [`Target`] holds the picture: a texture that a UI can show and that
 //! [`Renderer::read`] turns into a [`Picture`](lumel_render_cpu::Picture).
 //!
 //! The picture follows the formulas of [`lumel_render_cpu`]: linear light is summed and exposed, then tone mapped, then
@@ -10,6 +10,7 @@
 
 mod attachments;
 mod batches;
+mod corners;
 mod display;
 mod draw;
 mod error;
@@ -17,6 +18,7 @@ mod frame;
 mod gpu;
 mod layout;
 mod light;
+mod lumels;
 mod memory;
 mod mips;
 mod model;
@@ -32,9 +34,10 @@ mod vertices;
 
 pub use attachments::Samples;
 pub use error::RenderError;
-pub use frame::{Frame, Lit, Look};
+pub use frame::{Frame, Lit, Look, Values};
 pub use gpu::{Gpu, GpuError};
 pub use light::LightBuffer;
+pub use lumels::{LumelBuffer, Tile};
 pub use model::Model;
 pub use overlay::{Hidden, Mark, Overlay};
 pub use renderer::Renderer;

@@ -1,6 +1,7 @@
 //! A scene on the device.
 
 use crate::batches::{Group, grouped};
+use crate::corners::{Corners, Place};
 use crate::layout::MaterialValues;
 use crate::memory::{buffer, within_memory};
 use crate::pipelines::{Detail, Layouts};
@@ -8,18 +9,24 @@ use crate::texture::{Blank, Image};
 use crate::{Gpu, RenderError};
 use glam::{Vec2, Vec3};
 use lumel_scene::Scene;
+use lumel_uv::Atlas;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The surfaces of a scene on the device: geometry, materials and textures.
 #[derive(Debug)]
 pub struct Model {
     vertices: usize,
     triangles: usize,
+    /// The vertex of the scene that each of the device is, if they differ.
+    pub(crate) sources: Option<Arc<[u32]>>,
     /// Distance of the near plane, metres.
     pub(crate) near: f32,
     pub(crate) positions: wgpu::Buffer,
     pub(crate) normals: wgpu::Buffer,
     pub(crate) uvs: wgpu::Buffer,
+    /// In the atlas; a single one where there is none.
+    pub(crate) places: wgpu::Buffer,
     /// A single one where the scene has none.
     pub(crate) tints: wgpu::Buffer,
     /// For batches without tints.
@@ -64,6 +71,11 @@ impl Model {
         self.triangles
     }
 
+    /// Whether its surfaces have places in an atlas.
+    pub fn has_atlas(&self) -> bool {
+        self.sources.is_some()
+    }
+
     /// Number of index entries.
     pub(crate) fn all_indices(&self) -> Range<u32> {
         0..3 * self.triangles as u32
@@ -79,19 +91,30 @@ impl Model {
         layouts: &Layouts,
         blank: &Blank,
         scene: &Scene,
+        atlas: Option<&Atlas>,
     ) -> Result<Self, RenderError> {
-        check_size(gpu, scene)?;
+        let (corners, groups) = grouped(scene, atlas);
+        check_size(gpu, scene, corners.sources.as_ref().map_or(scene.vertex_count(), |s| s.len()))?;
         let what = format!("scene \"{}\"", scene.name());
-        let model = within_memory(gpu, &what, || Self::upload(gpu, layouts, blank, scene))?;
+        let upload = || Self::upload(gpu, layouts, blank, scene, &corners, groups);
+        let model = within_memory(gpu, &what, upload)?;
         // Frees temporary copies.
         gpu.queue().submit([]);
         Ok(model)
     }
 
-    fn upload(gpu: &Gpu, layouts: &Layouts, blank: &Blank, scene: &Scene) -> Self {
-        let (indices, groups) = grouped(scene);
+    fn upload(
+        gpu: &Gpu,
+        layouts: &Layouts,
+        blank: &Blank,
+        scene: &Scene,
+        corners: &Corners,
+        groups: Vec<Group>,
+    ) -> Self {
         let images: Vec<Image> = scene.textures().iter().map(|t| blank.upload(gpu, t)).collect();
-        let tints = if groups.iter().any(|group| group.detail.tint) { scene.tints() } else { &[Vec3::ONE] };
+        let has_tints = groups.iter().any(|group| group.detail.tint);
+        let tints = if has_tints { corners.of(scene.tints()) } else { vec![Vec3::ONE] };
+        let places = if corners.places.is_empty() { &[Place::default()][..] } else { &corners.places };
         let batch = |(slot, group): (usize, &Group)| {
             let material = &scene.materials()[group.material];
             let alpha = material.transparency.texture;
@@ -115,12 +138,19 @@ impl Model {
             triangles: scene.triangle_count(),
             // The diagonal of a scene may be tiny or overflow.
             near: (NEAR * scene.bounds().diagonal()).clamp(1e-12, 1e30),
-            positions: numbers("positions", scene.positions()),
-            normals: vertices("normals", bytemuck::cast_slice(&packed_normals(scene.normals()))),
-            uvs: vertices("texture coordinates", bytemuck::cast_slice(&finite_uvs(scene.uvs()))),
-            tints: numbers("tints", tints),
+            sources: corners.sources.clone(),
+            positions: numbers("positions", &corners.of(scene.positions())),
+            normals: vertices("normals", bytemuck::cast_slice(&packed_normals(&corners.of(scene.normals())))),
+            uvs: vertices("texture coordinates", bytemuck::cast_slice(&finite_uvs(&corners.of(scene.uvs())))),
+            places: vertices("places", bytemuck::cast_slice(places)),
+            tints: numbers("tints", &tints),
             no_tint: numbers("no tint", &[Vec3::ONE]),
-            indices: buffer(gpu, "indices", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices)),
+            indices: buffer(
+                gpu,
+                "indices",
+                wgpu::BufferUsages::INDEX,
+                bytemuck::cast_slice(&corners.indices),
+            ),
             materials: materials(gpu, layouts, &material_values),
             material_values,
             batches: groups.iter().enumerate().map(batch).collect(),
@@ -155,12 +185,12 @@ fn materials(gpu: &Gpu, layouts: &Layouts, values: &wgpu::Buffer) -> wgpu::BindG
 }
 
 /// The largest buffers, light included.
-fn check_size(gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+fn check_size(gpu: &Gpu, scene: &Scene, vertices: usize) -> Result<(), RenderError> {
     let limit = gpu.device().limits().max_buffer_size;
     let per_vertex = size_of::<[f32; 3]>() as u64;
     let per_triangle = size_of::<[u32; 3]>() as u64;
     let parts = [
-        ("vertices", scene.vertex_count() as u64 * per_vertex),
+        ("vertices", vertices as u64 * per_vertex),
         ("triangles", scene.triangle_count() as u64 * per_triangle),
     ];
     match parts.into_iter().find(|(_, bytes)| *bytes > limit) {

@@ -4,16 +4,38 @@ use crate::Gpu;
 use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
 use crate::shaders::{self, Shader};
 use crate::vertices::{self, Attribute};
+use lumel_lightmap::Filter;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// Values computed at the vertices; the numbers are those of `value.wgsl`.
+/// Values that do not need a material's textures; the numbers are those of `value.wgsl` and `lumel_value.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Value {
     Radiance = 0,
     Irradiance = 1,
     Albedo = 2,
     Luminance = 3,
+    /// As colours, of lumels only: see `Key::Plain`.
+    Color = 4,
+}
+
+/// Where values are read; the numbers are those of `lumels.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Reading {
+    Vertices = 0,
+    Nearest = 1,
+    Bilinear = 2,
+    Bicubic = 3,
+}
+
+impl From<Filter> for Reading {
+    fn from(filter: Filter) -> Self {
+        match filter {
+            Filter::Nearest => Self::Nearest,
+            Filter::Bilinear => Self::Bilinear,
+            Filter::Bicubic => Self::Bicubic,
+        }
+    }
 }
 
 /// How linear values become sRGB codes; the numbers are those of `tone.wgsl`.
@@ -55,7 +77,9 @@ pub(crate) enum Layer {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Key {
     Value(Value, Samples),
-    Surface(Quantity, Detail, Samples),
+    /// Of lumels; where they are not known, of vertices.
+    LumelValue(Value, Reading, Samples),
+    Surface(Quantity, Detail, Reading, Samples),
     /// With or without a normal map.
     Normals(bool, Samples),
     Plain(Samples),
@@ -64,6 +88,8 @@ pub(crate) enum Key {
     Dots(Layer, Samples),
     Lines(Layer, Samples),
     Edges(Samples),
+    /// Borders of lumels.
+    Grid(Samples),
     Composite,
 }
 
@@ -93,6 +119,8 @@ pub(crate) struct Layouts {
     pub(crate) tone: wgpu::BindGroupLayout,
     /// The overlay.
     pub(crate) composite: wgpu::BindGroupLayout,
+    /// Pages of lumels and their sizes.
+    pub(crate) lumels: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -120,6 +148,11 @@ impl Layouts {
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
+        let layers = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        };
         let image = [texture(true), wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)];
         Self {
             view: layout("view", &[uniform(false)]),
@@ -128,6 +161,7 @@ impl Layouts {
             rect_light: layout("rect_light", &image),
             tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
             composite: layout("composite", &[texture(false)]),
+            lumels: layout("lumels", &[layers, uniform(false)]),
         }
     }
 }
@@ -136,7 +170,7 @@ impl Layouts {
 struct Recipe<'a> {
     shader: Shader,
     entries: [&'a str; 2],
-    groups: Vec<&'a wgpu::BindGroupLayout>,
+    groups: Vec<Option<&'a wgpu::BindGroupLayout>>,
     vertices: Vec<Attribute>,
     constants: Vec<(&'a str, f64)>,
     surface: Surface,
@@ -172,7 +206,8 @@ impl Pipelines {
     }
 
     fn recipe(&self, key: Key) -> Recipe<'_> {
-        let Layouts { view, material, textures, rect_light, tone, composite } = &self.layouts;
+        let Layouts { view, material, textures, rect_light, tone, composite, lumels } = &self.layouts;
+        let [view, lumels] = [view, lumels].map(Some);
         let number = |flag: bool| f64::from(u8::from(flag));
         let scene = |shader, samples, groups, vertices, constants| Recipe {
             shader,
@@ -185,7 +220,7 @@ impl Pipelines {
         };
         let screen = |shader, group, constants, blend| Recipe {
             surface: Surface::Screen(blend),
-            ..scene(shader, Samples::One, vec![group], vec![], constants)
+            ..scene(shader, Samples::One, vec![Some(group)], vec![], constants)
         };
         let overlay = |layer, samples, entries, vertices, topology, mode| Recipe {
             entries,
@@ -199,30 +234,47 @@ impl Pipelines {
             Key::Value(value, samples) => {
                 let vertices = vec![vertices::POSITION, vertices::LIGHT];
                 let constants = vec![("VALUE", f64::from(value as u8))];
-                scene(Shader::Value, samples, vec![view, material], vertices, constants)
+                scene(Shader::Value, samples, vec![view, Some(material)], vertices, constants)
             }
-            Key::Surface(quantity, detail, samples) => {
+            Key::LumelValue(value, reading, samples) => {
+                let vertices = vec![vertices::POSITION, vertices::LIGHT, vertices::NORMAL, vertices::PLACE];
+                let constants =
+                    vec![("VALUE", f64::from(value as u8)), ("READING", f64::from(reading as u8))];
+                scene(Shader::LumelValue, samples, vec![view, None, None, lumels], vertices, constants)
+            }
+            Key::Surface(quantity, detail, reading, samples) => {
                 let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
-                let vertices = vec![vertices::POSITION, vertices::LIGHT, vertices::UV, tint];
+                let from_lumels = reading != Reading::Vertices;
+                let place = if from_lumels { vertices::PLACE } else { vertices::NO_PLACE };
+                let vertices = vec![vertices::POSITION, vertices::LIGHT, vertices::UV, tint, place];
                 let constants = vec![
                     ("SHOWS_ALBEDO", number(quantity == Quantity::Albedo)),
                     ("HAS_ALBEDO_MAP", number(detail.albedo_map)),
                     ("HAS_EMISSION_MAP", number(detail.emission_map)),
                     ("IS_TRANSPARENT", number(detail.transparent)),
+                    ("READING", f64::from(reading as u8)),
                 ];
-                scene(Shader::Surface, samples, vec![view, material, textures], vertices, constants)
+                let groups = vec![view, Some(material), Some(textures), lumels];
+                scene(Shader::Surface, samples, groups, vertices, constants)
             }
             Key::Normals(mapped, samples) => {
                 let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV];
                 let constants = vec![("HAS_NORMAL_MAP", number(mapped))];
-                scene(Shader::Normals, samples, vec![view, material, textures], vertices, constants)
+                scene(
+                    Shader::Normals,
+                    samples,
+                    vec![view, Some(material), Some(textures)],
+                    vertices,
+                    constants,
+                )
             }
             Key::Plain(samples) => {
                 let vertices = vec![vertices::POSITION, vertices::LIGHT, vertices::NORMAL];
                 scene(Shader::Plain, samples, vec![view], vertices, vec![])
             }
             Key::RectLight(samples) => {
-                scene(Shader::RectLight, samples, vec![view, rect_light], vec![vertices::RECT_LIGHT], vec![])
+                let groups = vec![view, Some(rect_light)];
+                scene(Shader::RectLight, samples, groups, vec![vertices::RECT_LIGHT], vec![])
             }
             Key::Tone(curve) => screen(Shader::Tone, tone, vec![("CURVE", f64::from(curve as u8))], None),
             Key::Dots(layer, samples) => {
@@ -238,6 +290,11 @@ impl Pipelines {
                 let vertices = vec![vertices::POSITION];
                 overlay(Layer::Seen, samples, entries, vertices, list, wgpu::PolygonMode::Line)
             }
+            Key::Grid(samples) => {
+                let entries = ["grid_vertex", "grid_fragment"];
+                let vertices = vec![vertices::POSITION, vertices::PLACE];
+                overlay(Layer::Seen, samples, entries, vertices, list, fill)
+            }
             Key::Composite => {
                 let blend = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
                 screen(Shader::Composite, composite, vec![], Some(blend))
@@ -247,10 +304,9 @@ impl Pipelines {
 
     fn make(&self, device: &wgpu::Device, key: Key, recipe: Recipe<'_>) -> wgpu::RenderPipeline {
         let label = format!("{key:?}");
-        let groups: Vec<_> = recipe.groups.iter().map(|group| Some(*group)).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(&label),
-            bind_group_layouts: &groups,
+            bind_group_layouts: &recipe.groups,
             immediate_size: 0,
         });
         let module = &self.modules[recipe.shader as usize];
@@ -320,12 +376,12 @@ impl Surface {
                     Layer::Seen => wgpu::CompareFunction::GreaterEqual,
                     Layer::Behind => wgpu::CompareFunction::Less,
                 };
-                // Strips of marks face the camera either way; edges belong to visible faces.
-                let edges = polygon_mode == wgpu::PolygonMode::Line;
+                // Strips of marks face the camera either way; edges and borders belong to visible faces.
+                let of_faces = topology == wgpu::PrimitiveTopology::TriangleList;
                 let primitive = wgpu::PrimitiveState {
                     topology,
                     polygon_mode,
-                    cull_mode: edges.then_some(wgpu::Face::Back),
+                    cull_mode: of_faces.then_some(wgpu::Face::Back),
                     ..Default::default()
                 };
                 let blend = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;

@@ -1,15 +1,16 @@
 //! Draws frames.
 
 use crate::draw;
-use crate::light::to_upload;
 use crate::mips::{Level, Pyramid};
 use crate::pipelines::Pipelines;
 use crate::read;
 use crate::texture::{self, Blank};
-use crate::{Frame, Gpu, LightBuffer, Model, RenderError, Samples, Target};
+use crate::{Frame, Gpu, LightBuffer, LumelBuffer, Model, RenderError, Samples, Target, Tile};
+use glam::Vec3;
 use lumel_basis::{Lighting, VertexCountError, irradiance_at_vertices};
 use lumel_render_cpu::{Picture, false_color_map};
 use lumel_scene::Scene;
+use lumel_uv::Atlas;
 use std::sync::Arc;
 
 /// Draws frames; holds everything that does not depend on the scene.
@@ -18,6 +19,7 @@ pub struct Renderer {
     gpu: Arc<Gpu>,
     pipelines: Pipelines,
     blank: Blank,
+    no_lumels: LumelBuffer,
     false_colors: wgpu::TextureView,
 }
 
@@ -26,7 +28,8 @@ impl Renderer {
     pub fn new(gpu: Arc<Gpu>) -> Self {
         let pipelines = Pipelines::new(&gpu);
         let (blank, false_colors) = (Blank::new(&gpu), false_colors(&gpu));
-        Self { gpu, pipelines, blank, false_colors }
+        let no_lumels = LumelBuffer::blank(&gpu, &pipelines.layouts);
+        Self { gpu, pipelines, blank, no_lumels, false_colors }
     }
 
     /// The device.
@@ -39,7 +42,15 @@ impl Renderer {
     /// # Errors
     /// If they do not fit.
     pub fn upload(&self, scene: &Scene) -> Result<Model, RenderError> {
-        Model::new(&self.gpu, &self.pipelines.layouts, &self.blank, scene)
+        Model::new(&self.gpu, &self.pipelines.layouts, &self.blank, scene, None)
+    }
+
+    /// Uploads the surfaces of a scene with their places in an atlas, so that light on its lumels can be shown.
+    ///
+    /// # Errors
+    /// If they do not fit.
+    pub fn upload_with_atlas(&self, scene: &Scene, atlas: &Atlas) -> Result<Model, RenderError> {
+        Model::new(&self.gpu, &self.pipelines.layouts, &self.blank, scene, Some(atlas))
     }
 
     /// Gives a model the materials of a scene that was [repainted](Scene::repainted); everything else must be the same.
@@ -49,7 +60,7 @@ impl Renderer {
 
     /// A light buffer for a model, initially dark.
     pub fn light(&self, model: &Model) -> LightBuffer {
-        LightBuffer::new(self.gpu.device(), model.vertex_count())
+        LightBuffer::new(self.gpu.device(), model.vertex_count(), model.sources.clone())
     }
 
     /// Replaces the light by that at the vertices of the model's scene. NaN becomes zero.
@@ -67,8 +78,21 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let values = irradiance_at_vertices(scene, lighting)?;
         VertexCountError::check(values.len(), light.len())?;
-        self.gpu.queue().write_buffer(&light.buffer, 0, bytemuck::cast_slice(&to_upload(&values)));
+        light.set(self.gpu.queue(), &values);
         Ok(())
+    }
+
+    /// A buffer for the lumels of an atlas, of which none is known.
+    ///
+    /// # Errors
+    /// If they do not fit.
+    pub fn lumels(&self, atlas: &Atlas) -> Result<LumelBuffer, RenderError> {
+        LumelBuffer::new(&self.gpu, &self.pipelines.layouts, atlas)
+    }
+
+    /// Replaces the lumels of a part of a page, row by row; NaN becomes zero. A part that is not on the page is left out.
+    pub fn set_lumels(&self, lumels: &LumelBuffer, tile: &Tile, values: impl Iterator<Item = Option<Vec3>>) {
+        lumels.set(&self.gpu, tile, values);
     }
 
     /// A picture to draw on.
@@ -81,7 +105,7 @@ impl Renderer {
 
     /// Draws a frame; returns before the device has finished.
     pub fn draw(&self, target: &Target, frame: &Frame<'_>) {
-        draw::draw(&self.gpu, &self.pipelines, target, frame);
+        draw::draw(&self.gpu, &self.pipelines, &self.no_lumels, target, frame);
     }
 
     /// Waits for the device and reads the picture.

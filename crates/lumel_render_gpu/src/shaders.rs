@@ -7,6 +7,7 @@ use lumel_scene::{MAX_ALBEDO, Radiosity, luminance};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Shader {
     Value,
+    LumelValue,
     Surface,
     Normals,
     Plain,
@@ -18,8 +19,9 @@ pub(crate) enum Shader {
 
 impl Shader {
     /// In the order of their numbers.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::Value,
+        Self::LumelValue,
         Self::Surface,
         Self::Normals,
         Self::Plain,
@@ -33,15 +35,18 @@ impl Shader {
 const VIEW: &str = include_str!("../shaders/view.wgsl");
 const MATERIAL: &str = include_str!("../shaders/material.wgsl");
 const TEXTURES: &str = include_str!("../shaders/textures.wgsl");
+const LUMELS: &str = include_str!("../shaders/lumels.wgsl");
+const HEADLIGHT: &str = include_str!("../shaders/headlight.wgsl");
 const SCREEN: &str = include_str!("../shaders/screen.wgsl");
 
 /// A shader's parts, joined.
 pub(crate) fn source(shader: Shader) -> String {
     let parts: &[&str] = match shader {
         Shader::Value => &[VIEW, MATERIAL, include_str!("../shaders/value.wgsl")],
-        Shader::Surface => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/surface.wgsl")],
+        Shader::LumelValue => &[VIEW, LUMELS, HEADLIGHT, include_str!("../shaders/lumel_value.wgsl")],
+        Shader::Surface => &[VIEW, MATERIAL, TEXTURES, LUMELS, include_str!("../shaders/surface.wgsl")],
         Shader::Normals => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/normals.wgsl")],
-        Shader::Plain => &[VIEW, include_str!("../shaders/plain.wgsl")],
+        Shader::Plain => &[VIEW, HEADLIGHT, include_str!("../shaders/plain.wgsl")],
         Shader::RectLight => &[VIEW, include_str!("../shaders/rect_light.wgsl")],
         Shader::Tone => &[SCREEN, include_str!("../shaders/tone.wgsl")],
         Shader::Overlay => &[VIEW, include_str!("../shaders/overlay.wgsl")],
@@ -57,6 +62,9 @@ const SHADOW_END: f32 = 1.0 - 1e-4;
 /// The largest 16-bit float.
 pub(crate) const MAX_F16: f32 = 65_504.0;
 
+/// The most pages of an atlas: layers that every device has.
+pub(crate) const MAX_PAGES: usize = 256;
+
 /// Constants that are defined elsewhere.
 fn constants() -> String {
     let [r, g, b] = [Vec3::X, Vec3::Y, Vec3::Z].map(luminance);
@@ -66,7 +74,8 @@ fn constants() -> String {
          const INVERSE_PI: f32 = {inverse_pi:?};\n\
          const MAX_ALBEDO: f32 = {MAX_ALBEDO:?};\n\
          const SHADOW_END: f32 = {SHADOW_END:?};\n\
-         const MAX_F16: f32 = {MAX_F16:?};\n\n"
+         const MAX_F16: f32 = {MAX_F16:?};\n\
+         const MAX_PAGES: u32 = {MAX_PAGES}u;\n\n"
     )
 }
 

@@ -1,6 +1,6 @@
 //! Vertex buffers as the pipelines read them.
 
-use wgpu::VertexFormat::{self, Float32x2, Float32x3, Snorm16x4, Unorm8x4};
+use wgpu::VertexFormat::{self, Float32x2, Float32x3, Snorm16x4, Uint32, Unorm8x4};
 use wgpu::VertexStepMode;
 
 /// One vertex buffer per attribute, so that a pipeline reads only what it needs.
@@ -26,6 +26,10 @@ pub(crate) const NORMAL: Attribute = per_vertex(&[Snorm16x4]);
 pub(crate) const UV: Attribute = per_vertex(&[Float32x2]);
 pub(crate) const TINT: Attribute = per_vertex(&[Float32x3]);
 pub(crate) const NO_TINT: Attribute = Attribute { constant: true, ..TINT };
+
+/// Place on a page of the atlas, lumels, and the page.
+pub(crate) const PLACE: Attribute = per_vertex(&[Float32x2, Uint32]);
+pub(crate) const NO_PLACE: Attribute = Attribute { constant: true, ..PLACE };
 
 /// Centre, half edges, radiance.
 pub(crate) const RECT_LIGHT: Attribute = per_instance(&[Float32x3; 4]);

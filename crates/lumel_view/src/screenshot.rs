@@ -70,7 +70,7 @@ fn texts(session: &Session, view: &ViewPrefs, stops: f32) -> Vec<(&'static str, 
     ]
 }
 
-fn save(path: &Path, picture: &Picture, texts: &[(&str, String)]) -> Result<(), String> {
+pub(crate) fn save(path: &Path, picture: &Picture, texts: &[(&str, String)]) -> Result<(), String> {
     // A PNG text ends at a zero.
     let texts: Vec<(&str, String)> =
         texts.iter().map(|(key, text)| (*key, text.replace('\0', " "))).collect();
@@ -153,10 +153,11 @@ pub fn without_window(
         &Frame {
             model: &model,
             camera: &camera,
-            light: Lit::One(&buffer),
+            light: Lit::One((&buffer).into()),
             rect_lights: &lamps,
             look: Look::Radiance { stops, tone: prefs.tone(), white: prefs.white },
             wireframe: false,
+            grid: false,
             overlay: None,
             sky: document.scene.sky().mean(),
         },

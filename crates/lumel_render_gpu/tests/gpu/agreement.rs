@@ -10,7 +10,7 @@ use lumel_scene::{Irradiance, SurfacePoint};
 /// Of the pixels; the rest are those whose centre lies on an edge.
 const EXCEPTIONS: f64 = 0.005;
 
-fn assert_same(device: &Picture, cpu: &Picture, what: &str) {
+pub(crate) fn assert_same(device: &Picture, cpu: &Picture, what: &str) {
     let share = share_beyond(device, cpu, 1);
     let worst = differences(device, cpu).into_iter().max().unwrap_or(0);
     println!("{what}: {:.3} % beyond 1/255, worst {worst}", 100.0 * share);

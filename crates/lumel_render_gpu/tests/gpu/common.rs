@@ -89,10 +89,11 @@ impl Uploaded<'_> {
         Frame {
             model: &self.model,
             camera: &self.subject.camera,
-            light: Lit::One(&self.light),
+            light: Lit::One((&self.light).into()),
             rect_lights: &self.rect_lights,
             look,
             wireframe: false,
+            grid: false,
             overlay: None,
             sky: self.subject.scene.sky().mean(),
         }

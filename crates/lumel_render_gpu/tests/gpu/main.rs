@@ -5,6 +5,7 @@
 mod agreement;
 mod common;
 mod golden;
+mod lumels;
 mod marks;
 mod pictures;
 mod robust;

@@ -98,9 +98,10 @@ fn a_divider_shows_one_light_left_of_it_and_another_right_of_it() {
     let dimmed = VertexLighting::new(&subject.scene, &values).unwrap();
     renderer.set_light(&dim, &subject.scene, &dimmed).unwrap();
     let lit = uploaded.frame(irradiance(0.0));
-    let at = |at| Frame { light: Lit::Split { left: &uploaded.light, right: &dim, at }, ..lit };
+    let at =
+        |at| Frame { light: Lit::Split { left: (&uploaded.light).into(), right: (&dim).into(), at }, ..lit };
     let whole = uploaded.draw(SIZE, Samples::Four, &lit);
-    let other = uploaded.draw(SIZE, Samples::Four, &Frame { light: Lit::One(&dim), ..lit });
+    let other = uploaded.draw(SIZE, Samples::Four, &Frame { light: Lit::One((&dim).into()), ..lit });
     assert!(share_beyond(&whole, &other, 1) > 0.5);
     for (share, columns) in
         [(0.5, 60), (0.254, 30), (0.0, 0), (1.0, 120), (-3.0, 0), (9.0, 120), (f32::NAN, 0)]

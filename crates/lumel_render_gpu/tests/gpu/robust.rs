@@ -29,7 +29,8 @@ fn new_light_is_dark() {
     let subject = scenes::everything();
     let uploaded = subject.on(renderer);
     let light = renderer.light(&uploaded.model);
-    let frame = Frame { light: lumel_render_gpu::Lit::One(&light), ..uploaded.frame(irradiance(8.0)) };
+    let frame =
+        Frame { light: lumel_render_gpu::Lit::One((&light).into()), ..uploaded.frame(irradiance(8.0)) };
     assert!(uploaded.draw(SIZE, Samples::One, &frame).pixels().iter().all(|p| *p == [0; 3]));
 }
 
@@ -38,7 +39,8 @@ fn light_of_another_model_shows_the_background_only() {
     let Some(renderer) = renderer() else { return };
     let (subject, other) = (scenes::everything(), scenes::cornell());
     let (uploaded, other) = (subject.on(renderer), other.on(renderer));
-    let frame = Frame { light: lumel_render_gpu::Lit::One(&other.light), ..uploaded.frame(Look::Albedo) };
+    let frame =
+        Frame { light: lumel_render_gpu::Lit::One((&other.light).into()), ..uploaded.frame(Look::Albedo) };
     assert!(uploaded.draw(SIZE, Samples::One, &frame).pixels().iter().all(|p| *p == [0; 3]));
 }
 

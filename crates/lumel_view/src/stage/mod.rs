@@ -170,8 +170,11 @@ impl Stage {
             return Ok(None);
         };
         let light = match drawn.split {
-            Some(at) => Lit::Split { left: &self.buffers[LEFT], right: &self.buffers[RIGHT], at },
-            None => Lit::One(&self.buffers[LEFT]),
+            Some(at) => {
+                let [left, right] = [LEFT, RIGHT].map(|side| (&self.buffers[side]).into());
+                Lit::Split { left, right, at }
+            }
+            None => Lit::One((&self.buffers[LEFT]).into()),
         };
         let frame = Frame {
             model,
@@ -180,6 +183,7 @@ impl Stage {
             rect_lights: &drawn.lamps,
             look: drawn.look,
             wireframe: drawn.wireframe,
+            grid: false,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
             sky: document.scene.sky().mean(),
         };

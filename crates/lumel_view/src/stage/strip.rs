@@ -140,10 +140,11 @@ impl Strip {
         let frame = Frame {
             model: canvas.model,
             camera: &session.camera.camera(),
-            light: Lit::One(&cell.buffer),
+            light: Lit::One((&cell.buffer).into()),
             rect_lights: &drawn.lamps,
             look,
             wireframe: false,
+            grid: false,
             overlay: None,
             sky: canvas.scene.sky().mean(),
         };
