@@ -1,6 +1,7 @@
 //! The window: its parts, its keys and its commands. The work is done by the [`Session`].
 
 use crate::actions::{Action, Actions};
+use crate::atlas_view::AtlasView;
 use crate::compare::Comparison;
 use crate::dialogs::{Dialogs, FileDialog};
 use crate::dock::{self, Pane};
@@ -8,7 +9,7 @@ use crate::input::{self, Command};
 use crate::notice::Level;
 use crate::panels::Panels;
 use crate::pick::Pick;
-use crate::prefs::{Prefs, ViewPrefs};
+use crate::prefs::{Prefs, ViewMode, ViewPrefs};
 use crate::rhythm::{AT_ONCE, Rhythm};
 use crate::selection::Selection;
 use crate::session::{Hand, LightUse, SOLUTION_FORMATS, Session, Surroundings};
@@ -70,6 +71,7 @@ pub struct App {
     pub panels_visible: bool,
     actions: Actions,
     viewport: Viewport,
+    atlas: AtlasView,
     toasts: Toasts,
     picture_folder: PathBuf,
     ground: Ground,
@@ -102,6 +104,7 @@ impl App {
             wakes: Wakes { event: wake, glimpse },
         })?;
         (session.settings, session.live) = (prefs.settings.clone(), prefs.live);
+        session.lumels = prefs.lumels;
         let stage = cc.wgpu_render_state.clone().map(Stage::new);
         match &stage {
             Some(stage) if stage.gpu().is_software() => {
@@ -125,6 +128,7 @@ impl App {
             panels_visible: true,
             actions: Actions::default(),
             viewport: Viewport::default(),
+            atlas: AtlasView::default(),
             toasts: Toasts::default(),
             picture_folder: start.picture_folder,
             ground: start.ground,
@@ -176,6 +180,7 @@ impl App {
             Command::LoadSolution => self.dialogs.open(FileDialog::load_solution(&self.session)),
             Command::CompareSolution => self.dialogs.open(FileDialog::compare_solution(&self.session)),
             Command::SaveSolution => self.dialogs.open(FileDialog::save_solution(&self.session)),
+            Command::SaveLightmap => self.dialogs.open(FileDialog::save_lightmap(&self.session)),
             Command::Screenshot => {
                 let (stage, view) = (self.stage.as_ref(), &self.prefs.view);
                 screenshot::from_window(&mut self.session, stage, view, &self.picture_folder);
@@ -200,6 +205,11 @@ impl App {
             Command::PreviousBounce => self.step_bounce(-1),
             Command::NextBounce => self.step_bounce(1),
             Command::Wireframe => self.prefs.view.wireframe = !self.prefs.view.wireframe,
+            Command::LumelGrid => self.prefs.view.grid = !self.prefs.view.grid,
+            Command::Show(mode) => {
+                let shown = &mut self.prefs.view.mode;
+                *shown = if *shown == mode { ViewMode::default() } else { mode };
+            }
             Command::KeepLight => self.session.keep_light(),
             Command::Split => self.comparison.toggle(&self.session),
             Command::Help => self.dialogs.toggle_help(),
@@ -301,8 +311,8 @@ impl App {
             pick: &mut self.pick,
             in_dialog: self.dialogs.is_any_open(),
         };
-        let (viewport, actions) = (&mut self.viewport, &mut self.actions);
-        let mut panels = Panels { subject, viewport, actions, ground: self.ground };
+        let (viewport, atlas, actions) = (&mut self.viewport, &mut self.atlas, &mut self.actions);
+        let mut panels = Panels { subject, viewport, atlas, actions, ground: self.ground };
         if self.panels_visible { panels.all(&mut self.dock, ui) } else { panels.picture(ui) }
     }
 
@@ -373,6 +383,7 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         (self.prefs.settings, self.prefs.live) = (self.session.settings.clone(), self.session.live);
+        self.prefs.lumels = self.session.lumels;
         for (key, text) in
             [(PREFS_KEY, serde_json::to_string(&self.prefs)), (DOCK_KEY, serde_json::to_string(&self.dock))]
         {

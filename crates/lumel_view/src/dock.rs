@@ -23,6 +23,8 @@ pub enum Pane {
     Scene,
     /// The terms of the series as pictures.
     Operator,
+    /// The pages of the lightmap.
+    Atlas,
     /// Energy by bounce.
     Convergence,
     /// Messages.
@@ -31,7 +33,7 @@ pub enum Pane {
 
 impl Pane {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::View,
         Self::Solve,
         Self::Lights,
@@ -40,6 +42,7 @@ impl Pane {
         Self::Compare,
         Self::Scene,
         Self::Operator,
+        Self::Atlas,
         Self::Convergence,
         Self::Log,
     ];
@@ -55,6 +58,7 @@ impl Pane {
             Self::Compare => "Compare",
             Self::Scene => "Scene",
             Self::Operator => "Operator",
+            Self::Atlas => "Atlas",
             Self::Convergence => "Convergence",
             Self::Log => "Log",
         }
@@ -74,7 +78,7 @@ pub fn default_tree() -> Tree<Pane> {
         let children = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
         tiles.insert_tab_tile(children)
     };
-    let bottom = tabs(&[Pane::Operator, Pane::Convergence, Pane::Log]);
+    let bottom = tabs(&[Pane::Operator, Pane::Atlas, Pane::Convergence, Pane::Log]);
     let upper = tabs(&[Pane::Solve, Pane::Scene]);
     let lower = tabs(&[Pane::Lights, Pane::Display, Pane::Camera, Pane::Compare]);
     let linear = |tiles: &mut Tiles<Pane>, dir, parts: &[(TileId, f32)]| {

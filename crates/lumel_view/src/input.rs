@@ -1,5 +1,6 @@
 //! Every key and what it does: the one table that handles them, explains them and fills the menus.
 
+use crate::prefs::ViewMode;
 use eframe::egui::{self, Key, Modifiers};
 
 /// Something that can be done by a key, from a menu or by a button.
@@ -21,6 +22,8 @@ pub enum Command {
     CompareSolution,
     /// Ask where to save the solution.
     SaveSolution,
+    /// Ask where to save the lightmap.
+    SaveLightmap,
     /// Save a screenshot.
     Screenshot,
     /// Close the window.
@@ -63,6 +66,10 @@ pub enum Command {
     NextBounce,
     /// Draw the edges of triangles.
     Wireframe,
+    /// Draw the borders of lumels.
+    LumelGrid,
+    /// Show one way of looking at the scene, or the usual one if it is shown already.
+    Show(ViewMode),
     /// Keep the light to compare with.
     KeepLight,
     /// Show two lights side by side.
@@ -177,6 +184,10 @@ pub const BINDINGS: &[Binding] = &[
     ),
     bind(Command::LoadSolution, Key::L, "Load a solution", Group::Files),
     bind(Command::SaveSolution, Key::K, "Save the solution", Group::Files),
+    with(
+        Modifiers::SHIFT,
+        bind(Command::SaveLightmap, Key::K, "Save the lightmap (EXR, GLB, PNG)", Group::Files),
+    ),
     bind(Command::Screenshot, Key::F12, "Save a screenshot", Group::Files),
     with(Modifiers::COMMAND, bind(Command::Quit, Key::Q, "Quit; unsaved work is kept", Group::Files)),
     bind(Command::AlignUp, Key::U, "Level the horizon", Group::Camera),
@@ -202,6 +213,12 @@ pub const BINDINGS: &[Binding] = &[
     bind(Command::PreviousBounce, Key::Comma, "Show the previous bounce", Group::View),
     bind(Command::NextBounce, Key::Period, "Show the next bounce", Group::View),
     bind(Command::Wireframe, Key::X, "Wireframe", Group::View),
+    bind(Command::LumelGrid, Key::T, "Lumel grid", Group::View),
+    bind(Command::Show(ViewMode::Charts), Key::V, "Show the charts of the lightmap", Group::View),
+    bind(Command::Show(ViewMode::Chequerboard), Key::I, "Show lumels as a chequerboard", Group::View),
+    bind(Command::Show(ViewMode::LumelDensity), Key::Y, "Show the density of lumels", Group::View),
+    bind(Command::Show(ViewMode::Validity), Key::F3, "Show what lies inside geometry", Group::View),
+    bind(Command::Show(ViewMode::Seams), Key::F4, "Show the seams of the lightmap", Group::View),
     bind(Command::KeepLight, Key::P, "Keep this solution for comparison", Group::View),
     bind(Command::Split, Key::C, "Compare side by side", Group::View),
     bind(Command::Help, Key::F1, "Show all keys", Group::View),

@@ -6,6 +6,7 @@
 
 pub mod actions;
 pub mod app;
+pub mod atlas_view;
 pub mod camera;
 pub mod cli;
 pub mod compare;
@@ -17,8 +18,11 @@ pub mod history;
 pub mod input;
 pub mod inputs;
 pub mod instance;
+pub mod layout;
 mod light_shape;
 pub mod lights;
+pub mod lumel_light;
+pub mod lumel_values;
 pub mod notice;
 mod panels;
 pub mod pick;

@@ -1,12 +1,14 @@
 //! Preferences, kept between runs.
 
+use crate::layout::LumelSettings;
 use crate::selection::Selection;
 use lumel::Settings;
+use lumel_lightmap::Filter;
 use lumel_render_cpu::{Scale, ToneMapper};
 use serde::{Deserialize, Serialize};
 
 /// What surfaces show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ViewMode {
     /// Albedo times light, as the eye would see it.
     #[default]
@@ -25,11 +27,19 @@ pub enum ViewMode {
     Validity,
     /// Length of the edges, as colours.
     TriangleSize,
+    /// Lumels per metre, as colours.
+    LumelDensity,
+    /// Squares of lumels.
+    Chequerboard,
+    /// The charts of the lightmap.
+    Charts,
+    /// Lumels along the seams of charts.
+    Seams,
 }
 
 impl ViewMode {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 12] = [
         Self::Final,
         Self::Irradiance,
         Self::Albedo,
@@ -38,6 +48,10 @@ impl ViewMode {
         Self::StandardError,
         Self::Validity,
         Self::TriangleSize,
+        Self::LumelDensity,
+        Self::Chequerboard,
+        Self::Charts,
+        Self::Seams,
     ];
 
     /// Its name.
@@ -51,6 +65,10 @@ impl ViewMode {
             Self::StandardError => "Standard error",
             Self::Validity => "Validity",
             Self::TriangleSize => "Triangle size",
+            Self::LumelDensity => "Lumel density",
+            Self::Chequerboard => "Chequerboard",
+            Self::Charts => "Charts",
+            Self::Seams => "Seams",
         }
     }
 
@@ -62,20 +80,76 @@ impl ViewMode {
             Self::Albedo => "The fraction of light that surfaces reflect",
             Self::Normals => "Surface normals: red +X, green +Y, blue +Z",
             Self::FalseColor => "Luminance of the irradiance in false colours, with a legend",
-            Self::StandardError => "Standard error of the irradiance at each vertex, where it was measured",
-            Self::Validity => "Red vertices lie inside geometry; their light is extrapolated from neighbours",
+            Self::StandardError => {
+                "Standard error of the irradiance at each vertex or lumel, where it was measured"
+            }
+            Self::Validity => {
+                "Red vertices or lumels lie inside geometry; their light is extrapolated from neighbours"
+            }
             Self::TriangleSize => "Mean edge length around each vertex, in false colours",
+            Self::LumelDensity => "Lumels per metre, in false colours",
+            Self::Chequerboard => {
+                "Squares of 8 × 8 lumels; squares that are none show where charts are stretched"
+            }
+            Self::Charts => "Parts of the surface that lie together on a page of the lightmap",
+            Self::Seams => "Lumels along smooth edges that the lightmap cuts",
         }
     }
 
     /// Whether a legend explains its colours.
     pub fn has_legend(self) -> bool {
-        matches!(self, Self::FalseColor | Self::StandardError | Self::TriangleSize)
+        matches!(self, Self::FalseColor | Self::StandardError | Self::TriangleSize | Self::LumelDensity)
+    }
+
+    /// Those that show something, with or without a lightmap.
+    pub fn offered(has_lumels: bool) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |mode| has_lumels || !mode.needs_lumels())
+    }
+
+    /// Whether it shows nothing without a lightmap.
+    pub fn needs_lumels(self) -> bool {
+        matches!(self, Self::LumelDensity | Self::Chequerboard | Self::Charts | Self::Seams)
     }
 
     /// Whether exposure and tone mapping matter.
     pub fn is_exposed(self) -> bool {
         matches!(self, Self::Final | Self::Irradiance)
+    }
+}
+
+/// How light is read between lumels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LumelFilter {
+    /// Each lumel is a square.
+    Nearest,
+    /// Linear between four.
+    #[default]
+    Bilinear,
+    /// Smooth between sixteen.
+    Bicubic,
+}
+
+impl LumelFilter {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Nearest, Self::Bilinear, Self::Bicubic];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nearest => "Nearest",
+            Self::Bilinear => "Bilinear",
+            Self::Bicubic => "Bicubic",
+        }
+    }
+}
+
+impl From<LumelFilter> for Filter {
+    fn from(filter: LumelFilter) -> Self {
+        match filter {
+            LumelFilter::Nearest => Self::Nearest,
+            LumelFilter::Bilinear => Self::Bilinear,
+            LumelFilter::Bicubic => Self::Bicubic,
+        }
     }
 }
 
@@ -123,6 +197,10 @@ pub struct ViewPrefs {
     pub white: f32,
     /// Edges of triangles.
     pub wireframe: bool,
+    /// Borders of lumels.
+    pub grid: bool,
+    /// How light is read between lumels.
+    pub filter: LumelFilter,
     /// Dots where light is measured.
     pub sample_points: bool,
     /// Rays of the picked vertex.
@@ -153,6 +231,8 @@ impl Default for ViewPrefs {
             tone: ToneMapper::default().to_string(),
             white: ToneMapper::DEFAULT_WHITE,
             wireframe: false,
+            grid: false,
+            filter: LumelFilter::default(),
             sample_points: false,
             rays: true,
             gizmo: true,
@@ -175,7 +255,9 @@ impl ViewPrefs {
 
     /// How the range of false colours is divided.
     pub fn scale(&self) -> Scale {
-        if self.logarithmic { Scale::Log } else { Scale::Linear }
+        // Half and twice a density are as far from it.
+        let is_log = self.logarithmic || self.mode == ViewMode::LumelDensity;
+        if is_log { Scale::Log } else { Scale::Linear }
     }
 }
 
@@ -189,6 +271,8 @@ pub struct Prefs {
     pub recent: Vec<String>,
     /// Settings of the solve.
     pub settings: Settings,
+    /// Whether there is to be a lightmap, and how fine.
+    pub lumels: LumelSettings,
     /// Whether the light follows changes of the lights.
     pub live: bool,
     /// How the picture is drawn.
@@ -211,6 +295,7 @@ impl Default for Prefs {
             version: VERSION,
             recent: Vec::new(),
             settings: Settings::default(),
+            lumels: LumelSettings::default(),
             live: true,
             view: ViewPrefs::default(),
             speed: 1.0,
@@ -238,6 +323,7 @@ impl Prefs {
             self.view.range = default.view.range;
         }
         self.settings = self.settings.mended();
+        self.lumels = self.lumels.mended();
         self
     }
 

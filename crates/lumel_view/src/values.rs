@@ -7,14 +7,14 @@ use lumel::Scene;
 use lumel_render_cpu::{FalseColor, Legend, Scale};
 use lumel_scene::{Radiance, luminance};
 
-/// Colour of vertices that were measured, linear.
-const VALID: Vec3 = Vec3::new(0.45, 0.5, 0.52);
+/// Colour of vertices and lumels that were measured, linear.
+pub(crate) const VALID: Vec3 = Vec3::new(0.45, 0.5, 0.52);
 
-/// Colour of vertices that lie inside geometry.
-const INVALID: Vec3 = Vec3::new(0.9, 0.06, 0.03);
+/// Colour of those that lie inside geometry.
+pub(crate) const INVALID: Vec3 = Vec3::new(0.9, 0.06, 0.03);
 
-/// Colour of vertices of which nothing is known.
-const UNKNOWN: Vec3 = Vec3::new(0.12, 0.12, 0.12);
+/// Colour of those of which nothing is known.
+pub(crate) const UNKNOWN: Vec3 = Vec3::new(0.12, 0.12, 0.12);
 
 /// One value for each vertex, for a way of looking at the scene; `None` where there is nothing to show.
 pub fn of_vertices(
@@ -30,6 +30,7 @@ pub fn of_vertices(
         ViewMode::StandardError => light.standard_error.as_ref().map(|e| e.to_vec()),
         ViewMode::Validity => Some(validity(n, &light.valid)),
         ViewMode::TriangleSize => Some(edge_lengths(scene).into_iter().map(Vec3::splat).collect()),
+        ViewMode::LumelDensity | ViewMode::Chequerboard | ViewMode::Charts | ViewMode::Seams => None,
     }
 }
 
@@ -117,7 +118,7 @@ mod tests {
             let values = of_vertices(mode, &scene, &Illumination::default(), Selection::All);
             assert_eq!(
                 values.map(|v| v.len()),
-                (mode != ViewMode::StandardError).then(|| scene.vertex_count()),
+                (mode != ViewMode::StandardError && !mode.needs_lumels()).then(|| scene.vertex_count()),
                 "{mode:?}"
             );
         }

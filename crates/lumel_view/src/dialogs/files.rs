@@ -6,7 +6,7 @@ use crate::document::OpenRequest;
 use crate::notice::Level;
 use crate::prefs::Prefs;
 use crate::selection::Selection;
-use crate::session::{LightUse, MESH_FORMATS, SOLUTION_FORMATS, Session};
+use crate::session::{LIGHTMAP_FORMATS, LightUse, MESH_FORMATS, SOLUTION_FORMATS, Session};
 use crate::task::Background;
 use crate::theme;
 use crate::wake::Wake;
@@ -30,6 +30,8 @@ pub enum FilePurpose {
     CompareSolution,
     /// Where to save the solution.
     SaveSolution,
+    /// Where to save the lightmap.
+    SaveLightmap,
 }
 
 /// A question for a file.
@@ -92,6 +94,17 @@ impl FileDialog {
         Self { note, ..Self::new(FilePurpose::SaveSolution, suggestion(session, "npz")) }
     }
 
+    /// Asks where to save the lightmap.
+    pub fn save_lightmap(session: &Session) -> Self {
+        let note = if session.has_whole_lightmap() {
+            ".exr has the pages with all light, direct light and each bounce; .glb is the mesh with its lightmap, which \
+             any viewer shows; .png is a picture of this view."
+        } else {
+            "There is no lightmap yet: choose it as the basis under Solve, and solve."
+        };
+        Self { note: note.to_owned(), ..Self::new(FilePurpose::SaveLightmap, suggestion(session, "exr")) }
+    }
+
     fn title(&self) -> &'static str {
         match self.purpose {
             FilePurpose::OpenScene => "Open a scene",
@@ -100,6 +113,7 @@ impl FileDialog {
             FilePurpose::LoadSolution => "Load a solution",
             FilePurpose::CompareSolution => "Compare with a solution",
             FilePurpose::SaveSolution => "Save the solution",
+            FilePurpose::SaveLightmap => "Save the lightmap",
         }
     }
 
@@ -108,7 +122,10 @@ impl FileDialog {
         match self.purpose {
             FilePurpose::OpenScene => "Open",
             FilePurpose::LoadSolution | FilePurpose::CompareSolution => "Load",
-            FilePurpose::SaveMesh | FilePurpose::SaveProject | FilePurpose::SaveSolution => "Save",
+            FilePurpose::SaveMesh
+            | FilePurpose::SaveProject
+            | FilePurpose::SaveSolution
+            | FilePurpose::SaveLightmap => "Save",
         }
     }
 
@@ -121,6 +138,7 @@ impl FileDialog {
             FilePurpose::OpenScene => &["obj", "gltf", "glb", "ply", "toml"],
             FilePurpose::SaveMesh => &MESH_FORMATS,
             FilePurpose::SaveProject => &["toml"],
+            FilePurpose::SaveLightmap => &LIGHTMAP_FORMATS,
             _ => &SOLUTION_FORMATS,
         }
     }
@@ -267,6 +285,7 @@ fn act(
         FilePurpose::SaveMesh => session.save_mesh(path, prefs.view.selection)?,
         FilePurpose::SaveProject => session.save_project(path)?,
         FilePurpose::SaveSolution => session.save_solution(path)?,
+        FilePurpose::SaveLightmap => session.save_lightmap(path, &prefs.view)?,
         FilePurpose::LoadSolution | FilePurpose::CompareSolution => {
             if !path.exists() {
                 return Err(format!("there is no such file: {name}"));

@@ -1,6 +1,6 @@
 //! How the picture is drawn.
 
-use crate::prefs::{Unit, ViewMode, ViewPrefs};
+use crate::prefs::{LumelFilter, Unit, ViewMode, ViewPrefs};
 use crate::session::Session;
 use crate::stage::Stage;
 use crate::values::significant;
@@ -12,11 +12,14 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
     let (stops, range) = stage.map_or((0.0, None), |stage| (stage.stops(view), stage.range()));
     let wireframes = stage.is_some_and(|stage| stage.gpu().draws_wireframes());
     let known = session.light.standard_error.is_some();
-    choice(ui, "Surfaces show", view.mode.hint(), &mut view.mode, &ViewMode::ALL, |mode| {
-        mode.name().to_owned()
-    });
+    let has_lumels = session.layout().is_some();
+    let modes: Vec<ViewMode> = ViewMode::offered(has_lumels).collect();
+    choice(ui, "Surfaces show", view.mode.hint(), &mut view.mode, &modes, |mode| mode.name().to_owned());
     if view.mode == ViewMode::StandardError && !known {
         hint(ui, "Not measured yet: solve, then press \"Measure standard error\" under Solve.");
+    }
+    if view.mode.needs_lumels() && !has_lumels {
+        hint(ui, "There is no lightmap yet: choose it as the basis under Solve.");
     }
     if view.mode.is_exposed() {
         exposure(ui, view, stops);
@@ -31,6 +34,13 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
     });
     if !wireframes {
         response.response.on_hover_text("This graphics device cannot draw wireframes");
+    }
+    if has_lumels {
+        check(ui, "Lumel grid", "Borders of the lumels, where they are wide enough (T)", &mut view.grid);
+        let hint = "How light is read between lumels. Bicubic is a B-spline: smooth, but softer";
+        choice(ui, "Between lumels", hint, &mut view.filter, &LumelFilter::ALL, |filter| {
+            filter.name().to_owned()
+        });
     }
     check(
         ui,
@@ -69,7 +79,9 @@ fn exposure(ui: &mut Ui, view: &mut ViewPrefs, metered: f32) {
 }
 
 fn colors(ui: &mut Ui, view: &mut ViewPrefs, range: Option<[f32; 2]>) {
-    check(ui, "Logarithmic", "Equal ratios have equal steps", &mut view.logarithmic);
+    if view.mode != ViewMode::LumelDensity {
+        check(ui, "Logarithmic", "Equal ratios have equal steps", &mut view.logarithmic);
+    }
     if view.mode != ViewMode::FalseColor {
         return;
     }

@@ -4,6 +4,7 @@ use crate::actions::{Action, Actions};
 use crate::dock::Pane;
 use crate::document::OpenRequest;
 use crate::input::Command;
+use crate::prefs::ViewMode;
 use crate::session::Session;
 use crate::theme;
 use eframe::egui::{self, Button, MenuBar, RichText, Ui};
@@ -16,7 +17,8 @@ pub(super) fn show(session: &mut Session, recent: &[String], actions: &mut Actio
             ui.separator();
             items(session, actions, ui, &[Command::SaveProject, Command::SaveProjectAs, Command::SaveMesh]);
             ui.separator();
-            items(session, actions, ui, &[Command::LoadSolution, Command::SaveSolution]);
+            use Command::{LoadSolution, SaveLightmap, SaveSolution};
+            items(session, actions, ui, &[LoadSolution, SaveSolution, SaveLightmap]);
             ui.separator();
             items(session, actions, ui, &[Command::Screenshot, Command::Quit]);
         });
@@ -39,7 +41,16 @@ pub(super) fn show(session: &mut Session, recent: &[String], actions: &mut Actio
             use Command::{NextBounce, PreviousBounce, ShowAll, ShowDirect, ShowIndirect};
             items(session, actions, ui, &[ShowAll, ShowDirect, ShowIndirect, PreviousBounce, NextBounce]);
             ui.separator();
-            items(session, actions, ui, &[Command::Wireframe, Command::Split]);
+            let modes = [
+                ViewMode::Charts,
+                ViewMode::Chequerboard,
+                ViewMode::LumelDensity,
+                ViewMode::Validity,
+                ViewMode::Seams,
+            ];
+            items(session, actions, ui, &modes.map(Command::Show));
+            ui.separator();
+            items(session, actions, ui, &[Command::Wireframe, Command::LumelGrid, Command::Split]);
             ui.separator();
             items(session, actions, ui, &[Command::Panels, Command::FullScreen]);
             if ui.button("Reset panel layout").clicked() {
@@ -69,6 +80,9 @@ fn items(session: &Session, actions: &mut Actions, ui: &mut Ui, commands: &[Comm
             Command::Reload | Command::SaveMesh | Command::SaveProject | Command::SaveProjectAs => {
                 session.document.is_some()
             }
+            Command::Show(mode) => !mode.needs_lumels() || session.layout().is_some(),
+            Command::LumelGrid => session.layout().is_some(),
+            Command::SaveLightmap => session.has_whole_lightmap(),
             Command::Stop => session.phase().is_some(),
             _ => true,
         };

@@ -1,11 +1,13 @@
 //! The parts of the window around the picture, and where they are.
 
+mod atlas;
 mod camera;
 mod compare;
 mod convergence;
 mod display;
 mod lights;
 mod log;
+mod lumels;
 mod menu;
 mod operator;
 mod scene;
@@ -14,6 +16,7 @@ mod solve;
 mod status;
 
 use crate::actions::Actions;
+use crate::atlas_view::AtlasView;
 use crate::dock::{self, Pane};
 use crate::theme::{self, Ground};
 use crate::viewport::{Subject, Viewport};
@@ -24,6 +27,7 @@ use egui_tiles::{Behavior, SimplificationOptions, TabState, TileId, Tiles, Tree,
 pub(crate) struct Panels<'a> {
     pub(crate) subject: Subject<'a>,
     pub(crate) viewport: &'a mut Viewport,
+    pub(crate) atlas: &'a mut AtlasView,
     pub(crate) actions: &'a mut Actions,
     pub(crate) ground: Ground,
 }
@@ -53,6 +57,10 @@ impl Panels<'_> {
         match pane {
             Pane::View => {}
             Pane::Operator => operator::show(self.viewport, &mut self.subject, ui),
+            Pane::Atlas => {
+                let stops = stage.as_deref().map_or(0.0, |stage| stage.stops(&prefs.view));
+                atlas::show(session, &prefs.view, stops, self.atlas, ui);
+            }
             Pane::Convergence => convergence::show(session, ui),
             Pane::Log => log::show(&mut session.notices, ui),
             Pane::Solve => scrolled(ui, "solve", |ui| solve::show(session, actions, ui)),

@@ -9,6 +9,7 @@ use eframe::egui::{Button, RichText, Ui};
 
 pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
     buttons(session, actions, ui);
+    super::lumels::show(session, ui);
     super::settings::show(ui, &mut session.settings);
     live(session, ui);
     ui.add_space(4.0);
@@ -18,6 +19,12 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
         }
         if ui.button("Load solution...").clicked() {
             actions.push(Command::LoadSolution);
+        }
+        if session.layout().is_some() {
+            let button = ui.add_enabled(session.has_whole_lightmap(), Button::new("Save lightmap..."));
+            if button.clicked() {
+                actions.push(Command::SaveLightmap);
+            }
         }
         let unknown = |c: &Computed| c.complete && c.solved.is_some() && c.accuracy().is_none();
         let ready = session.computed().is_some_and(unknown);

@@ -82,6 +82,8 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::Layer(layer) => format!("Layer {} of {}", layer + 1, progress.layers),
         Phase::StandardError => "Measuring the standard error".to_owned(),
+        Phase::Lumels => "Measuring lumels".to_owned(),
+        Phase::Finishing => "Finishing the lightmap".to_owned(),
         Phase::Ended(_) => String::new(),
     };
     if let Some(accuracy) = progress.accuracy {

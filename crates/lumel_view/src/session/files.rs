@@ -20,7 +20,7 @@ pub const MESH_FORMATS: [&str; 3] = ["glb", "ply", "obj"];
 pub const SOLUTION_FORMATS: [&str; 2] = ["npz", "rad"];
 
 /// The lower-case extension of a path if it is one of these.
-fn extension_of(path: &Path, formats: &[&str]) -> Result<String, String> {
+pub(super) fn extension_of(path: &Path, formats: &[&str]) -> Result<String, String> {
     let found = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if formats.contains(&found.as_str()) {
         return Ok(found);
@@ -98,7 +98,7 @@ impl Session {
     }
 
     /// Refuses to replace the files that the scene is made from.
-    fn refuse_sources(&self, path: &Path) -> Result<(), String> {
+    pub(super) fn refuse_sources(&self, path: &Path) -> Result<(), String> {
         let Some(document) = &self.document else { return Ok(()) };
         let source = Path::new(&document.request.name);
         let mut sources = vec![source.to_owned()];

@@ -5,6 +5,7 @@
 //! all of them after it. The result is shown only when all bounces are done; until then the previous light stays
 //! visible.
 
+use super::running::Errand;
 use super::{Computed, Hand, Session};
 use lumel::Settings;
 
@@ -57,8 +58,9 @@ impl Session {
         if let Some(running) = &self.running {
             // The drag has moved on: the result would be outdated. A coarse solve is not stopped, or nothing would
             // ever be shown during a drag that is faster than a solve.
-            let is_old = running.follows() && self.changes_since(&running.inputs).lighting();
-            if is_old && !self.is_coarse(running.settings()) {
+            let is_old = self.changes_since(&running.inputs).lighting();
+            let is_fine = running.follows() && !self.is_coarse(running.settings());
+            if is_old && (is_fine || running.errand == Errand::Lumels) {
                 running.job.stop();
             }
             return;

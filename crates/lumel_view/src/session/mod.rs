@@ -8,7 +8,9 @@ mod edit;
 mod editing;
 mod file_light;
 mod files;
+mod lightmap_files;
 mod live;
+mod lumels;
 mod opening;
 mod outcome;
 mod outdated;
@@ -19,10 +21,12 @@ mod unsaved;
 pub use computed::Computed;
 pub use file_light::{LightUse, LoadedLight, SavedFile, light_from};
 pub use files::{MESH_FORMATS, SOLUTION_FORMATS};
+pub use lightmap_files::LIGHTMAP_FORMATS;
 
 use crate::camera::FlyCamera;
 use crate::document::{self, Contents, Document, OpenRequest};
 use crate::history::History;
+use crate::layout::LumelSettings;
 use crate::lights::EditLight;
 use crate::notice::{Level, Notices};
 use crate::recovery::{LeftBehind, Recovery};
@@ -34,6 +38,7 @@ use crate::wake::{Wake, Wakes};
 use edit::Edit;
 use glam::Vec3;
 use lumel::Settings;
+use lumels::Lightmapping;
 use rayon::ThreadPool;
 use running::Running;
 use std::path::PathBuf;
@@ -75,6 +80,10 @@ pub struct Session {
     pub active: usize,
     /// Settings of the next solve.
     pub settings: Settings,
+    /// Whether there is to be a lightmap, and how fine.
+    pub lumels: LumelSettings,
+    /// Changes with the lumels and their light.
+    pub lumel_generation: u64,
     /// Whether the light follows changes of the lights at once, where all rays are stored.
     pub live: bool,
     /// Numbered states.
@@ -96,6 +105,7 @@ pub struct Session {
     computed: Option<Computed>,
     history: History<Edit>,
     saved_edit: Edit,
+    lightmapping: Lightmapping,
     running: Option<Running>,
     opening: Option<Opening>,
     restoring: Option<LeftBehind>,
@@ -143,6 +153,8 @@ impl Session {
             paint_generation: 0,
             active: 0,
             settings: Settings::default(),
+            lumels: LumelSettings::default(),
+            lumel_generation: 0,
             live: true,
             slots: Slots::default(),
             camera: FlyCamera::default(),
@@ -155,6 +167,7 @@ impl Session {
             computed: None,
             history: History::new(Edit::default()),
             saved_edit: Edit::default(),
+            lightmapping: Lightmapping::default(),
             running: None,
             opening: None,
             restoring: None,
@@ -175,6 +188,7 @@ impl Session {
         self.poll_solve(hand);
         self.follow_reading();
         self.follow_changes(hand);
+        self.follow_lumels(hand);
         if hand == Hand::Free {
             self.history.commit(&self.edit());
         }
@@ -199,7 +213,7 @@ impl Session {
         let opening = self.opening.as_ref().map(|opening| opening.task.what());
         let loading = self.loading.as_ref().map(Background::what);
         let saving = self.saving.first().map(Background::what);
-        opening.or(loading).or(saving).map(str::to_owned)
+        opening.or(loading).or(saving).or(self.unwrapping()).map(str::to_owned)
     }
 
     /// What wakes the window when work on another thread is done.
@@ -235,5 +249,6 @@ impl Session {
         self.light_generation += 1;
         self.stats.clear();
         self.computed = None;
+        self.forget_lumels();
     }
 }

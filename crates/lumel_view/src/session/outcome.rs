@@ -2,6 +2,7 @@
 
 use super::running::{Errand, Then};
 use super::{Computed, Hand, Session};
+use crate::lumel_light::LumelIllumination;
 use crate::notice::Level;
 use crate::solver::{Ending, Phase, SolveStart};
 use lumel::{Control, TargetError};
@@ -24,6 +25,7 @@ impl Session {
                     self.computed = Some(Computed::unfinished(running.inputs.clone()));
                 }
                 Errand::StandardError => self.light.standard_error = published.light.standard_error,
+                Errand::Lumels => return self.poll_lumels(published.lumels, phase),
             }
             self.light_generation += 1;
         }
@@ -31,6 +33,14 @@ impl Session {
             Phase::Ended(ending) => self.finish(ending),
             _ if hand == Hand::Free => self.heed_changes(),
             _ => {}
+        }
+    }
+
+    /// The same for the light of lumels, beside which that of vertices stays.
+    fn poll_lumels(&mut self, light: Option<LumelIllumination>, phase: Phase) {
+        self.take_lumels(light);
+        if let Phase::Ended(ending) = phase {
+            self.finish(ending);
         }
     }
 
@@ -62,8 +72,10 @@ impl Session {
             let text = format!("The checkpoint could not be written; save the solution: {problem}");
             self.notices.push(Level::Warning, text);
         }
-        if running.errand == Errand::StandardError {
-            return self.finish_standard_error(&ending);
+        match running.errand {
+            Errand::StandardError => return self.finish_standard_error(&ending),
+            Errand::Lumels => return self.finish_lumels(&ending, running.job.seconds()),
+            Errand::Solve | Errand::Follow | Errand::Read { .. } => {}
         }
         if running.follows() && ending != Ending::Done {
             if let Ending::Failed(problem) = ending {

@@ -24,6 +24,8 @@ pub(super) enum Errand {
     Follow,
     /// The standard error of a finished solve.
     StandardError,
+    /// The light of lumels, by itself, after a solve.
+    Lumels,
     /// What a solve has found, read as the settings ask now: shown when it is done.
     Read {
         /// Whether the solve had finished.

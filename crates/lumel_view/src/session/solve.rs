@@ -38,6 +38,9 @@ impl Session {
             return;
         }
         let Some(start) = self.start_point() else {
+            if self.resume_lumels() {
+                return;
+            }
             let text = "Already solved for these lights and settings: ask for more bounces or rays, \
                         or change the seed";
             self.notices.push(Level::Info, text);
@@ -132,7 +135,7 @@ impl Session {
     }
 
     /// Starts a job; `inputs` is what its light is computed from.
-    fn run(&mut self, inputs: Inputs, task: Task, work: Work, keep: Keep, errand: Errand) {
+    pub(super) fn run(&mut self, inputs: Inputs, task: Task, work: Work, keep: Keep, errand: Errand) {
         let job = SolveJob::start(task, work, Arc::clone(&self.pool), keep, self.wakes.clone());
         self.running = Some(Running { job, inputs, seen: 0, then: Then::Rest, errand });
     }
@@ -169,6 +172,6 @@ impl Session {
     }
 }
 
-fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings) -> Task {
+pub(super) fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings) -> Task {
     Task { scene: Arc::clone(scene), baker: Arc::clone(&document.baker), settings: settings.clone() }
 }

@@ -4,6 +4,7 @@
 //! stop. A solve is cancelled within a few milliseconds.
 
 mod job;
+mod lumels;
 mod published;
 mod publisher;
 mod run;

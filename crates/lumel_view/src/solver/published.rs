@@ -1,6 +1,7 @@
 //! What can be seen of a job while it runs.
 
 use super::task::Solved;
+use crate::lumel_light::LumelIllumination;
 use crate::selection::Illumination;
 use crate::wake::Wakes;
 use lumel::{Control, Reading, Tracker};
@@ -24,6 +25,10 @@ pub enum Phase {
     Layer(u32),
     /// Measuring the standard error.
     StandardError,
+    /// Measuring the light of lumels.
+    Lumels,
+    /// Taking noise off them, and closing seams.
+    Finishing,
     /// It is over.
     Ended(Ending),
 }
@@ -59,9 +64,11 @@ pub struct Published {
     pub phase: Phase,
     /// The light so far.
     pub light: Illumination,
+    /// The light of lumels so far, once they are measured.
+    pub lumels: Option<LumelIllumination>,
     /// One for each finished bounce.
     pub stats: Vec<BounceStats>,
-    /// Changes with the light.
+    /// Changes with the light, at vertices or at lumels.
     pub generation: u64,
     /// Why the last checkpoint could not be written, if it could not.
     pub checkpoint_problem: Option<String>,
@@ -83,6 +90,7 @@ impl Shared {
         let published = Published {
             phase: Phase::Preparing,
             light: Illumination::new(),
+            lumels: None,
             stats: Vec::new(),
             generation: 0,
             checkpoint_problem: None,

@@ -1,5 +1,6 @@
 //! The work of a job.
 
+use super::lumels;
 use super::published::{Ending, Phase, Shared, lock};
 use super::publisher::Publisher;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
@@ -23,6 +24,11 @@ pub(super) fn run(task: &Task, work: Work, control: &Control, shared: &Shared, k
                 }
                 Err(_) => Ending::Stopped,
             }
+        }
+        Work::Lumels { solved, layout, denoises } => {
+            let ending = lumels::measure(&solved, &layout, denoises, control, shared);
+            *lock(&shared.solved) = Some(solved);
+            ending
         }
         Work::Read(solved) => {
             let baker = Arc::new(solved.baker.relit(Arc::clone(&task.scene), task.settings.clone()));

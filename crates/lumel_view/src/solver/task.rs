@@ -1,5 +1,6 @@
 //! What there is to compute, and what was computed.
 
+use crate::layout::Layout;
 use lumel::{Baker, Saved, Scene, Settings, SolveState};
 use std::sync::Arc;
 
@@ -22,6 +23,15 @@ pub enum Work {
     StandardError(Arc<Solved>),
     /// The bounces of a solve, read as other settings ask.
     Read(Arc<Solved>),
+    /// The light of a solve at lumels.
+    Lumels {
+        /// The solve.
+        solved: Arc<Solved>,
+        /// Where the lumels lie.
+        layout: Arc<Layout>,
+        /// Whether noise is taken off.
+        denoises: bool,
+    },
 }
 
 /// Where a solve begins.

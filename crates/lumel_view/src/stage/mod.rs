@@ -4,6 +4,7 @@
 
 mod blit;
 mod content;
+mod lumels;
 mod metered;
 mod showing;
 mod strip;
@@ -22,10 +23,13 @@ use blit::Blit;
 use content::Content;
 use eframe::egui_wgpu::RenderState;
 use lumel::{RectLight, Scene, VertexLighting};
+use lumel_lightmap::Filter;
 use lumel_render_cpu::Scale;
 use lumel_render_gpu::{
     Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
+    Values,
 };
+use lumels::{LumelContent, ShownLumels};
 use metered::Metered;
 use std::sync::{Arc, Mutex, PoisonError};
 use strip::{Canvas, Strip};
@@ -41,9 +45,12 @@ struct Drawn {
     samples: Samples,
     camera: FlyCamera,
     contents: [Option<Content>; 2],
+    lumels: Option<LumelContent>,
+    filter: Filter,
     lamps: Vec<RectLight>,
     look: Look,
     wireframe: bool,
+    grid: bool,
     marks: Option<u64>,
     split: Option<f32>,
 }
@@ -72,6 +79,7 @@ struct DrawnMarks {
 /// The range of false colours that was read off some content.
 struct AutomaticRange {
     of: Content,
+    lumels: Option<LumelContent>,
     scale: Scale,
     range: [f32; 2],
 }
@@ -83,6 +91,7 @@ pub struct Stage {
     model: Option<LoadedModel>,
     buffers: Vec<LightBuffer>,
     contents: [Option<Content>; 2],
+    lumels: Option<ShownLumels>,
     target: Option<ShownTarget>,
     blit: Blit,
     drawn: Option<Drawn>,
@@ -93,6 +102,8 @@ pub struct Stage {
     problems: Arc<Mutex<Vec<String>>>,
     /// Pictures drawn so far, for tests and benchmarks.
     pub pictures: u64,
+    /// Tiles of lumels uploaded so far, likewise.
+    pub tiles: u64,
 }
 
 impl Stage {
@@ -112,6 +123,7 @@ impl Stage {
             model: None,
             buffers: Vec::new(),
             contents: [None; 2],
+            lumels: None,
             target: None,
             blit,
             drawn: None,
@@ -121,6 +133,7 @@ impl Stage {
             range: None,
             problems,
             pictures: 0,
+            tiles: 0,
         }
     }
 
@@ -169,12 +182,14 @@ impl Stage {
         else {
             return Ok(None);
         };
+        let vertices = &self.buffers[LEFT];
+        let left = match self.lumels.as_ref().filter(|_| drawn.lumels.is_some()) {
+            Some(shown) => Values::Lumels { lumels: &shown.buffer, filter: drawn.filter, vertices },
+            None => Values::Vertices(vertices),
+        };
         let light = match drawn.split {
-            Some(at) => {
-                let [left, right] = [LEFT, RIGHT].map(|side| (&self.buffers[side]).into());
-                Lit::Split { left, right, at }
-            }
-            None => Lit::One((&self.buffers[LEFT]).into()),
+            Some(at) => Lit::Split { left, right: Values::Vertices(&self.buffers[RIGHT]), at },
+            None => Lit::One(left),
         };
         let frame = Frame {
             model,
@@ -183,7 +198,7 @@ impl Stage {
             rect_lights: &drawn.lamps,
             look: drawn.look,
             wireframe: drawn.wireframe,
-            grid: false,
+            grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
             sky: document.scene.sky().mean(),
         };
@@ -223,16 +238,28 @@ impl Stage {
 
     fn load(&mut self, session: &Session, scene: &Scene) -> Result<(), RenderError> {
         let (document, paint) = (session.document_generation, session.paint_generation);
-        if let Some(loaded) = self.model.as_mut().filter(|loaded| loaded.document == document) {
+        let layout = session.layout();
+        let has_layout = |lumels: &Option<ShownLumels>| match layout {
+            Some(layout) => lumels.as_ref().is_some_and(|lumels| Arc::ptr_eq(lumels.layout(), layout)),
+            None => true,
+        };
+        let is_there = |loaded: &&mut LoadedModel| loaded.document == document && has_layout(&self.lumels);
+        if let Some(loaded) = self.model.as_mut().filter(is_there) {
             if loaded.paint != paint {
                 self.renderer.repaint(&loaded.model, scene);
                 loaded.paint = paint;
             }
             return Ok(());
         }
-        self.model = None;
+        (self.model, self.lumels) = (None, None);
         self.strip = Strip::default();
-        let model = self.renderer.upload(scene)?;
+        let model = match layout {
+            Some(layout) => {
+                self.lumels = Some(ShownLumels::new(&self.renderer, layout)?);
+                self.renderer.upload_with_atlas(scene, &layout.refined)?
+            }
+            None => self.renderer.upload(scene)?,
+        };
         self.buffers = (0..2).map(|_| self.renderer.light(&model)).collect();
         (self.contents, self.drawn, self.range) = ([None; 2], None, None);
         self.exposure = Metered::default();
@@ -250,17 +277,25 @@ impl Stage {
         if let Some(right) = &right {
             self.fill(RIGHT, right, session)?;
         }
+        let lumels = LumelContent::new(session, view.mode, view.selection);
+        if let (Some(content), Some(shown)) = (&lumels, &mut self.lumels) {
+            self.tiles += shown.fill(&self.renderer, session, content);
+        }
+        let is_smooth = lumels.as_ref().is_some_and(LumelContent::is_smooth);
         let lamps = drawn(&session.lights);
-        let look = self.look(showing, &left, &lamps, size);
+        let look = self.look(showing, (&left, lumels.as_ref()), &lamps, size);
         let live = showing.quality == Quality::Live && self.gpu().is_software();
         Ok(Drawn {
             size,
             samples: if view.antialias && !live { Samples::Four } else { Samples::One },
             camera: session.camera,
             contents: [Some(left), right],
+            lumels,
+            filter: if is_smooth { view.filter.into() } else { Filter::Nearest },
             lamps,
             look,
             wireframe: view.wireframe,
+            grid: view.grid && session.layout().is_some(),
             marks: showing.marks.map(|marks| marks.generation),
             split: split.map(|split| split.at),
         })
@@ -279,7 +314,13 @@ impl Stage {
         Ok(())
     }
 
-    fn look(&mut self, showing: &Showing<'_>, left: &Content, lamps: &[RectLight], size: [u32; 2]) -> Look {
+    fn look(
+        &mut self,
+        showing: &Showing<'_>,
+        (left, lumels): (&Content, Option<&LumelContent>),
+        lamps: &[RectLight],
+        size: [u32; 2],
+    ) -> Look {
         let view = showing.view;
         let (tone, white) = (view.tone(), view.white);
         match view.mode {
@@ -299,26 +340,44 @@ impl Stage {
             }
             ViewMode::Albedo => Look::Albedo,
             ViewMode::Normals => Look::Normals,
-            ViewMode::Validity => Look::Plain,
-            ViewMode::StandardError if showing.session.light.standard_error.is_none() => Look::Plain,
-            ViewMode::FalseColor | ViewMode::StandardError | ViewMode::TriangleSize => {
-                Look::FalseColor { range: self.range_of(showing, left), scale: view.scale() }
+            ViewMode::Validity | ViewMode::Chequerboard | ViewMode::Charts | ViewMode::Seams => Look::Plain,
+            ViewMode::StandardError if lumels.is_none() && showing.session.light.standard_error.is_none() => {
+                Look::Plain
+            }
+            ViewMode::LumelDensity if lumels.is_none() => Look::Plain,
+            ViewMode::FalseColor
+            | ViewMode::StandardError
+            | ViewMode::TriangleSize
+            | ViewMode::LumelDensity => {
+                // That of light is the same, wherever it is stored.
+                let lumels = lumels.filter(|_| view.mode != ViewMode::FalseColor);
+                Look::FalseColor { range: self.range_of(showing, left, lumels), scale: view.scale() }
             }
         }
     }
 
-    fn range_of(&mut self, showing: &Showing<'_>, left: &Content) -> [f32; 2] {
+    fn range_of(&mut self, showing: &Showing<'_>, left: &Content, lumels: Option<&LumelContent>) -> [f32; 2] {
         let view = showing.view;
         if !view.auto_range && view.mode == ViewMode::FalseColor {
             return view.range;
         }
+        if let (ViewMode::LumelDensity, Some(layout)) = (view.mode, showing.session.layout()) {
+            let density = layout.lumels.atlas.density();
+            return [0.5 * density, 2.0 * density];
+        }
         let scale = view.scale();
-        if let Some(known) = self.range.as_ref().filter(|known| known.of == *left && known.scale == scale) {
+        let lumels = lumels.copied();
+        let is_known =
+            |known: &&AutomaticRange| known.of == *left && known.lumels == lumels && known.scale == scale;
+        if let Some(known) = self.range.as_ref().filter(is_known) {
             return known.range;
         }
-        let values = left.values(showing.session).unwrap_or_default();
+        let values = match self.lumels.as_ref().filter(|_| lumels.is_some()) {
+            Some(shown) => shown.known(),
+            None => left.values(showing.session).unwrap_or_default(),
+        };
         let range = values::automatic_range(&values, scale);
-        self.range = Some(AutomaticRange { of: *left, scale, range });
+        self.range = Some(AutomaticRange { of: *left, lumels, scale, range });
         range
     }
 

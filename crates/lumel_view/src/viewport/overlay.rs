@@ -82,18 +82,18 @@ fn bar(session: &Session, view: &mut ViewPrefs, ui: &mut Ui, rect: Rect) {
         .show(&mut ui, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                mode(view, ui);
+                mode(view, session.layout().is_some(), ui);
                 ui.add_space(6.0);
                 bounces(session, &mut view.selection, ui);
             });
         });
 }
 
-fn mode(view: &mut ViewPrefs, ui: &mut Ui) {
+fn mode(view: &mut ViewPrefs, has_lumels: bool, ui: &mut Ui) {
     let shown = &mut view.mode;
     let combo = ComboBox::from_id_salt("surfaces").width(112.0).height(400.0).selected_text(shown.name());
     let response = combo.show_ui(ui, |ui| {
-        for mode in ViewMode::ALL {
+        for mode in ViewMode::offered(has_lumels) {
             ui.selectable_value(shown, mode, mode.name()).on_hover_text(mode.hint());
         }
     });

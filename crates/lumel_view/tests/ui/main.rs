@@ -10,6 +10,7 @@ mod files;
 mod hands;
 mod harness;
 mod layers;
+mod lightmap;
 mod lights;
 mod live;
 mod measure;

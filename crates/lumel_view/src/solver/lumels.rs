@@ -1,0 +1,44 @@
+//! Light at lumels, after a solve.
+
+use super::published::{Ending, Phase, Shared};
+use super::task::Solved;
+use crate::layout::Layout;
+use crate::lumel_light::LumelIllumination;
+use lumel::{Control, Lightmap, Lumels, TransportError};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Time between two looks at lumels that are being measured, at least.
+const PERIOD: Duration = Duration::from_millis(490);
+
+/// Measures the light of a solve at the lumels of a layout, and publishes what is known of it meanwhile.
+pub(super) fn measure(
+    solved: &Solved,
+    layout: &Arc<Layout>,
+    denoises: bool,
+    control: &Control,
+    shared: &Shared,
+) -> Ending {
+    shared.publish_phase(Phase::Lumels);
+    let Lumels { scene, atlas, coverage } = &layout.lumels;
+    let Solved { baker, state } = solved;
+    let mut light = baker.no_light_at_lumels(state, &layout.lumels);
+    let mut next = Instant::now();
+    let measured = baker.continue_lumels(state, &layout.lumels, &mut light, control, &mut |so_far| {
+        if Instant::now() >= next {
+            let known = LumelIllumination::measured(Arc::clone(layout), so_far.clone());
+            shared.publish_light(|published| published.lumels = Some(known));
+            next = Instant::now() + PERIOD;
+        }
+    });
+    match measured {
+        Ok(()) => {}
+        Err(TransportError::Cancelled) => return Ending::Stopped,
+        Err(error) => return Ending::Failed(error.to_string()),
+    }
+    shared.publish_phase(Phase::Finishing);
+    let lightmap = Lightmap::finished(scene, atlas, coverage, &light, denoises);
+    let all = LumelIllumination::finished(Arc::clone(layout), lightmap);
+    shared.publish_light(|published| published.lumels = Some(all));
+    Ending::Done
+}
