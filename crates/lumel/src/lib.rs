@@ -77,7 +77,7 @@ pub use lumel_scene::{
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
 pub use lumel_transport::{Control, Emitter, EmitterMask, EmitterSampling, LightSampling, TransportError};
-pub use lumels::{LumelAccuracy, Lumels, PartDone};
+pub use lumels::{LumelAccuracy, LumelParts, Lumels, PartDone};
 pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;

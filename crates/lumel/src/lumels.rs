@@ -8,9 +8,11 @@ use lumel_sample::SamplerKind;
 use lumel_scene::Scene;
 use lumel_solve::{SolveState, Target};
 use lumel_transport::{
-    CachedTransport, Control, CpuTransport, Job, Order, Plan, Source, TransportError, accumulate,
+    CachedTransport, Control, CpuTransport, Job, Order, Plan, Source, Stored, TransportError, accumulate,
 };
 use lumel_uv::{Atlas, Coverage};
+use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::Arc;
 
 /// Where lumels lie on the surfaces of a scene.
@@ -42,7 +44,7 @@ impl Lumels {
     }
 }
 
-/// Lumels that are measured together at most: so many are lost when a bake is killed, and shown late in a window.
+/// Lumels that are measured together at most: so many are lost when a bake is killed.
 const PART: usize = 1 << 16;
 
 /// Each half of the first round has this share of the samples of the settings.
@@ -78,6 +80,51 @@ pub struct LumelAccuracy {
     pub percentile_95: f64,
     /// The share of lumels that are below the target error, if there is one.
     pub share: Option<f64>,
+}
+
+/// How lumels are measured: in which parts, and with which rays.
+///
+/// Neither changes a bit of their light.
+pub struct LumelParts {
+    /// Lumels that are measured together at most.
+    pub most: usize,
+    /// Bytes of rays of the first round that may be kept, so that under other lights they need not be traced again. Later
+    /// rounds measure other lumels then.
+    pub kept_bytes: u64,
+    /// By the first lumel of a part and the half of the samples.
+    kept: BTreeMap<(usize, usize), Stored>,
+}
+
+impl Default for LumelParts {
+    /// Large parts, of which no rays are kept.
+    fn default() -> Self {
+        Self { most: PART, kept_bytes: 0, kept: BTreeMap::new() }
+    }
+}
+
+impl fmt::Debug for LumelParts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { most, kept_bytes, .. } = self;
+        f.debug_struct("LumelParts")
+            .field("most", most)
+            .field("kept_bytes", kept_bytes)
+            .finish_non_exhaustive()
+    }
+}
+
+impl LumelParts {
+    /// Bytes of the rays that are kept.
+    pub fn bytes(&self) -> u64 {
+        self.kept.values().map(|stored| stored.rows().bytes()).sum()
+    }
+
+    /// Keeps the rays of a part instead of those that were, if they fit.
+    fn keep(&mut self, place: (usize, usize), stored: Stored) {
+        self.kept.remove(&place);
+        if self.bytes() + stored.rows().bytes() <= self.kept_bytes {
+            self.kept.insert(place, stored);
+        }
+    }
 }
 
 /// Called with all light so far, whenever a part of the lumels has been measured.
@@ -132,6 +179,22 @@ impl Baker {
         control: &Control,
         part_done: PartDone<'_>,
     ) -> Result<(), TransportError> {
+        self.continue_lumel_parts(state, lumels, light, &mut LumelParts::default(), control, part_done)
+    }
+
+    /// [Continues](Self::continue_lumels) in parts of a size of their own, with rays that are kept.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn continue_lumel_parts(
+        &self,
+        state: &SolveState,
+        lumels: &Lumels,
+        light: &mut LumelLight,
+        parts: &mut LumelParts,
+        control: &Control,
+        part_done: PartDone<'_>,
+    ) -> Result<(), TransportError> {
         let receivers = lumels.receivers();
         let order = Order::new(&receivers);
         let traced = CpuTransport::in_order(
@@ -143,7 +206,7 @@ impl Baker {
         );
         let (operator, sources) = (CachedTransport::new(traced, None), sources(state));
         loop {
-            self.finish_round(&operator, &sources, light, control, part_done)?;
+            self.finish_round((&operator, &sources), light, parts, control, part_done)?;
             let Some(active) = self.next_round(lumels, light) else { return Ok(()) };
             light.begin_round(active);
         }
@@ -152,27 +215,33 @@ impl Baker {
     /// Measures the lumels that are left of a round.
     fn finish_round(
         &self,
-        operator: &CachedTransport<VertexBasis, LumelReceivers>,
-        sources: &[StepSource<'_>],
+        (operator, sources): (&CachedTransport<VertexBasis, LumelReceivers>, &[StepSource<'_>]),
         light: &mut LumelLight,
+        parts: &mut LumelParts,
         control: &Control,
         part_done: PartDone<'_>,
     ) -> Result<(), TransportError> {
         let plans = [0, 1].map(|half| plan_of(self.settings().plan(), light.round, half));
         let active = light.active.iter().filter(|active| **active).count();
         let bytes = operator.memory_with(&plans[0], &light.active) / active.max(1) as u64;
-        let most = (self.settings().memory.0 / bytes.max(1)).clamp(1, PART as u64) as usize;
+        let most = (self.settings().memory.0 / bytes.max(1)).clamp(1, parts.most.max(1) as u64) as usize;
         while let Some(range) = light.next_part(most) {
             let wanted = |lumel: usize| range.contains(&lumel) && light.active[lumel];
             let wanted: Vec<bool> = (0..light.len()).map(wanted).collect();
-            let [first, second] = plans.map(|plan| {
-                let operator = operator.with_samples(plan, &wanted);
+            let is_first = light.round == 0;
+            let [first, second] = [0, 1].map(|half| {
+                let place = (range.start, half);
+                let kept = parts.kept.get(&place).filter(|_| is_first);
+                let operator = operator.with_shared_samples(plans[half], &wanted, kept);
                 let mut found = PartLight { known: vec![false; range.len()], sources: Vec::new() };
                 for (bounce, source) in sources.iter().enumerate() {
                     let job = Job { source: source.source(), bounce: bounce as u32, pass: 0, active: None };
                     let measured = accumulate(&operator, &job, control, None)?;
                     found.known.iter_mut().zip(&measured.known[range.clone()]).for_each(|(a, b)| *a |= b);
                     found.sources.push(measured.field.values()[range.clone()].to_vec());
+                }
+                if is_first {
+                    parts.keep(place, operator.stored());
                 }
                 Ok(found)
             });

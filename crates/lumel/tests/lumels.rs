@@ -4,7 +4,7 @@
 
 use glam::{EulerRot, Quat, Vec3};
 use lumel::{
-    Baker, BounceLimit, Checkpoint, Control, LumelLight, LumelState, Lumels, Memory, OpenOptions,
+    Baker, BounceLimit, Checkpoint, Control, LumelLight, LumelParts, LumelState, Lumels, Memory, OpenOptions,
     PointReceivers, Saved, Scene, SceneBuilder, Settings, Silent, SolveState, Tail, TargetError,
     measure_points,
 };
@@ -275,4 +275,38 @@ fn more_samples_go_where_light_is_noisy_until_a_target_is_reached() {
     let [median, worst] = [0.5, 0.95].map(|share| errors[(share * errors.len() as f32) as usize]);
     println!("median {median}, 95 % below {worst}");
     assert!(worst < 0.04 && median > 0.001, "{median} {worst}");
+}
+
+#[test]
+fn rays_that_are_kept_measure_other_light_with_the_same_bits() {
+    let scene = built(room());
+    let lumels = lumels(&scene, 9.0);
+    let settings =
+        Settings { bounces: BounceLimit::Count(2), direct_samples: 8, indirect_samples: 64, ..settings() };
+    let baker = Baker::new(Arc::clone(&scene), settings.clone());
+    let (mut parts, mut few) = (LumelParts::default(), LumelParts::default());
+    (parts.most, parts.kept_bytes) = (200, 1 << 30);
+    few.kept_bytes = 1000;
+    let mut saved = Vec::new();
+    for shift in [0.0, 0.1] {
+        let moved = |light: &Light| match *light {
+            Light::Rect(rect) => Light::Rect(RectLight { center: rect.center + Vec3::X * shift, ..rect }),
+            light => light,
+        };
+        let relit = Arc::new(scene.relit(scene.lights().iter().map(moved).collect()).unwrap());
+        let (baker, mut state) = (baker.relit(relit, settings.clone()), SolveState::new());
+        baker.run(&mut state, &Control::default(), &Silent).unwrap();
+        let whole = Control::default();
+        let expected = baker.light_at_lumels(&state, &lumels, &whole).unwrap();
+        for parts in [&mut parts, &mut few] {
+            let (control, mut light) = (Control::default(), baker.no_light_at_lumels(&state, &lumels));
+            baker.continue_lumel_parts(&state, &lumels, &mut light, parts, &control, &mut |_| {}).unwrap();
+            assert!(light == expected, "{shift}");
+            saved.push(whole.rays() - control.rays());
+        }
+    }
+    // A ray takes 8 bytes, and every lumel has some.
+    let kept = parts.bytes() / 8;
+    assert!(saved[..2] == [0, 0] && saved[3] == 0 && few.bytes() == 0, "{saved:?}");
+    assert!(saved[2] >= kept && kept > 8 * lumels.coverage.len() as u64, "{saved:?} {kept}");
 }

@@ -8,7 +8,8 @@ struct Interpolated {
     @location(0) at_vertices: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) from_eye: vec3<f32>,
-    @location(3) place: vec2<f32>,
+    /// Within the triangle, also where a sample of the pixel is and its middle is not: beyond it are lumels of others.
+    @location(3) @interpolate(perspective, centroid) place: vec2<f32>,
     @location(4) @interpolate(flat) page: u32,
 };
 

@@ -11,7 +11,8 @@ struct Interpolated {
     @location(0) light: vec3<f32>,
     @location(1) tint: vec3<f32>,
     @location(2) uv: vec2<f32>,
-    @location(3) place: vec2<f32>,
+    /// Within the triangle, also where a sample of the pixel is and its middle is not: beyond it are lumels of others.
+    @location(3) @interpolate(perspective, centroid) place: vec2<f32>,
     @location(4) @interpolate(flat) page: u32,
 };
 

@@ -89,6 +89,16 @@ impl ChunkRows<'_> {
 impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     /// Stores the rays of an operator, or takes those that another one has stored where they are the same.
     pub fn new(inner: CpuTransport<B, R>, shared: Option<&Stored>) -> Self {
+        let new = |inner: &CpuTransport<B, R>, chunks| Reflectance::new(&inner.scene, &*inner.basis, chunks);
+        Self::sharing(inner, shared, new)
+    }
+
+    /// Takes what another operator has stored where it is the same; `new` makes the reflectance at so many chunks of ends.
+    fn sharing(
+        inner: CpuTransport<B, R>,
+        shared: Option<&Stored>,
+        new: impl FnOnce(&CpuTransport<B, R>, usize) -> Reflectance,
+    ) -> Self {
         let key = key_of(&inner);
         let same_rows = shared.filter(|stored| stored.rows.key == key);
         let new_rows = || Arc::new(Rows::new(key, inner.order.chunk_count()));
@@ -97,8 +107,10 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         let same_reflectance = same_rows.filter(|stored| {
             stored.scene.has_surfaces_of(&inner.scene) && stored.reflectance.basis() == inner.basis.identity()
         });
-        let new = || Arc::new(Reflectance::new(&inner.scene, &*inner.basis, rows.chunks.len()));
-        let reflectance = same_reflectance.map_or_else(new, |stored| Arc::clone(&stored.reflectance));
+        let reflectance = match same_reflectance {
+            Some(stored) => Arc::clone(&stored.reflectance),
+            None => Arc::new(new(&inner, rows.chunks.len())),
+        };
         Self::with_rows(inner, rows, reflectance)
     }
 
@@ -118,10 +130,13 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     ///
     /// It traces rays of its own; the reflectance of surfaces is shared.
     pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
+        self.with_shared_samples(plan, nodes, None)
+    }
+
+    /// The same with the rays of another operator, where they are the same.
+    pub fn with_shared_samples(&self, plan: Plan, nodes: &[bool], stored: Option<&Stored>) -> Self {
         let inner = self.inner.with_samples(plan, nodes);
-        let rows = Arc::new(Rows::new(key_of(&inner), inner.order.chunk_count()));
-        let reflectance = Arc::new(self.reflectance.for_chunks(rows.chunks.len()));
-        Self::with_rows(inner, rows, reflectance)
+        Self::sharing(inner, stored, |_, chunks| self.reflectance.for_chunks(chunks))
     }
 
     /// How many elements count towards one of certain nodes.

@@ -18,8 +18,11 @@ use std::sync::Arc;
 /// How far a page can be enlarged, points per lumel.
 const MOST_ENLARGED: f32 = 64.0;
 
-/// What no lumel is at.
+/// What no chart is at.
 const EMPTY: Color32 = Color32::from_rgb(14, 14, 17);
+
+/// Lumels of which nothing is known.
+const UNKNOWN: Color32 = Color32::from_rgb(52, 52, 60);
 
 /// How a page is looked at.
 pub struct AtlasView {
@@ -194,8 +197,14 @@ fn page_image(session: &Session, layout: &Layout, key: &PageKey) -> ColorImage {
             Color32::from_rgb(r, g, b)
         }
     };
-    let mut pixels: Vec<Color32> = values.iter().map(color).collect();
-    pixels.resize(width * height, EMPTY);
+    let mut pixels = vec![EMPTY; width * height];
+    let lumels = layout.lumels.coverage.lumels().iter();
+    for lumel in lumels.filter_map(|&lumel| (lumel as usize).checked_sub(first)) {
+        pixels.get_mut(lumel).into_iter().for_each(|pixel| *pixel = UNKNOWN);
+    }
+    for (pixel, value) in pixels.iter_mut().zip(values).filter(|(_, value)| value.is_some()) {
+        *pixel = color(value);
+    }
     ColorImage::new([width, height], pixels)
 }
 

@@ -2,12 +2,12 @@
 
 use crate::document::{Document, OpenRequest, error_text};
 use glam::Vec3;
-use lumel::{Lumels, MaxEdge, OpenOptions, Preset, Scene};
+use lumel::{LumelParts, Lumels, MaxEdge, OpenOptions, Preset, Scene};
 use lumel_lightmap::{Dilation, Seams};
 use lumel_uv::{Atlas, Density, Pace, Report, UnwrapSettings, Unwrapped, unwrap};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// After this, objects that are left get simple charts.
@@ -15,6 +15,9 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Lumels that stay free between charts: bicubic reading needs so many.
 const GUTTER: u32 = 3;
+
+/// Lumels that are measured together: few, so that the picture changes often.
+const PART: usize = 1 << 13;
 
 /// Where light is stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -108,6 +111,8 @@ pub struct Layout {
     pub along_seams: Vec<u32>,
     /// How it went.
     pub report: Report,
+    /// The rays of its lumels, once they were traced, as far as they are kept.
+    pub parts: Mutex<LumelParts>,
 }
 
 impl Layout {
@@ -151,7 +156,9 @@ impl Layout {
         lumels.coverage.lumels().iter().for_each(|&lumel| valid[lumel as usize] = true);
         let dilation = Dilation::new(&lumels.atlas, &lumels.coverage, &valid);
         let along_seams = Seams::new(&lumels.scene, &lumels.atlas, &dilation).lumels().collect();
-        Ok(Self { key, lumels, refined, along_seams, report })
+        let mut parts = LumelParts::default();
+        parts.most = PART;
+        Ok(Self { key, lumels, refined, along_seams, report, parts: Mutex::new(parts) })
     }
 
     /// The scene as it is in its files, with the albedos that the open one has.

@@ -117,7 +117,9 @@ fn outlines(
     let scale = f64::from(area.width()) / f64::from(layout.lumels.atlas.pages()[page][0].max(1));
     let on_screen = |at: DVec2| pos2(area.left() + (at.x * scale) as f32, area.top() + (at.y * scale) as f32);
     let visible = rect.expand(2.0);
-    let stroke = Stroke::new(1.0, Color32::from_rgba_unmultiplied(255, 255, 255, 150));
+    // Small charts would be covered by their outlines.
+    let alpha = (150.0 * scale.min(1.0)) as u8;
+    let stroke = Stroke::new(1.0, Color32::from_rgba_unmultiplied(255, 255, 255, alpha));
     let edges = atlas.edges(layout).iter().filter(|edge| edge.page == page);
     let lines = edges.map(|edge| edge.ends.map(on_screen)).filter(|ends| {
         visible.intersects(Rect::from_two_pos(ends[0], ends[1])) && (ends[1] - ends[0]) != Vec2::ZERO

@@ -5,6 +5,7 @@ use crate::session::Session;
 use crate::solver::Phase;
 use crate::stage::Stage;
 use crate::theme;
+use crate::values::grouped;
 use eframe::egui::{self, ProgressBar, RichText, Ui};
 use lumel::{Accuracy, Ended, Settings};
 
@@ -52,10 +53,18 @@ fn state(session: &Session) -> (String, egui::Color32) {
             let accuracy = computed.accuracy().zip(computed.settings());
             let missed = accuracy.is_some_and(|(a, _)| a.ended != Some(Ended::Reached));
             let within = accuracy.map_or_else(String::new, |(a, s)| format!(", {}", within(&a, s)));
-            let text = format!("Solved: {}{time}{within}", computed.label(&session.light));
+            let text = format!("Solved: {}{time}{within}{}", computed.label(&session.light), lumels(session));
             (text, if missed { theme::WARNING } else { theme::GOOD })
         }
         None => (String::new(), theme::WEAK),
+    }
+}
+
+/// How many lumels have the light, if there is a lightmap.
+fn lumels(session: &Session) -> String {
+    match session.layout().filter(|_| session.has_whole_lightmap()) {
+        Some(layout) => format!("; {} lumels", grouped(layout.lumels.coverage.len())),
+        None => String::new(),
     }
 }
 

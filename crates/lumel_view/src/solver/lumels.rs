@@ -1,10 +1,10 @@
 //! Light at lumels, after a solve.
 
-use super::published::{Ending, Phase, Shared};
+use super::published::{Ending, Phase, Shared, lock};
 use super::task::Solved;
 use crate::layout::Layout;
 use crate::lumel_light::LumelIllumination;
-use lumel::{Control, Lightmap, Lumels, TransportError};
+use lumel::{Control, Lightmap, LumelLight, Lumels, TransportError};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -24,13 +24,19 @@ pub(super) fn measure(
     let Solved { baker, state } = solved;
     let mut light = baker.no_light_at_lumels(state, &layout.lumels);
     let mut next = Instant::now();
-    let measured = baker.continue_lumels(state, &layout.lumels, &mut light, control, &mut |so_far| {
+    let mut publish = |so_far: &LumelLight| {
         if Instant::now() >= next {
             let known = LumelIllumination::measured(Arc::clone(layout), so_far.clone());
             shared.publish_light(|published| published.lumels = Some(known));
             next = Instant::now() + PERIOD;
         }
-    });
+    };
+    let measured = {
+        let mut parts = lock(&layout.parts);
+        // The solve keeps rays too.
+        parts.kept_bytes = baker.settings().memory.0 / 2;
+        baker.continue_lumel_parts(state, &layout.lumels, &mut light, &mut parts, control, &mut publish)
+    };
     match measured {
         Ok(()) => {}
         Err(TransportError::Cancelled) => return Ending::Stopped,
