@@ -11,9 +11,10 @@ struct Interpolated {
     @location(0) light: vec3<f32>,
     @location(1) tint: vec3<f32>,
     @location(2) uv: vec2<f32>,
-    /// Within the triangle, also where a sample of the pixel is and its middle is not: beyond it are lumels of others.
-    @location(3) @interpolate(perspective, centroid) place: vec2<f32>,
+    @location(3) place: vec2<f32>,
     @location(4) @interpolate(flat) page: u32,
+    /// The smallest and largest places of the chart: the middle of a pixel may lie beyond the triangle that covers a part of it.
+    @location(5) @interpolate(flat) chart: vec4<f32>,
 };
 
 @vertex
@@ -24,8 +25,9 @@ fn vertex(
     @location(3) tint: vec3<f32>,
     @location(4) place: vec2<f32>,
     @location(5) page: u32,
+    @location(6) chart: vec4<f32>,
 ) -> Interpolated {
-    return Interpolated(project(position - view.eye), light, tint, uv, place, page);
+    return Interpolated(project(position - view.eye), light, tint, uv, place, page, chart);
 }
 
 /// Whether the surface is not there: below the least alpha of a mask, otherwise at that share of pixels.
@@ -58,6 +60,6 @@ fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
         let uv = mapped(in.uv, material.emission_u, material.emission_v);
         emission *= textureSample(emission_map, emission_sampler, uv).rgb;
     }
-    let light = value_at(in.place, in.page, in.light);
+    let light = value_at(clamp(in.place, in.chart.xy, in.chart.zw), in.page, in.light);
     return vec4<f32>(storable((emission + albedo * light * INVERSE_PI) * view.exposure), 1.0);
 }

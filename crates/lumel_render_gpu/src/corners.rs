@@ -1,6 +1,7 @@
 //! Vertices that differ in the atlas.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec2;
 use lumel_scene::TriId;
 use lumel_uv::Atlas;
 use std::collections::HashMap;
@@ -13,6 +14,8 @@ pub(crate) struct Place {
     /// Lumels.
     at: [f32; 2],
     page: u32,
+    /// The smallest and the largest coordinates of its chart, lumels.
+    chart: [[f32; 2]; 2],
 }
 
 /// Vertices of a device, of which a vertex of the scene has several where charts meet.
@@ -33,18 +36,19 @@ impl Corners {
 
     /// Splits vertices where the atlas has several places for them; `tris` are the triangles of `indices`.
     pub(crate) fn split(indices: &[[u32; 3]], tris: &[TriId], atlas: &Atlas) -> Self {
-        let mut numbers: HashMap<(u32, [u32; 2], u32), u32> = HashMap::new();
+        let mut numbers: HashMap<(u32, [u32; 2], usize), u32> = HashMap::new();
         let (mut sources, mut places) = (Vec::new(), Vec::new());
-        let mut number = |vertex: u32, at: [f32; 2], page: u32| {
-            *numbers.entry((vertex, at.map(f32::to_bits), page)).or_insert_with(|| {
+        let bounds = bounds_of_charts(atlas);
+        let mut number = |vertex: u32, at: [f32; 2], chart: usize| {
+            *numbers.entry((vertex, at.map(f32::to_bits), chart)).or_insert_with(|| {
                 sources.push(vertex);
-                places.push(Place { at, page });
+                places.push(Place { at, page: atlas.charts()[chart].page, chart: bounds[chart] });
                 sources.len() as u32 - 1
             })
         };
         let split = |(vertices, &tri): (&[u32; 3], &TriId)| {
-            let (corners, page) = (atlas.corners(tri), atlas.page(tri) as u32);
-            [0, 1, 2].map(|k| number(vertices[k], corners[k].to_array(), page))
+            let (corners, chart) = (atlas.corners(tri), atlas.chart(tri));
+            [0, 1, 2].map(|k| number(vertices[k], corners[k].to_array(), chart))
         };
         let indices = indices.iter().zip(tris).map(split).collect();
         Self { indices, sources: Some(sources.into()), places }
@@ -54,6 +58,16 @@ impl Corners {
     pub(crate) fn of<T: Copy>(&self, values: &[T]) -> Vec<T> {
         gathered(self.sources.as_deref(), values)
     }
+}
+
+/// The smallest and the largest coordinates of each chart, lumels.
+fn bounds_of_charts(atlas: &Atlas) -> Vec<[[f32; 2]; 2]> {
+    let mut bounds = vec![[Vec2::INFINITY, Vec2::NEG_INFINITY]; atlas.charts().len()];
+    for tri in (0..atlas.triangle_count() as u32).map(TriId) {
+        let [min, max] = &mut bounds[atlas.chart(tri)];
+        atlas.corners(tri).iter().for_each(|&at| (*min, *max) = (min.min(at), max.max(at)));
+    }
+    bounds.into_iter().map(|ends| ends.map(|end| end.to_array())).collect()
 }
 
 /// An attribute of the scene's vertices, for those of a device that are these.

@@ -1,6 +1,6 @@
 //! Vertex buffers as the pipelines read them.
 
-use wgpu::VertexFormat::{self, Float32x2, Float32x3, Snorm16x4, Uint32, Unorm8x4};
+use wgpu::VertexFormat::{self, Float32x2, Float32x3, Float32x4, Snorm16x4, Uint32, Unorm8x4};
 use wgpu::VertexStepMode;
 
 /// One vertex buffer per attribute, so that a pipeline reads only what it needs.
@@ -27,8 +27,8 @@ pub(crate) const UV: Attribute = per_vertex(&[Float32x2]);
 pub(crate) const TINT: Attribute = per_vertex(&[Float32x3]);
 pub(crate) const NO_TINT: Attribute = Attribute { constant: true, ..TINT };
 
-/// Place on a page of the atlas, lumels, and the page.
-pub(crate) const PLACE: Attribute = per_vertex(&[Float32x2, Uint32]);
+/// Place on a page of the atlas, lumels, the page, and the first and last places of the chart.
+pub(crate) const PLACE: Attribute = per_vertex(&[Float32x2, Uint32, Float32x4]);
 pub(crate) const NO_PLACE: Attribute = Attribute { constant: true, ..PLACE };
 
 /// Centre, half edges, radiance.

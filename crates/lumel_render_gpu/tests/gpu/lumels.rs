@@ -7,7 +7,7 @@ use glam::Vec3;
 use lumel_lightmap::{Filter, LumelLighting};
 use lumel_render_cpu::Scale;
 use lumel_render_gpu::{Frame, Lit, Look, LumelBuffer, Samples, Tile, Values};
-use lumel_uv::{Atlas, Density, Pace, UnwrapSettings, unwrap};
+use lumel_uv::{Atlas, Coverage, Density, Pace, UnwrapSettings, unwrap};
 
 const SIZE: [u32; 2] = [173, 120];
 
@@ -168,4 +168,21 @@ fn values_of_lumels_are_shown_as_colours_under_a_headlight() {
     let Some((uploaded, lumels)) = map.on(&subject, |_| true) else { return };
     let colored = uploaded.draw(SIZE, Samples::One, &frame(&uploaded, &lumels, Filter::Nearest, Look::Plain));
     assert!(share_beyond(&colored, &by_lumels, 8) > 0.2);
+}
+
+#[test]
+fn pixels_that_a_triangle_covers_in_part_read_lumels_of_its_chart() {
+    let subject = scenes::everything();
+    let mut map = Lumels::new(&subject);
+    map.values.fill(Vec3::splat(30.0));
+    let coverage = Coverage::new(&map.atlas);
+    coverage.lumels().iter().for_each(|&lumel| map.values[lumel as usize] = Vec3::ONE);
+    let Some((uploaded, lumels)) = map.on(&subject, |_| true) else { return };
+    for filter in [Filter::Nearest, Filter::Bilinear] {
+        let frame = frame(&uploaded, &lumels, filter, irradiance(0.0));
+        let picture = uploaded.draw([150, 105], Samples::Four, &frame);
+        let n_bright = picture.pixels().iter().filter(|pixel| pixel[1] > 160).count();
+        // The ball's charts are no rectangles.
+        assert!(n_bright <= 1, "{filter:?}: {n_bright} pixels");
+    }
 }
