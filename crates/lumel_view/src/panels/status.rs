@@ -71,7 +71,11 @@ fn lumels(session: &Session) -> String {
 fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
     let Some(job) = session.job() else { return };
     let progress = job.progress();
-    match progress.step_share {
+    let share = match *phase {
+        Phase::Lumels { percent, .. } => Some(f64::from(percent) / 100.0),
+        _ => progress.step_share,
+    };
+    match share {
         Some(share) => {
             ui.add(
                 ProgressBar::new(share as f32).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT),
@@ -91,7 +95,7 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::Layer(layer) => format!("Layer {} of {}", layer + 1, progress.layers),
         Phase::StandardError => "Measuring the standard error".to_owned(),
-        Phase::Lumels => "Measuring lumels".to_owned(),
+        Phase::Lumels { round, .. } => format!("Measuring lumels, round {}", round + 1),
         Phase::Finishing => "Finishing the lightmap".to_owned(),
         Phase::Ended(_) => String::new(),
     };

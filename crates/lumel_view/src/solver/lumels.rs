@@ -19,12 +19,15 @@ pub(super) fn measure(
     control: &Control,
     shared: &Shared,
 ) -> Ending {
-    shared.publish_phase(Phase::Lumels);
+    shared.publish_phase(Phase::Lumels { round: 0, percent: 0 });
     let Lumels { scene, atlas, coverage } = &layout.lumels;
     let Solved { baker, state } = solved;
     let mut light = baker.no_light_at_lumels(state, &layout.lumels);
     let mut next = Instant::now();
     let mut publish = |so_far: &LumelLight| {
+        let LumelLight { round, done, .. } = *so_far;
+        let percent = (100 * u64::from(done) / (so_far.len() as u64).max(1)) as u32;
+        shared.publish_phase(Phase::Lumels { round, percent });
         if Instant::now() >= next {
             let known = LumelIllumination::measured(Arc::clone(layout), so_far.clone());
             shared.publish_light(|published| published.lumels = Some(known));

@@ -26,7 +26,12 @@ pub enum Phase {
     /// Measuring the standard error.
     StandardError,
     /// Measuring the light of lumels.
-    Lumels,
+    Lumels {
+        /// The round of samples, from 0.
+        round: u32,
+        /// How much of it is done.
+        percent: u32,
+    },
     /// Taking noise off them, and closing seams.
     Finishing,
     /// It is over.
