@@ -3,9 +3,10 @@
 
 use crate::harness::Window;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Pos2, vec2};
+use eframe::egui::{Key, Modifiers, Pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable, by};
 use lumel_view::dock::Pane;
+use lumel_view::layout::LightBasis;
 
 #[test]
 fn every_panel_shows_itself_and_every_widget_has_a_name() {
@@ -39,11 +40,15 @@ fn dialogs_have_names_for_all_their_widgets() {
         window.press(Key::Escape);
         assert!(!window.state().dialogs.is_any_open(), "{key:?}");
     }
+    window.press_with(Modifiers::SHIFT, Key::K);
+    window.check_accessibility();
 }
 
 #[test]
 fn everything_fits_into_a_small_window() {
     let Some(mut window) = Window::solved_room() else { return };
+    window.session().lumels.basis = LightBasis::Lightmap;
+    window.wait_until("the unwrap", |app| app.session.layout().is_some());
     window.set_size(vec2(1000.0, 640.0));
     for tab in ["Lights", "Display", "Camera", "Compare", "Scene", "Solve"] {
         window.tab(tab);
