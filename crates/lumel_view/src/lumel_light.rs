@@ -4,6 +4,8 @@ use crate::layout::Layout;
 use crate::selection::Selection;
 use glam::Vec3;
 use lumel::{Lightmap, LumelLight};
+use lumel_lightmap::{Filter, LumelLighting};
+use lumel_scene::{Irradiance, SurfacePoint};
 use std::sync::Arc;
 
 /// Light on the lumels of a layout, as far as it is known.
@@ -61,6 +63,12 @@ impl LumelIllumination {
                 (0..lightmap.valid.len()).map(|lumel| Some(sum(lumel))).collect()
             }
         }
+    }
+
+    /// All light at a point of the open scene, read bilinearly, once the lightmap is finished.
+    pub fn at(&self, at: SurfacePoint) -> Option<Irradiance> {
+        let values = &*self.lightmap()?.layers.first()?.values;
+        Some(LumelLighting { atlas: &self.layout.refined, values, filter: Filter::Bilinear }.at(at))
     }
 
     /// The standard error of all light by lumel of all pages, W·m⁻², once the lightmap is finished.

@@ -55,6 +55,9 @@ fn content(session: &Session, pick: &Pick, ui: &mut Ui, height: f32) {
             if spot.emission != Vec3::ZERO {
                 line("Emits", format!("{} W/(m² sr)", rgb(spot.emission)));
             }
+            if let Some(light) = session.lumel_light().and_then(|light| light.at(spot.at)) {
+                line("On lumels", format!("{} W/m²", rgb(light.0)));
+            }
         });
         swatch(ui, spot.albedo);
         ui.add_space(4.0);

@@ -49,6 +49,7 @@ fn handles(viewport: &Viewport, subject: &Subject<'_>, ui: &Ui, rect: Rect) {
 fn captions(subject: &Subject<'_>, ui: &Ui, rect: Rect) {
     let Some(split) = subject.comparison.split() else { return };
     let right = match split.right {
+        Side::Current if subject.session.lumel_light().is_some() => "current solution at vertices".to_owned(),
         Side::Current => "current solution".to_owned(),
         Side::Kept(id) => {
             subject.session.kept.iter().find(|k| k.id == id).map_or_else(String::new, |k| k.name.clone())

@@ -183,6 +183,27 @@ fn lumels_have_views_of_their_own() {
 }
 
 #[test]
+fn a_click_reads_the_lumels_and_the_divider_compares_them_with_vertices() {
+    let Some(mut window) = Window::lightmapped_room() else { return };
+    let middle = window.area().center();
+    window.click_at(middle);
+    window.run_steps(2);
+    assert!(window.reads("On lumels"), "{}", window.texts());
+    let before = window.picture();
+    window.session().keep_light();
+    window.press(Key::C);
+    let split = window.picture();
+    let half = |picture: &Picture, right: bool| {
+        let width = picture.width() as usize;
+        let rows = picture.pixels().chunks(width);
+        let columns = if right { width * 9 / 16..width * 11 / 16 } else { width * 5 / 16..width * 7 / 16 };
+        rows.flat_map(|row| row[columns.clone()].to_vec()).collect::<Vec<_>>()
+    };
+    assert!(half(&before, false) == half(&split, false), "lumels on the left");
+    assert!(half(&before, true) != half(&split, true), "vertices on the right");
+}
+
+#[test]
 fn views_of_lumels_are_offered_where_there_are_some() {
     let Some(mut window) = Window::solved_room() else { return };
     window.tab("Display");
