@@ -11,9 +11,11 @@ pub(crate) const MAX_STACK: usize = 256;
 /// Cuts tried per axis; ranges of fewer triangles have as many as triangles, but not under [`MIN_BINS`].
 const MAX_BINS: usize = 32;
 const MIN_BINS: usize = 4;
-/// Boxes are this much larger than their triangles, relative to the largest coordinate: a ray that runs exactly in
-/// the side of a box must count as inside it.
-const BOX_PADDING: f32 = f32::EPSILON;
+/// Boxes are this much larger than their triangles, relative to the largest coordinate, and by a step of rounding at least:
+/// a ray that runs exactly in the side of a box must count as inside it. It leaves the padding after a million times the
+/// length of the scene, as no component of a direction counts as smaller than 1e-18. More would let rays that start just
+/// above a triangle start inside its box.
+const BOX_PADDING: f32 = 1e-12;
 /// Below this a range is not worth another thread.
 const MIN_PARALLEL: usize = 4096;
 

@@ -16,7 +16,9 @@ impl Item {
     pub(super) fn new(tri: u32, corners: &[Vec3; 3], padding: Vec3A) -> Option<Self> {
         corners.iter().all(|p| p.is_finite()).then(|| {
             let [a, b, c] = corners.map(Vec3A::from);
-            Self { min: a.min(b).min(c) - padding, max: a.max(b).max(c) + padding, tri }
+            let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+            let (below, above) = (min.map(f32::next_down), max.map(f32::next_up));
+            Self { min: below.min(min - padding), max: above.max(max + padding), tri }
         })
     }
 

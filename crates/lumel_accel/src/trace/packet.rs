@@ -148,6 +148,13 @@ impl<const TOGETHER: bool, const ANY: bool> Kernel for PacketTrace<'_, TOGETHER,
     }
 }
 
+/// One over the components of directions, those near zero kept away from it.
+#[inline(always)]
+fn inverse<L: Lanes>(isa: L::Isa, direction: L, smallest: L) -> L {
+    let tiny = direction.abs().lt(smallest);
+    L::splat(isa, 1.0).div(direction.replace(smallest, tiny))
+}
+
 /// What stays the same on the way through the tree.
 struct Traversal<'a, S: Simd, const TOGETHER: bool, const ANY: bool> {
     isa: S,
@@ -180,10 +187,9 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
             interval(origin)
         };
         let beam = Beam::new(isa, origins, interval(direction));
-        let inverse = each(direction, |d| {
-            let tiny = d.abs().lt(S::F16::splat(isa, beam.smallest));
-            S::F16::splat(isa, 1.0).div(d.replace(S::F16::splat(isa, beam.smallest), tiny))
-        });
+        let smallest = S::F16::splat(isa, beam.smallest);
+        let [x, y, z] = direction;
+        let inverse = [inverse(isa, x, smallest), inverse(isa, y, smallest), inverse(isa, z, smallest)];
         for (axis, inverse) in inverse.iter().enumerate() {
             inverse.store(&mut packet.inverse[axis]);
         }
@@ -271,12 +277,8 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
         let mut near = S::F16::splat(isa, 0.0);
         let mut far = t;
         for axis in 0..3 {
-            let slab = |side: f32| {
-                let side = S::F16::splat(isa, side);
-                let relative = if TOGETHER { side } else { side.sub(self.origin[axis]) };
-                relative.mul(self.inverse[axis])
-            };
-            let (lower, upper) = (slab(sides.0[axis][slot & 7]), slab(sides.1[axis][slot & 7]));
+            let lower = self.distance(axis, sides.0[axis][slot & 7]);
+            let upper = self.distance(axis, sides.1[axis][slot & 7]);
             if ONE {
                 let reversed = self.beam.octant >> axis & 1 == 1;
                 let (first, last) = if reversed { (upper, lower) } else { (lower, upper) };
@@ -288,6 +290,14 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
             }
         }
         near.le(far.mul(S::F16::splat(isa, LATER)))
+    }
+
+    /// Where rays pass a side of a box. A closure within [`entering`](Self::entering) would not surely be inlined.
+    #[inline(always)]
+    fn distance(&self, axis: usize, side: f32) -> S::F16 {
+        let side = S::F16::splat(self.isa, side);
+        let relative = if TOGETHER { side } else { side.sub(self.origin[axis]) };
+        relative.mul(self.inverse[axis])
     }
 
     /// Follows the few rays that are left in a subtree. Whether any met something.
