@@ -15,16 +15,18 @@ pub(crate) fn hash(x: u32, y: u32, seed: u32) -> f32 {
 pub(crate) fn value(uv: Vec2, period: [u32; 2], seed: u32) -> f32 {
     let (cell, f) = cell_of(uv, period);
     let fade = f * f * (Vec2::splat(3.0) - 2.0 * f);
-    let at = |dx, dy| hash((cell[0] + dx) % period[0], (cell[1] + dy) % period[1], seed);
-    let top = mix(at(0, 0), at(1, 0), fade.x);
-    let bottom = mix(at(0, 1), at(1, 1), fade.x);
+    let next = [0, 1].map(|axis| within(cell[axis] + 1, period[axis]));
+    let at = |x, y| hash(x, y, seed);
+    let top = mix(at(cell[0], cell[1]), at(next[0], cell[1]), fade.x);
+    let bottom = mix(at(cell[0], next[1]), at(next[0], next[1]), fade.x);
     mix(top, bottom, fade.y)
 }
 
 /// Five octaves of [`value`], the first with `period` cells: clouds in 0..1 around 0.5; tiles.
 pub(crate) fn clouds(uv: Vec2, period: [u32; 2], seed: u32) -> f32 {
-    let octave = |k: u32| value(uv, period.map(|p| p << k), seed + k) * 0.5_f32.powi(k as i32 + 1);
-    (0..5).map(octave).sum::<f32>() / (1.0 - 0.5_f32.powi(5))
+    const SHARES: [f32; 5] = [0.5, 0.25, 0.125, 0.0625, 0.03125];
+    let octave = |(k, share): (u32, f32)| value(uv, period.map(|p| p << k), seed + k) * share;
+    (0..).zip(SHARES).map(octave).sum::<f32>() / SHARES.iter().sum::<f32>()
 }
 
 /// Distance to the nearest and the second nearest of randomly placed points, one to a cell, in cells; tiles.
@@ -60,9 +62,21 @@ pub(crate) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
 
 /// The cell of a point of the unit square and where in the cell it is.
 fn cell_of(uv: Vec2, period: [u32; 2]) -> ([u32; 2], Vec2) {
-    let p = Vec2::new(uv.x.rem_euclid(1.0) * period[0] as f32, uv.y.rem_euclid(1.0) * period[1] as f32);
-    let cell = p.floor();
-    ([cell.x as u32 % period[0], cell.y as u32 % period[1]], p - cell)
+    let p = [wrapped(uv.x) * period[0] as f32, wrapped(uv.y) * period[1] as f32];
+    let cell = p.map(|p| p as u32);
+    let f = Vec2::new(p[0] - cell[0] as f32, p[1] - cell[1] as f32);
+    ([within(cell[0], period[0]), within(cell[1], period[1])], f)
+}
+
+/// `x.rem_euclid(1.0)` of a number that a texture coordinate may be, without the division of the C library.
+pub(crate) fn wrapped(x: f32) -> f32 {
+    let fraction = x - x as i32 as f32;
+    if fraction < 0.0 { fraction + 1.0 } else { fraction }
+}
+
+/// The remainder of a number of less than two periods.
+fn within(x: u32, period: u32) -> u32 {
+    if x >= period { x - period } else { x }
 }
 
 #[cfg(test)]

@@ -7,10 +7,11 @@
 
 use crate::mesh::ObjectMesh;
 use crate::runs::Runs;
+use crate::weld::{Weld, sorted_by_number};
 use crate::{Material, SceneBuilder, Warnings, luminance};
 use glam::{DVec3, Vec3};
 use std::cmp::Ordering;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// An object's face: the places of both in their lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -105,26 +106,28 @@ fn drop_faces(objects: &mut [ObjectMesh], kept: &mut [Runs], drops: &[Vec<bool>]
     places
 }
 
-/// The same number for all vertices in one place, by object.
-struct Points(Vec<Vec<u32>>);
+/// The same number for all vertices in one place.
+struct Points {
+    /// By object and vertex.
+    numbers: Vec<Vec<u32>>,
+    len: usize,
+}
 
 /// A face by the numbers of its corners in ascending order, and whether its winding is an odd permutation of that.
 type Key = ([u32; 3], bool);
 
 impl Points {
     fn of(objects: &[ObjectMesh]) -> Self {
-        let mut numbers = HashMap::new();
-        let mut number = |position: &Vec3| {
-            let next = numbers.len() as u32;
-            // Adding zero turns -0 into 0.
-            *numbers.entry((*position + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert(next)
-        };
-        Self(objects.iter().map(|object| object.positions.iter().map(&mut number).collect()).collect())
+        let mut weld = Weld::default();
+        let mut number = |position: &Vec3| weld.number(*position);
+        let numbers =
+            objects.iter().map(|object| object.positions.iter().map(&mut number).collect()).collect();
+        Self { numbers, len: weld.len() }
     }
 
     /// The points at the corners of a face, if there are such vertices.
     fn corners(&self, object: usize, vertices: [u32; 3]) -> Option<[u32; 3]> {
-        let [a, b, c] = vertices.map(|vertex| self.0[object].get(vertex as usize).copied());
+        let [a, b, c] = vertices.map(|vertex| self.numbers[object].get(vertex as usize).copied());
         Some([a?, b?, c?])
     }
 
@@ -141,7 +144,9 @@ impl Points {
     fn groups(&self, objects: &[ObjectMesh]) -> Vec<Vec<(FaceRef, bool)>> {
         let mut all: Vec<(Key, FaceRef)> =
             self.faces(objects).map(|(face, corners)| (sorted(corners), face)).collect();
-        all.sort_unstable_by_key(|&((corners, _), face)| (corners, face));
+        for k in [2, 1, 0] {
+            all = sorted_by_number(&all, self.len, |((corners, _), _)| corners[k]);
+        }
         let same = all.chunk_by(|a, b| a.0.0 == b.0.0).filter(|same| same.len() > 1);
         same.map(|same| same.iter().map(|&((_, is_odd), face)| (face, is_odd)).collect()).collect()
     }
@@ -151,7 +156,9 @@ impl Points {
         for (face, [a, b, c]) in self.faces(objects) {
             edges.extend([[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], face)));
         }
-        edges.sort_unstable();
+        for k in [1, 0] {
+            edges = sorted_by_number(&edges, self.len, |(ends, _)| ends[k]);
+        }
         let has_edge = |p: u32, q: u32| {
             let edge = [p.min(q), p.max(q)];
             edges.get(edges.partition_point(|(e, _)| *e < edge)).is_some_and(|(e, _)| *e == edge)
@@ -161,11 +168,18 @@ impl Points {
         for at_edge in edges.chunk_by(|a, b| a.0 == b.0) {
             for (i, &(diagonal, first)) in at_edge.iter().enumerate() {
                 let others = at_edge[i + 1..].iter().filter(|(_, second)| second.object == first.object);
-                for quad in others.filter_map(|&(_, second)| self.quad(objects, diagonal, [first, second])) {
-                    let mut corners = quad.around.map(|vertex| self.0[first.object][vertex as usize]);
-                    let [tip, _, other_tip, _] = corners;
-                    corners.sort_unstable();
-                    if has_edge(tip, other_tip) {
+                for &(_, second) in others {
+                    let Some([one, other]) = self.halves(objects, diagonal, [first, second]) else {
+                        continue;
+                    };
+                    let points = &self.numbers[first.object];
+                    // Most edges are no diagonal of a quad that is there twice.
+                    if !has_edge(points[one[0] as usize], points[other[0] as usize]) {
+                        continue;
+                    }
+                    if let Some(quad) = self.quad(objects, diagonal, [(first, one), (second, other)]) {
+                        let mut corners = quad.around.map(|vertex| points[vertex as usize]);
+                        corners.sort_unstable();
                         quads.entry(corners).or_default().push(quad);
                     }
                 }
@@ -184,22 +198,32 @@ impl Points {
         }
     }
 
-    /// The quad that two faces with an edge in common are halves of: flat, facing one way, of one material.
-    fn quad(&self, objects: &[ObjectMesh], diagonal: [u32; 2], halves: [FaceRef; 2]) -> Option<Quad> {
-        let (object, points) = (&objects[halves[0].object], &self.0[halves[0].object]);
-        let faces = halves.map(|half| object.faces[half.face]);
-        // From the corner that the diagonal leaves out.
-        let [one, other] = faces.map(|face| {
-            let tip = (0..3).find(|&i| !diagonal.contains(&points[face.vertices[i] as usize]));
-            tip.map(|tip| [0, 1, 2].map(|i| face.vertices[(tip + i) % 3]))
+    /// The vertices of two faces of an object, each from the corner that their common edge leaves out.
+    fn halves(&self, objects: &[ObjectMesh], edge: [u32; 2], halves: [FaceRef; 2]) -> Option<[[u32; 3]; 2]> {
+        let points = &self.numbers[halves[0].object];
+        let [one, other] = halves.map(|half| {
+            let vertices = objects[half.object].faces[half.face].vertices;
+            let tip = (0..3).find(|&i| !edge.contains(&points[vertices[i] as usize]));
+            tip.map(|tip| [0, 1, 2].map(|i| vertices[(tip + i) % 3]))
         });
-        let ([a, b, d], [c, e, f]) = (one?, other?);
+        Some([one?, other?])
+    }
+
+    /// The quad that two faces with an edge in common are halves of: flat, facing one way, of one material.
+    fn quad(
+        &self,
+        objects: &[ObjectMesh],
+        diagonal: [u32; 2],
+        [(first, [a, b, d]), (second, [c, e, f])]: [(FaceRef, [u32; 3]); 2],
+    ) -> Option<Quad> {
+        let (object, points) = (&objects[first.object], &self.numbers[first.object]);
+        let faces = [first, second].map(|half| object.faces[half.face]);
         let same = |v: u32, w: u32| points[v as usize] == points[w as usize];
         let is_one = faces[0].material == faces[1].material && faces[0].smoothing == faces[1].smoothing;
         let around = [a, b, c, d];
         let is_quad =
             is_one && same(b, f) && same(d, e) && is_flat(around.map(|v| object.positions[v as usize]));
-        is_quad.then_some(Quad { diagonal, halves, around })
+        is_quad.then_some(Quad { diagonal, halves: [first, second], around })
     }
 }
 

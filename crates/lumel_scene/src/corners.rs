@@ -1,7 +1,7 @@
 //! Which corners around a vertex belong together.
 
 use crate::mesh::{Face, ObjectMesh};
-use glam::Vec3;
+use crate::weld::{Weld, sorted_by_number};
 use std::collections::HashMap;
 
 /// The corners of a mesh, three per face, gathered into points; two corners may only be joined at one point.
@@ -20,18 +20,14 @@ impl Corners {
 
     /// Vertices at the same position are one point.
     pub(crate) fn by_position(mesh: &ObjectMesh) -> Self {
-        let mut first = HashMap::new();
-        // Adding zero turns -0 into 0, which must weld.
-        let key = |p: &Vec3| (*p + Vec3::ZERO).to_array().map(f32::to_bits);
-        let point_of =
-            mesh.positions.iter().enumerate().map(|(i, p)| *first.entry(key(p)).or_insert(i as u32));
-        let point_of = point_of.collect();
-        Self::new(mesh, point_of)
+        let mut weld = Weld::default();
+        Self::new(mesh, mesh.positions.iter().map(|p| weld.number(*p)).collect())
     }
 
     fn new(mesh: &ObjectMesh, point_of: Vec<u32>) -> Self {
-        let mut sorted: Vec<u32> = (0..3 * mesh.faces.len() as u32).collect();
-        sorted.sort_by_key(|&corner| point_of[vertex_of(&mesh.faces, corner) as usize]);
+        let corners: Vec<u32> = (0..3 * mesh.faces.len() as u32).collect();
+        let point = |corner: &u32| point_of[vertex_of(&mesh.faces, *corner) as usize];
+        let sorted = sorted_by_number(&corners, mesh.positions.len(), point);
         Self { point_of, sorted }
     }
 

@@ -1,7 +1,7 @@
 //! Surfaces that enclose a solid.
 
 use crate::face_list::FaceList;
-use crate::weld::Weld;
+use crate::weld::{Weld, sorted_by_number};
 use crate::{Scene, TriId};
 use glam::DVec3;
 
@@ -52,7 +52,8 @@ impl Shells {
                 |(from, to): (u32, u32)| Edge { ends: (from.min(to), from.max(to)), forward: from < to, tri };
             edges.extend([(a, b), (b, c), (c, a)].map(edge));
         }
-        edges.sort_unstable_by_key(|edge| edge.ends);
+        let edges = sorted_by_number(&edges, weld.len(), |edge: &Edge| edge.ends.1);
+        let edges = sorted_by_number(&edges, weld.len(), |edge| edge.ends.0);
         let mut forest = Forest::new(faces.traced);
         for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
             edge.windows(2).for_each(|pair| forest.join(pair[0].tri, pair[1].tri));
@@ -86,6 +87,7 @@ impl Shells {
 }
 
 /// A side of a triangle between two points.
+#[derive(Clone, Copy)]
 struct Edge {
     ends: (u32, u32),
     forward: bool,

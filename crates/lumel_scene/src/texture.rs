@@ -135,15 +135,8 @@ impl Texture {
     pub fn texel(&self, x: u32, y: u32) -> Vec3 {
         let index = y as usize * self.width as usize + x as usize;
         match &self.texels {
-            Texels::Bytes { rgba, encoding: Encoding::Srgb } => {
-                let [r, g, b, _] = rgba[index];
-                let table = &*SRGB_TO_LINEAR;
-                Vec3::new(table[r as usize], table[g as usize], table[b as usize])
-            }
-            Texels::Bytes { rgba, encoding: Encoding::Linear } => {
-                let [r, g, b, _] = rgba[index];
-                Vec3::new(r as f32, g as f32, b as f32) / 255.0
-            }
+            Texels::Bytes { rgba, encoding: Encoding::Srgb } => from_srgb(rgba[index], &SRGB_TO_LINEAR),
+            Texels::Bytes { rgba, encoding: Encoding::Linear } => from_linear(rgba[index]),
             Texels::Floats(rgb) => Vec3::from_array(rgb[index]),
         }
     }
@@ -152,9 +145,7 @@ impl Texture {
     #[inline]
     pub fn texel_alpha(&self, x: u32, y: u32) -> f32 {
         match &self.texels {
-            Texels::Bytes { rgba, .. } => {
-                f32::from(rgba[y as usize * self.width as usize + x as usize][3]) / 255.0
-            }
+            Texels::Bytes { rgba, .. } => alpha(rgba[y as usize * self.width as usize + x as usize]),
             Texels::Floats(_) => 1.0,
         }
     }
@@ -168,18 +159,28 @@ impl Texture {
 
     /// The value at a texture coordinate by the texture's wrapping and filter, linear.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
-        self.look_up(uv, |x, y| self.texel(x, y))
+        match &self.texels {
+            Texels::Bytes { rgba, encoding: Encoding::Srgb } => {
+                let table = &*SRGB_TO_LINEAR;
+                self.look_up(uv, rgba, |texel| from_srgb(texel, table))
+            }
+            Texels::Bytes { rgba, encoding: Encoding::Linear } => self.look_up(uv, rgba, from_linear),
+            Texels::Floats(rgb) => self.look_up(uv, rgb, Vec3::from_array),
+        }
     }
 
     /// Alpha at a texture coordinate by the texture's wrapping and filter; 1 in images without.
     pub fn alpha(&self, uv: Vec2) -> f32 {
         match &self.texels {
-            Texels::Bytes { .. } => self.look_up(uv, |x, y| Vec3::splat(self.texel_alpha(x, y))).x,
+            Texels::Bytes { rgba, .. } => self.look_up(uv, rgba, |texel| Vec3::splat(alpha(texel))).x,
             Texels::Floats(_) => 1.0,
         }
     }
 
-    fn look_up(&self, uv: Vec2, texel: impl Fn(u32, u32) -> Vec3) -> Vec3 {
+    /// The value of `texels`, which are this texture's, at a texture coordinate.
+    #[inline(always)]
+    fn look_up<T: Copy>(&self, uv: Vec2, texels: &[T], value: impl Fn(T) -> Vec3) -> Vec3 {
+        let texel = |x: u32, y: u32| value(texels[y as usize * self.width as usize + x as usize]);
         if !uv.is_finite() {
             return texel(0, 0);
         }
@@ -209,6 +210,21 @@ impl Texture {
     fn all_texels(&self) -> impl Iterator<Item = Vec3> + '_ {
         (0..self.height).flat_map(move |y| (0..self.width).map(move |x| self.texel(x, y)))
     }
+}
+
+#[inline]
+fn from_srgb([r, g, b, _]: [u8; 4], table: &[f32; 256]) -> Vec3 {
+    Vec3::new(table[r as usize], table[g as usize], table[b as usize])
+}
+
+#[inline]
+fn from_linear([r, g, b, _]: [u8; 4]) -> Vec3 {
+    Vec3::new(r as f32, g as f32, b as f32) / 255.0
+}
+
+#[inline]
+fn alpha([.., alpha]: [u8; 4]) -> f32 {
+    f32::from(alpha) / 255.0
 }
 
 /// White whose alpha is the mean of channels, 0..=255.
@@ -252,8 +268,8 @@ fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> (u32, u32, f32) {
         Wrap::Mirror if index >= n => 2 * n - 1 - index,
         _ => index.clamp(0, n - 1),
     };
-    let [low, high] = [first as i64, first as i64 + 1].map(|index| fold(index) as u32);
-    (low, high, position - first)
+    let index = first as i64;
+    (fold(index) as u32, fold(index + 1) as u32, position - first)
 }
 
 /// `x.floor()`, which is a call of the C library where the processor is not known to have it.

@@ -1,6 +1,6 @@
 //! Materials of the atrium and the textures they show.
 
-use crate::noise::{clouds, hash, mix, smooth_step};
+use crate::noise::{clouds, hash, mix, smooth_step, wrapped};
 use crate::painting;
 use glam::{Vec2, Vec3};
 use lumel_scene::{Encoding, Material, MaterialId, Sides, Texture, TextureId, TextureRef};
@@ -129,7 +129,7 @@ fn fabric(uv: Vec2) -> Vec3 {
 
 /// Which of `n` cells a coordinate is in, and where in it.
 fn cell(coordinate: f32, n: u32) -> (u32, f32) {
-    let position = coordinate.rem_euclid(1.0) * n as f32;
+    let position = wrapped(coordinate) * n as f32;
     (position as u32 % n, position.fract())
 }
 
