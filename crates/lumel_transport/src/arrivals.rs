@@ -5,7 +5,6 @@ use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::job::Source;
 use crate::operator::CpuTransport;
-use crate::order::CHUNK;
 use crate::sky_rays::SkyRays;
 use crate::surface_rays::SurfaceRays;
 use crate::trace::Rays;
@@ -41,11 +40,6 @@ impl<'a> Arrivals<'a> {
         if let Some(surfaces) = &mut self.surfaces {
             surfaces.set(group.sites.iter(), rays.per_element as usize);
         }
-    }
-
-    /// How many elements of a chunk are read at once: one where its rays have to be known, else all.
-    pub(crate) fn side_by_side(arrivals: Option<&Self>) -> usize {
-        if arrivals.is_some() { 1 } else { CHUNK }
     }
 
     /// Takes the rays of [`trace::over_areas`](crate::trace::over_areas) of element `i` instead of those before, slot by slot.

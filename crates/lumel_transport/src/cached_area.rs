@@ -5,6 +5,7 @@ use crate::cached::{CachedTransport, ChunkRows};
 use crate::ends::{RayEnd, StoredEnd};
 use crate::job::{Control, Job, TransportError};
 use crate::measure::{self, LightScratch};
+use crate::order::CHUNK;
 use crate::reflectance::Reflected;
 use crate::sums::ElementSums;
 use crate::{EmitterMask, Sums, trace};
@@ -48,7 +49,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         for part in patterns.parts(&inner.order, chunk) {
             control.check()?;
             let area = self.area_chunk(&part, chunk);
-            measure::add_samples(inner, &area, &measured, &mut sums, |i, slot, _| {
+            measure::add_samples::<CHUNK, _, _>(inner, &area, &measured, &mut sums, |i, slot| {
                 let at = rows.at(area.first + slot, i);
                 let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
                 let value = reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);

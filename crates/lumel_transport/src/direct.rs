@@ -48,17 +48,14 @@ impl Direct<'_> {
         for l in self.looped_lights() {
             let Some(view) = self.view(l, site, 1.0) else { continue };
             let stream = self.plan.stream(samples, key, Dim::Light(l as u32));
-            match (self.plan.light_sampling, view.unblocked) {
-                (LightSampling::Analytic, Some(unblocked)) => {
-                    let pilot = (key, Dim::LightPilot(l as u32));
-                    let beta = self.visible_share(site, &view, pilot, samples / 4, (points, tally))?;
-                    let visible = self.visible(site, &view, points.fill(&stream, samples), tally)?;
-                    tally.sum += minus_blocked(unblocked, beta, &visible, samples);
-                }
-                _ => {
-                    let visible = self.visible(site, &view, points.fill(&stream, samples), tally)?;
-                    tally.sum += visible.lit / f64::from(samples);
-                }
+            if self.plan.light_sampling == LightSampling::Analytic && view.has_closed_form() {
+                let pilot = (key, Dim::LightPilot(l as u32));
+                let beta = self.visible_share(site, &view, pilot, samples / 4, (points, tally))?;
+                let visible = self.visible(site, &view, points.fill(&stream, samples), tally)?;
+                tally.sum += minus_blocked(|| view.unblocked(), beta, &visible, samples);
+            } else {
+                let visible = self.visible(site, &view, points.fill(&stream, samples), tally)?;
+                tally.sum += visible.lit / f64::from(samples);
             }
         }
         Ok(())
@@ -78,7 +75,7 @@ impl Direct<'_> {
 
     /// A light as a site sees it that samples it with this probability.
     pub(crate) fn view<'a>(&'a self, l: usize, site: &'a Site, probability: f64) -> Option<LightView<'a>> {
-        let view = LightView::new(self.scene, &self.lights.area[l].1, site, self.plan.light_sampling)?;
+        let view = self.lights.view(self.scene, l, site, self.plan.light_sampling)?;
         let balance = || Balance::new(self.plan).when_chosen(probability);
         Some(if self.lights.is_combined(l) { view.combined(balance()) } else { view })
     }
@@ -195,6 +192,7 @@ impl Direct<'_> {
 /// `β = 1` where the light is seen whole leaves only the closed form; `β = 0` where it is hidden leaves exactly zero;
 /// in a penumbra both terms vary less than the plain estimator. Unbiased, because the pilot's points are independent
 /// of the samples.
-fn minus_blocked(unblocked: Irradiance, beta: f64, visible: &Visible, samples: u32) -> DVec3 {
-    unblocked.0.as_dvec3() * beta + (visible.lit - visible.all * beta) / f64::from(samples)
+fn minus_blocked(unblocked: impl Fn() -> Irradiance, beta: f64, visible: &Visible, samples: u32) -> DVec3 {
+    let closed = if beta > 0.0 { unblocked().0.as_dvec3() * beta } else { DVec3::ZERO };
+    closed + (visible.lit - visible.all * beta) / f64::from(samples)
 }

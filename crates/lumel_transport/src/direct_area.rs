@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_basis::Site;
 use lumel_sample::{Dim, StreamKey};
+use smallvec::SmallVec;
 
 /// The samples of one element with an area.
 pub(crate) struct AreaSites<'a, N> {
@@ -130,7 +131,7 @@ impl Direct<'_> {
         values: &mut [DVec3],
     ) -> usize {
         let samples = area.sites.len() as u32;
-        let views: Vec<Option<(&Site, LightView<'_>)>> = area
+        let views: SmallVec<[Option<(&Site, LightView<'_>)>; 16]> = area
             .sites
             .iter()
             .map(|site| site.as_ref().and_then(|site| Some((site, self.view(l, site, 1.0)?))))
@@ -147,7 +148,7 @@ impl Direct<'_> {
         };
         // Where nothing is known of a closed form, all that is seen is counted.
         let mut beta = 0.0;
-        if self.plan.light_sampling == LightSampling::Analytic && example.unblocked.is_some() {
+        if self.plan.light_sampling == LightSampling::Analytic && example.has_closed_form() {
             let pilot = self.plan.sampler.sample_count((samples / 4).clamp(1, MAX_PILOT)).min(samples);
             let stream = self.plan.sampler.for_count(pilot).stream(area.key, Dim::LightPilot(l as u32));
             for (slot, &u) in (0..).zip(points.fill(&stream, pilot)) {
@@ -157,10 +158,9 @@ impl Direct<'_> {
             let n = batch.trace(self.tracer, |_, _, passed| n_lit += share(passed));
             beta = if n > 0 { n_lit / n as f64 } else { 1.0 };
             n_rays += n;
-            for (value, view) in values.iter_mut().zip(&views) {
-                if let Some(unblocked) = view.as_ref().and_then(|(_, view)| view.unblocked) {
-                    *value += unblocked.0.as_dvec3() * beta;
-                }
+            let seen = values.iter_mut().zip(&views).filter(|_| beta > 0.0);
+            for (value, (_, view)) in seen.filter_map(|(value, view)| Some((value, view.as_ref()?))) {
+                *value += view.unblocked().0.as_dvec3() * beta;
             }
         }
         let stream = self.plan.stream(samples, area.key, Dim::Light(l as u32));

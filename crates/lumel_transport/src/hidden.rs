@@ -55,11 +55,13 @@ pub(crate) struct Lookout<'a, B, R> {
     op: &'a CpuTransport<B, R>,
     n_rays: u64,
     beside: Vec<Vec3>,
+    directions: Vec<Vec3>,
+    hits: Vec<Option<Hit>>,
 }
 
 impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
     pub(crate) fn new(op: &'a CpuTransport<B, R>) -> Self {
-        Self { op, n_rays: 0, beside: Vec::new() }
+        Self { op, n_rays: 0, beside: Vec::new(), directions: Vec::new(), hits: Vec::new() }
     }
 
     /// How many rays it has traced.
@@ -84,14 +86,16 @@ impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
 
     fn is_behind_by(&mut self, rule: &Rule, element: ElementId, site: &Site, key: StreamKey) -> bool {
         let stream = Sampler::Sobol.stream(key, Dim::Validity);
+        self.directions.clear();
+        self.directions.extend((0..rule.rays).map(|i| hemisphere::direction(site, stream.sample_2d(i))));
+        self.hits.resize(self.directions.len(), None);
+        self.op.tracer.closest_hits(&hemisphere::bundle(site, &self.directions), &mut self.hits);
+        self.n_rays += u64::from(rule.rays);
         let (mut of_solids, mut of_sheets) = (0, 0);
-        for i in 0..rule.rays {
-            let direction = hemisphere::direction(site, stream.sample_2d(i));
-            let hit = self.hit(&hemisphere::ray(site, direction));
-            match hit.filter(|hit| RayEnd::new(&self.op.scene, Some(*hit)) == RayEnd::BackFace) {
-                Some(hit) if self.op.scene.bounds_solid(hit.at.tri) => of_solids += 1,
-                Some(_) => of_sheets += 1,
-                None => {}
+        for hit in self.hits.iter().flatten() {
+            if RayEnd::new(&self.op.scene, Some(*hit)) == RayEnd::BackFace {
+                let is_solid = self.op.scene.bounds_solid(hit.at.tri);
+                *if is_solid { &mut of_solids } else { &mut of_sheets } += 1;
             }
         }
         of_solids >= rule.inside
@@ -150,14 +154,22 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
 ) -> Result<Sums, TransportError> {
     let mut lookout = Lookout::new(op);
     let mut hidden = Vec::with_capacity(group.len());
+    // What covers a site is met straight above it: neighbours look there together.
+    let above = |(&element, site): (&ElementId, &Site)| Ray {
+        t_max: op.receivers.reach(element),
+        ..hemisphere::ray(site, site.frame.to_world(Vec3::Z))
+    };
+    let rays: Vec<Ray> = group.elements.iter().zip(&group.sites).map(above).collect();
+    let mut hits = vec![None; rays.len()];
+    op.tracer.closest_hits_of(&rays, &mut hits);
     for (i, (&element, site)) in group.elements.iter().zip(&group.sites).enumerate() {
         control.check()?;
         let is_hidden = back_faces(i) > MAX_BACK_FACES
             && lookout.is_behind_by(&POINT, element, site, key(element))
-            || lookout.is_covered(element, site);
+            || hits[i].is_some() && lookout.is_covered(element, site);
         hidden.push(f64::from(u8::from(is_hidden)));
     }
-    control.count(0, lookout.n_rays());
+    control.count(0, rays.len() as u64 + lookout.n_rays());
     Ok(group.hidden(&hidden))
 }
 

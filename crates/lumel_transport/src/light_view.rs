@@ -27,23 +27,24 @@ pub(crate) struct LightView<'a> {
     scene: &'a Scene,
     site: &'a Site,
     light: &'a AreaLight,
+    front: &'a Front,
     balance: Option<Balance>,
     density: Density,
-    front: Front,
-    /// Irradiance if nothing were in the way, when there is a closed form.
-    pub(crate) unblocked: Option<Irradiance>,
 }
-
-/// What depends on the kind of a light and on the site.
-type Prepared = (Density, Front, Option<Irradiance>);
 
 /// How points on the light are chosen.
 enum Density {
     /// Uniform in solid angle.
     SolidAngleRect(SphericalRectangle),
     SolidAngleTriangle(SphericalTriangle),
-    /// Likewise, of what a sphere of this squared radius covers at this distance, or of a sun at none.
-    Cap(SphericalCap, Option<[f64; 2]>),
+    /// Likewise.
+    Cap {
+        cap: SphericalCap,
+        /// Of a sphere, its distance and its squared radius.
+        sphere: Option<[f64; 2]>,
+        /// Unblocked irradiance per radiance.
+        per_radiance: f64,
+    },
     /// Uniform over the area, or by brightness.
     Area,
 }
@@ -52,8 +53,8 @@ enum Density {
 const INSET: f32 = 4.0;
 
 /// The space before a light, where shadow rays end. By default they end on the light itself.
-#[derive(Clone, Copy, Default)]
-struct Front {
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Front {
     /// From a point of the light to where they end, as the light is geometry or may lie on some. Its points are rounded
     /// more often than ray origins: twice the offset.
     lift: Vec3,
@@ -62,6 +63,17 @@ struct Front {
 }
 
 impl Front {
+    pub(crate) fn new(scene: &Scene, light: &AreaLight) -> Self {
+        match light {
+            AreaLight::Rect(rect) | AreaLight::TexturedRect(rect, _) => Self::of_polygon(&rect.corners()),
+            AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri, _) => {
+                Self::of_polygon(&scene.triangle_positions(*tri))
+            }
+            AreaLight::Disk(disk) => Self::of_disk(disk),
+            AreaLight::Sphere(_) | AreaLight::Sun(_) | AreaLight::Sky(_) => Self::default(),
+        }
+    }
+
     fn of_polygon(corners: &[Vec3]) -> Self {
         let lift = 2.0 * lift_from([corners[0], corners[1], corners[2]]);
         Self { lift, center: corners.iter().sum::<Vec3>() / corners.len() as f32 }
@@ -93,23 +105,55 @@ impl<'a> LightView<'a> {
     /// `None` when no light of it can reach the site, however empty the scene.
     pub(crate) fn new(
         scene: &'a Scene,
-        light: &'a AreaLight,
+        (light, front): (&'a AreaLight, &'a Front),
         site: &'a Site,
         sampling: LightSampling,
     ) -> Option<Self> {
-        let (density, front, unblocked) = match light {
+        let density = match light {
             AreaLight::Rect(rect) | AreaLight::TexturedRect(rect, _) => {
-                polygon_light(light, &rect.corners(), site, sampling)?
+                Density::of_polygon(light, &rect.corners(), site, sampling)?
             }
             AreaLight::Triangle(tri, _) | AreaLight::TexturedTriangle(tri, _) => {
-                polygon_light(light, &scene.triangle_positions(*tri), site, sampling)?
+                Density::of_polygon(light, &scene.triangle_positions(*tri), site, sampling)?
             }
-            AreaLight::Disk(disk) => (Density::Area, Front::of_disk(disk), None),
-            AreaLight::Sphere(sphere) => sphere_light(sphere, site)?,
-            AreaLight::Sun(sun) => sun_light(sun, site)?,
-            AreaLight::Sky(_) => (Density::Area, Front::default(), None),
+            AreaLight::Sphere(sphere) => Density::of_sphere(sphere, site)?,
+            AreaLight::Sun(sun) => Density::of_sun(sun, site)?,
+            AreaLight::Disk(_) | AreaLight::Sky(_) => Density::Area,
         };
-        Some(Self { scene, site, light, balance: None, density, front, unblocked })
+        Some(Self { scene, site, light, front, balance: None, density })
+    }
+
+    /// Whether the light has a [closed form](Self::unblocked).
+    pub(crate) fn has_closed_form(&self) -> bool {
+        match self.light {
+            AreaLight::Rect(_) | AreaLight::Triangle(..) | AreaLight::Sphere(_) | AreaLight::Sun(_) => true,
+            AreaLight::TexturedRect(..)
+            | AreaLight::TexturedTriangle(..)
+            | AreaLight::Disk(_)
+            | AreaLight::Sky(_) => false,
+        }
+    }
+
+    /// Irradiance if nothing were in the way, by the closed form if there is one; otherwise zero.
+    pub(crate) fn unblocked(&self) -> Irradiance {
+        let Site { origin, frame, .. } = self.site;
+        let (radiance, per_radiance) = match self.light {
+            AreaLight::Rect(rect) => {
+                (rect.radiance, polygon::unit_irradiance(&rect.corners(), *origin, frame.normal))
+            }
+            AreaLight::Triangle(tri, radiance) => {
+                let corners = self.scene.triangle_positions(*tri);
+                (*radiance, polygon::unit_irradiance(&corners, *origin, frame.normal))
+            }
+            AreaLight::Sphere(SphereLight { radiance, .. }) => (*radiance, self.cap_irradiance()),
+            AreaLight::Sun(sun) => (sun.radiance(), self.cap_irradiance()),
+            _ => return Irradiance::ZERO,
+        };
+        Irradiance(radiance.0 * per_radiance as f32)
+    }
+
+    fn cap_irradiance(&self) -> f64 {
+        if let Density::Cap { per_radiance, .. } = self.density { per_radiance } else { 0.0 }
     }
 
     /// Of a light that hemisphere rays find too.
@@ -122,7 +166,7 @@ impl<'a> LightView<'a> {
         match &self.density {
             Density::SolidAngleTriangle(triangle) => return triangle.pdf(),
             Density::SolidAngleRect(rectangle) => return rectangle.pdf(),
-            Density::Cap(..) | Density::Area => {}
+            Density::Cap { .. } | Density::Area => {}
         }
         let per_area = match self.light {
             AreaLight::TexturedTriangle(_, texels) => texels.pdf(at.bary) / self.scene.area(at.tri),
@@ -168,7 +212,7 @@ impl<'a> LightView<'a> {
 
     /// Towards a sphere or a sun.
     fn in_cap(&self, radiance: Radiance, u: [f32; 2]) -> Option<LightSample> {
-        let Density::Cap(cap, sphere) = &self.density else { return None };
+        let Density::Cap { cap, sphere, .. } = &self.density else { return None };
         let (direction, drop) = cap.sample(u);
         let target = match sphere {
             Some([distance, radius_squared]) => {
@@ -250,51 +294,39 @@ fn per_solid_angle(pdf_area: f32, distance_squared: f32, cos_light: f32) -> f64 
     f64::from(pdf_area) * f64::from(distance_squared) / f64::from(cos_light.max(f32::MIN_POSITIVE))
 }
 
-fn polygon_light(
-    light: &AreaLight,
-    corners: &[Vec3],
-    site: &Site,
-    sampling: LightSampling,
-) -> Option<Prepared> {
-    let per_radiance = polygon::unit_irradiance(corners, site.origin, site.frame.normal);
-    if per_radiance <= 0.0 {
-        return None;
-    }
-    let unblocked = match light {
-        AreaLight::Rect(RectLight { radiance, .. }) | AreaLight::Triangle(_, radiance) => {
-            Some(Irradiance(radiance.0 * per_radiance as f32))
-        }
-        _ => None,
-    };
-    let density = match sampling {
-        LightSampling::Area => Density::Area,
-        LightSampling::Analytic => Density::by_solid_angle(light, corners, site.origin),
-    };
-    Some((density, Front::of_polygon(corners), unblocked))
-}
-
-fn sun_light(sun: &SunLight, site: &Site) -> Option<Prepared> {
-    let axis = -sun.parallel.direction;
-    let sin_squared = f64::from(sun.sin_half_angle).powi(2);
-    let cos = site.frame.normal.as_dvec3().dot(axis.as_dvec3());
-    let density = Density::Cap(SphericalCap::new(axis, sin_squared), None);
-    Some((density, Front::default(), Some(cap_irradiance(sun.radiance(), cos, sin_squared)?)))
-}
-
-fn sphere_light(sphere: &SphereLight, site: &Site) -> Option<Prepared> {
-    let to_center = sphere.center.as_dvec3() - site.origin.as_dvec3();
-    let (squared, radius_squared) = (to_center.length_squared(), f64::from(sphere.radius).powi(2));
-    if squared <= radius_squared {
-        return None;
-    }
-    let (axis, sin_squared) = (to_center / squared.sqrt(), radius_squared / squared);
-    let cos = site.frame.normal.as_dvec3().dot(axis);
-    let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
-    let density = Density::Cap(cap, Some([squared.sqrt(), radius_squared]));
-    Some((density, Front::default(), Some(cap_irradiance(sphere.radiance, cos, sin_squared)?)))
-}
-
 impl Density {
+    /// `None` for sites behind the light, or with all of it below the horizon.
+    fn of_polygon(light: &AreaLight, corners: &[Vec3], site: &Site, sampling: LightSampling) -> Option<Self> {
+        polygon::is_lit(corners, site.origin, site.frame.normal).then(|| match sampling {
+            LightSampling::Area => Self::Area,
+            LightSampling::Analytic => Self::by_solid_angle(light, corners, site.origin),
+        })
+    }
+
+    fn of_sun(sun: &SunLight, site: &Site) -> Option<Self> {
+        let axis = -sun.parallel.direction;
+        let sin_squared = f64::from(sun.sin_half_angle).powi(2);
+        let cos = site.frame.normal.as_dvec3().dot(axis.as_dvec3());
+        Self::of_cap(SphericalCap::new(axis, sin_squared), None, cap::unit_irradiance(cos, sin_squared))
+    }
+
+    fn of_sphere(sphere: &SphereLight, site: &Site) -> Option<Self> {
+        let to_center = sphere.center.as_dvec3() - site.origin.as_dvec3();
+        let (squared, radius_squared) = (to_center.length_squared(), f64::from(sphere.radius).powi(2));
+        if squared <= radius_squared {
+            return None;
+        }
+        let (axis, sin_squared) = (to_center / squared.sqrt(), radius_squared / squared);
+        let cos = site.frame.normal.as_dvec3().dot(axis);
+        let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
+        Self::of_cap(cap, Some([squared.sqrt(), radius_squared]), cap::unit_irradiance(cos, sin_squared))
+    }
+
+    /// `None` if nothing of the cone is above the horizon.
+    fn of_cap(cap: SphericalCap, sphere: Option<[f64; 2]>, per_radiance: f64) -> Option<Self> {
+        (per_radiance > 0.0).then_some(Self::Cap { cap, sphere, per_radiance })
+    }
+
     fn by_solid_angle(light: &AreaLight, corners: &[Vec3], from: Vec3) -> Self {
         match light {
             AreaLight::Rect(rect) => SphericalRectangle::new(rect.center, rect.u, rect.v, from)
@@ -308,12 +340,6 @@ impl Density {
             _ => Self::Area,
         }
     }
-}
-
-/// `None` if nothing of the cone is above the horizon.
-fn cap_irradiance(radiance: Radiance, cos: f64, sin_squared: f64) -> Option<Irradiance> {
-    let per_radiance = cap::unit_irradiance(cos, sin_squared);
-    (per_radiance > 0.0).then(|| Irradiance((radiance.0.as_dvec3() * per_radiance).as_vec3()))
 }
 
 /// The radiance that a surface sends, of which a share alone may be there.

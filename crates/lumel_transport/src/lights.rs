@@ -4,6 +4,7 @@ use crate::emissive::{EmissiveTriangle, emissive_triangles, even_share};
 use crate::emissive_rects::{EmissiveRect, rectangles};
 use crate::emitters::Emitter;
 use crate::light_tree::{Extent, LightTree};
+use crate::light_view::{Front, LightView};
 use crate::plan::{EmitterSampling, LightSampling, Plan};
 use crate::sky_light::SkyLight;
 use crate::texel_density::TexelDensity;
@@ -59,6 +60,8 @@ pub(crate) enum DeltaLight {
 #[derive(Clone, Debug)]
 pub(crate) struct LightSet {
     pub(crate) area: Vec<(Emitter, AreaLight)>,
+    /// Where shadow rays to each of them end.
+    fronts: Vec<Front>,
     pub(crate) delta: Vec<(Emitter, DeltaLight)>,
     /// Chooses among the area lights when they are too many to loop over.
     pub(crate) tree: Option<LightTree>,
@@ -88,6 +91,7 @@ impl LightSet {
     pub(crate) fn new(scene: &Scene, plan: &Plan) -> Self {
         let mut set = Self {
             area: Vec::new(),
+            fronts: Vec::new(),
             delta: Vec::new(),
             tree: None,
             emission_by_rays: false,
@@ -112,6 +116,7 @@ impl LightSet {
         set.add_emissive_surfaces(scene, plan.emitters);
         let sky = scene.sky().image().and_then(SkyLight::new);
         set.area.extend(sky.map(|sky| (Emitter::Sky, AreaLight::Sky(sky))));
+        set.fronts = set.area.iter().map(|(_, light)| Front::new(scene, light)).collect();
         if set.area.iter().filter(|(_, light)| !light.is_far()).count() > MAX_LOOPED {
             let extents = set.area.iter().enumerate();
             set.tree = LightTree::new(
@@ -123,6 +128,17 @@ impl LightSet {
             set.combined = if has_closed_form { Combined::Textured } else { Combined::All };
         }
         set
+    }
+
+    /// An area light as a site sees it; `None` if no light of it can reach the site.
+    pub(crate) fn view<'a>(
+        &'a self,
+        scene: &'a Scene,
+        l: usize,
+        site: &'a Site,
+        sampling: LightSampling,
+    ) -> Option<LightView<'a>> {
+        LightView::new(scene, (&self.area[l].1, &self.fronts[l]), site, sampling)
     }
 
     /// Whether anything is sampled by shadow rays.

@@ -23,6 +23,7 @@ use crate::{EmitterMask, Sums};
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling, Site};
 use lumel_sample::Dim;
+use smallvec::SmallVec;
 
 /// Rays that decide whether an element is valid.
 pub(crate) const VALIDITY_RAYS: u32 = 64;
@@ -50,16 +51,6 @@ impl<'a, B: Basis, R: Receivers> Reader<'a, B, R> {
             Source::Emitters(mask) => hemisphere::emitted(&op.scene, &op.lights, *mask, end).0.as_dvec3(),
             Source::Nothing => DVec3::ZERO,
         }
-    }
-
-    /// The same of ray number `at` of an area, with what depends on where it comes from, and 1 as fourth component.
-    #[inline]
-    pub(crate) fn read_with(&mut self, arrivals: Option<&Arrivals<'_>>, at: usize, end: &RayEnd) -> Vec4 {
-        let mut value = self.read(end);
-        if let Some(arrivals) = arrivals {
-            value += arrivals.arriving(at, end);
-        }
-        value.as_vec3().extend(1.0)
     }
 }
 
@@ -200,7 +191,7 @@ fn add_rays<B: Basis, R: Receivers>(
     let all: Vec<usize> = (0..lanes).collect();
     let end = |i: usize, slot: u32| ends[slot as usize * lanes + i];
     if matches!(source, Source::Nothing) {
-        return add_samples(op, area, &all, sums, |i, slot, _| {
+        return add_samples::<CHUNK, _, _>(op, area, &all, sums, |i, slot| {
             Vec3::splat(f32::from(u8::from(end(i, slot).is_none()))).extend(1.0)
         });
     }
@@ -217,14 +208,17 @@ pub(crate) fn add_arrivals<B: Basis, R: Receivers>(
     sums: &mut [ElementSums],
     end: impl Fn(usize, u32) -> Option<RayEnd>,
 ) {
-    let (mut reader, mut arrivals) = (Reader::new(op, source), Arrivals::new(op, source));
-    for elements in elements.chunks(Arrivals::side_by_side(arrivals.as_ref())) {
-        if let Some(arrivals) = &mut arrivals {
-            arrivals.set_area(op, area, elements[0]);
-        }
-        add_samples(op, area, elements, sums, |i, slot, _| {
-            let read = |end| reader.read_with(arrivals.as_ref(), slot as usize, &end);
-            end(i, slot).map_or(Vec4::ZERO, read)
+    let mut reader = Reader::new(op, source);
+    let Some(mut arrivals) = Arrivals::new(op, source) else {
+        return add_samples::<CHUNK, _, _>(op, area, elements, sums, |i, slot| {
+            end(i, slot).map_or(Vec4::ZERO, |end| reader.read(&end).as_vec3().extend(1.0))
+        });
+    };
+    for &element in elements {
+        arrivals.set_area(op, area, element);
+        add_samples::<1, _, _>(op, area, &[element], sums, |i, slot| {
+            let mut read = |end| reader.read(&end) + arrivals.arriving(slot as usize, &end);
+            end(i, slot).map_or(Vec4::ZERO, |end| read(end).as_vec3().extend(1.0))
         });
     }
 }
@@ -251,34 +245,34 @@ fn add_lights<B: Basis, R: Receivers>(
 /// Samples whose light is summed in single precision before it goes into a sum in double precision.
 const BLOCK: u32 = 16;
 
-/// Adds the samples of some elements of a chunk to their sums: `value` of element, slot and number, with 1 as its fourth
+/// Adds the samples of at most `N` elements of a chunk to their sums: `value` of element and slot, with 1 as its fourth
 /// component; all zero for those left out.
 ///
 /// Slot by slot, with the elements side by side: neighbours' rays through one cell mostly end on the same triangles. The
 /// values of a block come first, with nothing between them, so that the processor waits for many of them at once.
 #[inline(always)]
-pub(crate) fn add_samples<B: Basis, R: Receivers>(
+pub(crate) fn add_samples<const N: usize, B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     chunk: &AreaChunk<'_>,
     elements: &[usize],
     sums: &mut [ElementSums],
-    mut value: impl FnMut(usize, u32, u32) -> Vec4,
+    mut value: impl FnMut(usize, u32) -> Vec4,
 ) {
     let of_triangle = |&i: &usize| Some((i, op.receivers.corners(chunk.elements[i])?));
-    let Some(triangles) = elements.iter().map(of_triangle).collect::<Option<Vec<_>>>() else {
-        return elements.iter().for_each(|&i| {
-            add_to_nodes(op, chunk, i, &mut sums[i], |slot, number| value(i, slot, number));
-        });
+    let Some(triangles) = elements.iter().map(of_triangle).collect::<Option<SmallVec<[_; CHUNK]>>>() else {
+        return elements
+            .iter()
+            .for_each(|&i| add_to_nodes(op, chunk, i, &mut sums[i], |slot| value(i, slot)));
     };
     let (pattern, samples) = (chunk.pattern, chunk.pattern.len());
     // By corner: sums of values times weights, and of weights.
-    let mut all = [[DVec4::ZERO; 3]; CHUNK];
-    let mut values = [[Vec4::ZERO; CHUNK]; BLOCK as usize];
+    let mut all = [[DVec4::ZERO; 3]; N];
+    let mut values = [[Vec4::ZERO; N]; BLOCK as usize];
     for first in (0..samples).step_by(BLOCK as usize) {
         let slots = first..samples.min(first + BLOCK);
         for (slot, values) in slots.clone().zip(&mut values) {
             for (&i, value_of) in elements.iter().zip(values) {
-                *value_of = value(i, slot, pattern.number(slot, chunk.keys[i].1));
+                *value_of = value(i, slot);
             }
         }
         for (k, (&i, all)) in elements.iter().zip(&mut all).enumerate() {
@@ -306,15 +300,15 @@ fn add_to_nodes<B: Basis, R: Receivers>(
     chunk: &AreaChunk<'_>,
     i: usize,
     sums: &mut ElementSums,
-    mut value: impl FnMut(u32, u32) -> Vec4,
+    mut value: impl FnMut(u32) -> Vec4,
 ) {
     let (turn, mut towards) = (chunk.keys[i].1, NodeWeights::default());
     for slot in 0..chunk.pattern.len() {
-        let number = chunk.pattern.number(slot, turn);
-        let value = value(slot, number);
+        let value = value(slot);
         if value.w == 0.0 {
             continue;
         }
+        let number = chunk.pattern.number(slot, turn);
         // The weights are those of a rule for triangles.
         let (place, _) = chunk.pattern.place(number);
         towards.clear();
@@ -357,7 +351,8 @@ pub(crate) fn add_lights_of<B: Basis, R: Receivers>(
     let (key, turn) = chunk.keys[i];
     let area = AreaSites { sites, key, number: |slot| chunk.pattern.number(slot, turn) };
     direct.over_area(&area, (points, batch), lit)?;
-    add_samples(op, chunk, &[i], sums, |_, _, number| {
+    add_samples::<1, _, _>(op, chunk, &[i], sums, |_, slot| {
+        let number = chunk.pattern.number(slot, turn);
         if is_outside(number) { lit[number as usize].as_vec3().extend(1.0) } else { Vec4::ZERO }
     });
     Ok(())

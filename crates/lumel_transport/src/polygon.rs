@@ -22,6 +22,15 @@ pub(crate) fn unit_irradiance(corners: &[Vec3], point: Vec3, normal: Vec3) -> f6
     polygon.unit_irradiance(normal).max(0.0)
 }
 
+/// Whether [`unit_irradiance`] is above zero: the point lies in front of the polygon, and a part of it above the horizon.
+pub(crate) fn is_lit(corners: &[Vec3], point: Vec3, normal: Vec3) -> bool {
+    let from = point.as_dvec3();
+    let [a, b, .., last] = corners else { return false };
+    let [a, b, last] = [a, b, last].map(|corner| corner.as_dvec3() - from);
+    let is_in_front = (b - a).cross(last - a).dot(a) < 0.0;
+    is_in_front && corners.iter().any(|corner| (corner.as_dvec3() - from).dot(normal.as_dvec3()) > 0.0)
+}
+
 /// A polygon of up to five corners above the horizon, as seen from the origin.
 #[derive(Default)]
 struct Clipped {
@@ -116,5 +125,26 @@ mod tests {
         let mut light = ceiling([-1.0, 1.0], [-1.0, 1.0], 1.0);
         light.reverse();
         assert_eq!(form_factor(&light, Vec3::Z), 0.0);
+    }
+
+    #[test]
+    fn points_are_lit_exactly_where_light_arrives() {
+        let mut lit = 0;
+        for (x, y, z, tilt) in [-1.5_f32, -0.2, 0.4, 2.0].into_iter().flat_map(|x| {
+            [-0.5_f32, 1.5].into_iter().flat_map(move |y| {
+                [-1.0_f32, 0.5, 1.5]
+                    .into_iter()
+                    .flat_map(move |z| (0..12).map(move |tilt| (x, y, z, 0.5 * tilt as f32 + 0.1)))
+            })
+        }) {
+            let (point, normal) = (Vec3::new(x, y, z), Vec3::new(tilt.sin(), 0.0, tilt.cos()));
+            let light = ceiling([-1.0, 1.0], [-1.0, 1.0], 1.0);
+            for corners in [&light[..], &light[..3]] {
+                let arrives = unit_irradiance(corners, point, normal) > 0.0;
+                assert_eq!(is_lit(corners, point, normal), arrives, "{point} {normal}");
+                lit += usize::from(arrives);
+            }
+        }
+        assert!((100..400).contains(&lit), "{lit}");
     }
 }

@@ -4,7 +4,6 @@ use crate::balance::Balance;
 use crate::emitters::{Emitter, EmitterMask};
 use crate::ends::RayEnd;
 use crate::job::Source;
-use crate::light_view::LightView;
 use crate::lights::LightSet;
 use crate::operator::CpuTransport;
 use crate::plan::Plan;
@@ -63,8 +62,7 @@ impl<'a> SurfaceRays<'a> {
         if probability <= 0.0 {
             return 1.0;
         }
-        let light = &self.lights.area[l].1;
-        let Some(view) = LightView::new(self.scene, light, site, self.plan.light_sampling) else {
+        let Some(view) = self.lights.view(self.scene, l, site, self.plan.light_sampling) else {
             return 1.0;
         };
         let direction = (self.scene.position(point) - site.origin).normalize_or_zero();

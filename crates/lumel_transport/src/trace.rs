@@ -61,7 +61,8 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
         let stream = op.plan.stream(samples, key, Dim::Hemisphere);
         let in_slot = |slot: u32| &all[chunk.pattern.number(slot, turn) as usize];
         gather.add_sites((0..samples).map(in_slot), cells.points(&stream, samples));
-        sites.push(op.receivers.central_site(element));
+        // Any will do: it tells where the element is and where it faces.
+        sites.extend(all.first().cloned());
     }
     let mut ends = vec![None; lanes * samples as usize];
     let (mut next, mut doubtful) = (vec![0; lanes], Vec::new());
