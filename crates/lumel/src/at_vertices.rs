@@ -1,6 +1,6 @@
 //! Reading what a solve has found at the vertices of the scene.
 
-use crate::light_reader::LightReader;
+use crate::light_reader::{LightReader, positive};
 use crate::{Baker, layers};
 use glam::Vec3;
 use lumel_basis::Field;
@@ -42,16 +42,20 @@ impl Baker {
     /// All light is never negative; its bounces and layers may be, so that they add up.
     pub fn solution(&self, state: &SolveState) -> Solution {
         let reader = self.light_reader(state);
-        let at_vertices = |field: &Field| reader.at_vertices(field);
+        let read = reader.read_state(state);
+        let at_vertices = |field: &Field| self.carried_at_vertices(field);
         let settings = serde_json::to_value(self.settings()).unwrap_or_default();
         let errors = state.errors.as_ref();
         Solution {
             meta: SolutionMeta::new(self.scene(), settings),
             positions: self.scene().world_positions().collect(),
             normals: self.scene().normals().to_vec(),
-            irradiance: reader.all_at_vertices(state),
-            bounces: state.bounces.iter().map(at_vertices).collect(),
-            tail: state.tail.as_ref().map(at_vertices),
+            irradiance: match state.bounces.is_empty() {
+                true => vec![Vec3::ZERO; self.scene().vertex_count()],
+                false => positive(at_vertices(&read.total())),
+            },
+            bounces: read.bounces.iter().map(at_vertices).collect(),
+            tail: read.tail.as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
             standard_error: errors.map(|errors| self.carried_at_vertices(&errors.standard_error)),
             layers: self.layers(state, &reader),

@@ -48,9 +48,22 @@ impl LightReader<'_> {
 
     /// All light, or a mixture of all layers, at every vertex of the scene, W·m⁻², never negative.
     pub(crate) fn positive_at_vertices(&self, field: &Field) -> Vec<Vec3> {
-        let mut values = self.at_vertices(field);
-        values.iter_mut().for_each(|value| *value = value.max(Vec3::ZERO));
-        values
+        positive(self.at_vertices(field))
+    }
+
+    /// A state with the coefficients to read in place of those that bounces carry; without layers. All light is what its
+    /// fields add up to: no field has to be read for it.
+    pub(crate) fn read_state<'s>(&self, state: &'s SolveState) -> Cow<'s, SolveState> {
+        if self.least_squares.is_none() {
+            return Cow::Borrowed(state);
+        }
+        let read = |field: &Field| self.read(field).into_owned();
+        Cow::Owned(SolveState {
+            bounces: state.bounces.iter().map(read).collect(),
+            tail: state.tail.as_ref().map(read),
+            gathered: state.gathered.as_ref().map(read),
+            ..SolveState::new()
+        })
     }
 
     /// The coefficients to read of a field that bounces carry.
@@ -60,4 +73,10 @@ impl LightReader<'_> {
         solver.project_within(limits, &mut field);
         Cow::Owned(field)
     }
+}
+
+/// The same where values are positive, and zero where they are not.
+pub(crate) fn positive(mut values: Vec<Vec3>) -> Vec<Vec3> {
+    values.iter_mut().for_each(|value| *value = value.max(Vec3::ZERO));
+    values
 }

@@ -29,8 +29,12 @@ const ROUNDS: usize = 3;
 pub struct Limits {
     /// Of each node, what it gives and what it takes: 0 to 1.
     shares: Vec<[f32; 2]>,
+    /// Whether nothing that moves to a node or away from it is limited.
+    free: Vec<bool>,
     /// They say which of two nodes gives to the other, for any light within these limits, so that it stays linear.
     coefficients: Vec<DVec3>,
+    /// The means that they are the projection of.
+    means: Vec<DVec3>,
 }
 
 impl Limits {
@@ -55,16 +59,17 @@ impl LeastSquares {
         let means: Vec<DVec3> = first_channel.map(|mean| mean.as_dvec3()).collect();
         let (coefficients, _) = self.solve(&means);
         let room: Vec<[DVec3; 2]> = (0..n).into_par_iter().map(|i| self.room(i, &means)).collect();
-        let mut limits = Limits { shares: vec![[1.0; 2]; n], coefficients };
-        for round in 0..ROUNDS {
+        let mut limits = Limits { shares: vec![[1.0; 2]; n], free: vec![true; n], coefficients, means };
+        for _ in 0..ROUNDS {
             let share = |i: usize| {
-                let is_free = round == 0 || self.is_free(i, &limits);
-                let moved = (limits.coefficients[i] - means[i]) * self.areas[i];
+                let moved = (limits.coefficients[i] - limits.means[i]) * self.areas[i];
                 let [low, high] = room[i];
-                let stays = is_free && moved.cmpge(low).all() && moved.cmple(high).all();
+                let stays = limits.free[i] && moved.cmpge(low).all() && moved.cmple(high).all();
                 if stays { [1.0; 2] } else { self.shares(i, &limits, room[i]) }
             };
             limits.shares = (0..n).into_par_iter().map(share).collect();
+            let is_free = |i: usize| self.matrix.row(i).all(|(j, _)| limits.shares[j.index()] == [1.0; 2]);
+            limits.free = (0..n).into_par_iter().map(is_free).collect();
         }
         limits
     }
@@ -93,20 +98,16 @@ impl LeastSquares {
     pub fn project_within(&self, limits: &Limits, means: &mut Field) {
         assert_eq!(limits.shares.len(), self.areas.len(), "the limits are those of other nodes");
         self.in_each_channel(means, |means| {
-            let (coefficients, _) = self.solve(means);
+            let solved = if *means == limits.means { None } else { Some(self.solve(means).0) };
+            let coefficients = solved.as_ref().unwrap_or(&limits.coefficients);
             let limited = |i: usize| {
-                if self.areas[i] == 0.0 || self.is_free(i, limits) {
+                if self.areas[i] == 0.0 || limits.free[i] {
                     return coefficients[i];
                 }
-                means[i] + self.moved(i, limits, &coefficients).sum::<DVec3>() / self.areas[i]
+                means[i] + self.moved(i, limits, coefficients).sum::<DVec3>() / self.areas[i]
             };
             ((0..means.len()).into_par_iter().map(limited).collect(), ())
         });
-    }
-
-    /// Whether nothing that moves to node `i` or away from it is limited.
-    fn is_free(&self, i: usize, limits: &Limits) -> bool {
-        self.matrix.row(i).all(|(j, _)| limits.shares[j.index()] == [1.0; 2])
     }
 
     /// The light that the projection moves to node `i` from each node within limits: without any, they sum to the difference
