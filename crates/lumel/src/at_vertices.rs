@@ -39,7 +39,9 @@ impl Baker {
 
     /// The light at every vertex of the scene.
     ///
-    /// All light is never negative; its bounces and layers may be, so that they add up.
+    /// All light is what its bounces add up to, but never negative; bounces and layers may be, so that they add up. It differs
+    /// from [`light_at_vertices`](Self::light_at_vertices) by what iterations leave of either, some
+    /// millionths.
     pub fn solution(&self, state: &SolveState) -> Solution {
         let reader = self.light_reader(state);
         let read = reader.read_state(state);

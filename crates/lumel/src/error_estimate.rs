@@ -21,7 +21,7 @@ const BENT: f64 = 0.2;
 /// An estimate of the error of the light at vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
-    /// Root mean square over the surfaces but for the worst 2 % of them, relative to that of the light.
+    /// Root mean square over the surfaces but for the worst 2 % of them, relative to that of the light there.
     pub error: f64,
     /// What most of it comes from.
     pub cause: ErrorCause,
@@ -38,46 +38,92 @@ pub enum ErrorCause {
     CoarseMesh,
 }
 
+/// As many nodes are looked at: their mean square is known to some percent.
+const NODES: usize = 2048;
+
 impl Baker {
     /// Estimates how far light is from what it would be with any number of samples on any number of vertices.
     ///
-    /// At each vertex inside a surface, light is compared with what a linear function through its neighbours says. What is
-    /// left is noise, and detail that the mesh does not resolve. It says nothing of
+    /// At vertices inside a surface, two thousand of them at most, light is compared with what a linear function through the
+    /// neighbours says. What is left is noise, and detail that the mesh does not resolve. It says nothing of
     /// [bounces that are missing](Self::remainder). `None` if there are no such vertices, or no light.
     ///
     /// `solution` must be one of this baker's.
     pub fn error_estimate(&self, solution: &Solution) -> Option<ErrorEstimate> {
         let direct = solution.bounces.first()?;
-        let at_nodes = || self.basis().first_vertices().iter().map(|&vertex| vertex as usize);
+        let basis = self.basis();
+        let at_nodes = || basis.first_vertices().iter().map(|&vertex| vertex as usize);
         let valid: Vec<bool> = at_nodes().map(|vertex| solution.valid[vertex]).collect();
         let all: Vec<f64> = at_nodes().map(|vertex| luminance(solution.irradiance[vertex]).into()).collect();
         let direct: Vec<f64> = at_nodes().map(|vertex| luminance(direct[vertex]).into()).collect();
         let indirect: Vec<f64> = all.iter().zip(&direct).map(|(all, direct)| all - direct).collect();
-        let basis = self.basis();
-        let [mut of_direct, mut of_indirect] = [(); 2].map(|()| Residuals::new(basis.node_count()));
-        let mut light = 0.0;
-        for node in (0..basis.node_count() as u32).map(NodeId).filter(|node| valid[node.index()]) {
-            if let Some(fit) = Fit::around(basis, node, &valid) {
-                let area = f64::from(basis.node_areas()[node.index()]);
-                of_direct.add(node, area, fit.residual(&direct));
-                of_indirect.add(node, area, fit.residual(&indirect));
-                light += area * all[node.index()].powi(2);
-            }
-        }
-        let ([direct, at_edges_of_direct], [indirect, at_edges_of_indirect]) =
-            (of_direct.integrals(), of_indirect.integrals());
-        let error = ((direct + indirect) / light).sqrt();
-        let (larger, all, at_edges) = match direct > indirect {
-            true => (&of_direct, direct, at_edges_of_direct),
-            false => (&of_indirect, indirect, at_edges_of_indirect),
+        let found = |node: NodeId| {
+            let fit = Fit::around(basis, node, &valid)?;
+            let area = basis.node_areas()[node.index()].into();
+            let residuals = [&direct, &indirect].map(|light| fit.residual(light));
+            Some(Found { node, area, light: all[node.index()], residuals })
         };
-        let cause = match direct > indirect {
-            _ if 2.0 * at_edges > all || larger.correlation(basis) > BENT => ErrorCause::CoarseMesh,
-            true => ErrorCause::DirectNoise,
-            false => ErrorCause::IndirectNoise,
+        let nodes = spread(basis.node_count()).filter(|node| valid[node.index()]);
+        let kept = without_worst(nodes.filter_map(found).collect());
+        let integral = |value: &dyn Fn(&Found) -> f64| kept.iter().map(|at| at.area * value(at)).sum::<f64>();
+        let squares = [0, 1].map(|k| integral(&|at| at.residuals[k].value.powi(2)));
+        let error = ((squares[0] + squares[1]) / integral(&|at| at.light * at.light)).sqrt();
+        let (k, noise) = match squares[0] > squares[1] {
+            true => (0, ErrorCause::DirectNoise),
+            false => (1, ErrorCause::IndirectNoise),
         };
+        let at_edges =
+            integral(&|at| if at.residuals[k].is_edge { at.residuals[k].value.powi(2) } else { 0.0 });
+        let light = [&direct, &indirect][k];
+        let of_neighbour = |at: &Found| {
+            let mut around = basis.adjacency().neighbours(at.node).map(|(neighbour, _)| neighbour);
+            around.find_map(|node| Some(Fit::around(basis, node, &valid)?.residual(light).value))
+        };
+        let is_bent = || {
+            let pairs = kept.iter().filter_map(|at| Some((at.residuals[k].value, of_neighbour(at)?)));
+            let (products, squares) = pairs.fold((0.0, 0.0), |(products, squares), (own, other)| {
+                (products + own * other, squares + 0.5 * (own * own + other * other))
+            });
+            products > BENT * squares
+        };
+        let cause = if 2.0 * at_edges > squares[k] || is_bent() { ErrorCause::CoarseMesh } else { noise };
         error.is_finite().then_some(ErrorEstimate { error, cause })
     }
+}
+
+/// Up to [`NODES`] of `n` nodes, spread over all of them at no regular distance.
+fn spread(n: usize) -> impl Iterator<Item = NodeId> {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    let spread = move |i: usize| ((i as f64 * GOLDEN).fract() * n as f64) as usize;
+    (0..n.min(NODES)).map(move |i| NodeId(if n > NODES { spread(i) } else { i } as u32))
+}
+
+/// What was found at a node.
+struct Found {
+    node: NodeId,
+    /// That it stands for, m².
+    area: f64,
+    light: f64,
+    /// Of direct light and of bounces.
+    residuals: [Residual; 2],
+}
+
+impl Found {
+    fn square(&self) -> f64 {
+        self.residuals.iter().map(|residual| residual.value.powi(2)).sum()
+    }
+}
+
+/// Leaves out those with the largest residuals, on [`WORST`] of the area.
+fn without_worst(mut found: Vec<Found>) -> Vec<Found> {
+    found.sort_by(|a, b| a.square().total_cmp(&b.square()));
+    let mut left = (1.0 - WORST) * found.iter().map(|at| at.area).sum::<f64>();
+    for at in &mut found {
+        at.area = at.area.min(left);
+        left -= at.area;
+    }
+    found.retain(|at| at.area > 0.0);
+    found
 }
 
 /// What a linear function through the neighbours of a node has to be multiplied with to be compared with the node.
@@ -132,50 +178,4 @@ impl Fit {
 struct Residual {
     value: f64,
     is_edge: bool,
-}
-
-/// What remains of a field.
-struct Residuals {
-    /// Squares, with the area that each stands for and whether it lies at an edge.
-    squares: Vec<(f64, f64, bool)>,
-    /// By node; zero where there is none.
-    at: Vec<f64>,
-}
-
-impl Residuals {
-    fn new(nodes: usize) -> Self {
-        Self { squares: Vec::new(), at: vec![0.0; nodes] }
-    }
-
-    fn add(&mut self, node: NodeId, area: f64, Residual { value, is_edge }: Residual) {
-        self.squares.push((value * value, area, is_edge));
-        self.at[node.index()] = value;
-    }
-
-    /// The integral of the squares but for the largest, on [`WORST`] of the area; and of those at edges.
-    fn integrals(&mut self) -> [f64; 2] {
-        self.squares.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut left = (1.0 - WORST) * self.squares.iter().map(|(_, area, _)| area).sum::<f64>();
-        let mut integrals = [0.0; 2];
-        for (square, area, is_edge) in &self.squares {
-            let area = area.min(left);
-            left -= area;
-            integrals[0] += square * area;
-            integrals[1] += if *is_edge { square * area } else { 0.0 };
-        }
-        integrals
-    }
-
-    /// How much neighbours are alike.
-    fn correlation(&self, basis: &VertexBasis) -> f64 {
-        let (mut products, mut squares) = (0.0, 0.0);
-        for (node, value) in (0..).map(NodeId).zip(&self.at).filter(|(_, value)| **value != 0.0) {
-            let others = basis.adjacency().neighbours(node).map(|(neighbour, _)| self.at[neighbour.index()]);
-            for other in others.filter(|other| *other != 0.0) {
-                products += value * other;
-                squares += value * value;
-            }
-        }
-        if squares > 0.0 { products / squares } else { 0.0 }
-    }
 }

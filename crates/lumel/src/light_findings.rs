@@ -257,7 +257,7 @@ impl Baker {
         };
         // Without closed forms, so that what is hidden gets exactly nothing however few rays there are.
         let light_sampling = LightSampling::Area;
-        let plan = Plan { direct_samples: 4, indirect_samples: 16, light_sampling, ..self.settings().plan() };
+        let plan = Plan { direct_samples: 4, indirect_samples: 8, light_sampling, ..self.settings().plan() };
         let (scene, tracer, basis) = (self.scene().clone(), self.tracer().clone(), self.basis().clone());
         let transport = CpuTransport::new(scene, tracer, basis, Arc::new(receivers), plan);
         let job = Job { source: Source::Emitters(mask), bounce: 0, pass: 0, active: None };

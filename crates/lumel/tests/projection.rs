@@ -141,8 +141,16 @@ fn a_bake_gives_what_its_file_holds() {
     let object = lumel::ObjectId(0);
     let corners = baked.light_at_corners(object, lumel::FaceSide::Front);
     let input = scene.input_mesh(object);
+    let (mut found, mut expected) = (Vec::new(), Vec::new());
     for (face, light) in corners.into_iter().enumerate() {
         let vertices = input.corners(face, lumel::FaceSide::Front);
-        assert_eq!(light, vertices.map(|corners| corners.map(|v| solution.irradiance[v as usize])));
+        assert_eq!(light.is_some(), vertices.is_some());
+        found.extend(light.into_iter().flatten());
+        expected.extend(vertices.into_iter().flatten().map(|v| solution.irradiance[v as usize]));
     }
+    // All light of a file is the sum of its bounces as they are read. Conjugate gradients end where residuals are 4e-7 of the
+    // largest mean; the regulariser makes up to twenty times as much of it.
+    let difference = difference(&found, &expected);
+    println!("{difference:.2e}");
+    assert!(!found.is_empty() && difference < 3e-5, "{difference:e}");
 }

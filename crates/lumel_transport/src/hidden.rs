@@ -44,6 +44,9 @@ const POINT: Rule = Rule { rays: 64, inside: 16, behind: 16 };
 /// A point of which no more rays than these meet backs is not looked at again.
 const MAX_BACK_FACES: f64 = 0.25;
 
+/// Rays that are traced at once.
+const BUNDLE: usize = 16;
+
 struct Rule {
     rays: u32,
     inside: u32,
@@ -86,20 +89,26 @@ impl<'a, B: Basis, R: Receivers> Lookout<'a, B, R> {
 
     fn is_behind_by(&mut self, rule: &Rule, element: ElementId, site: &Site, key: StreamKey) -> bool {
         let stream = Sampler::Sobol.stream(key, Dim::Validity);
-        self.directions.clear();
-        self.directions.extend((0..rule.rays).map(|i| hemisphere::direction(site, stream.sample_2d(i))));
-        self.hits.resize(self.directions.len(), None);
-        self.op.tracer.closest_hits(&hemisphere::bundle(site, &self.directions), &mut self.hits);
-        self.n_rays += u64::from(rule.rays);
         let (mut of_solids, mut of_sheets) = (0, 0);
-        for hit in self.hits.iter().flatten() {
-            if RayEnd::new(&self.op.scene, Some(*hit)) == RayEnd::BackFace {
-                let is_solid = self.op.scene.bounds_solid(hit.at.tri);
-                *if is_solid { &mut of_solids } else { &mut of_sheets } += 1;
+        for first in (0..rule.rays).step_by(BUNDLE) {
+            let numbers = first..rule.rays.min(first + BUNDLE as u32);
+            self.directions.clear();
+            self.directions.extend(numbers.map(|i| hemisphere::direction(site, stream.sample_2d(i))));
+            self.hits.resize(self.directions.len(), None);
+            self.op.tracer.closest_hits(&hemisphere::bundle(site, &self.directions), &mut self.hits);
+            self.n_rays += self.hits.len() as u64;
+            for hit in self.hits.iter().flatten() {
+                if RayEnd::new(&self.op.scene, Some(*hit)) == RayEnd::BackFace {
+                    let is_solid = self.op.scene.bounds_solid(hit.at.tri);
+                    *if is_solid { &mut of_solids } else { &mut of_sheets } += 1;
+                }
+            }
+            // Inside a solid, that is soon known.
+            if of_solids >= rule.inside {
+                return true;
             }
         }
-        of_solids >= rule.inside
-            || of_solids + of_sheets >= rule.inside && self.is_enclosed(site)
+        of_solids + of_sheets >= rule.inside && self.is_enclosed(site)
             || of_sheets >= rule.behind && self.is_cut_off(element, site)
     }
 
