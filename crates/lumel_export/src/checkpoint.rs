@@ -72,7 +72,7 @@ pub struct CheckpointMeta {
     pub arrays: Vec<String>,
     /// Which lumels have light, and how far it is measured; filled in on saving.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) lumels: Option<LumelMeta>,
+    pub lumels: Option<LumelMeta>,
 }
 
 impl CheckpointMeta {

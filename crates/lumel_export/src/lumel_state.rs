@@ -17,12 +17,17 @@ pub struct LumelState<'a> {
 
 /// The part of `meta.json` that arrays do not tell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct LumelMeta {
-    identity: String,
-    sources: usize,
-    has_tail: bool,
-    round: u32,
-    done: u32,
+pub struct LumelMeta {
+    /// The identity of the receivers, hexadecimal.
+    pub identity: String,
+    /// Sources of light, one array each.
+    pub sources: usize,
+    /// See [`LumelLight::has_tail`].
+    pub has_tail: bool,
+    /// See [`LumelLight::round`].
+    pub round: u32,
+    /// See [`LumelLight::done`].
+    pub done: u32,
 }
 
 const ACTIVE: &str = "lumel_active";
