@@ -159,9 +159,15 @@ impl Points {
         for k in [1, 0] {
             edges = sorted_by_number(&edges, self.len, |(ends, _)| ends[k]);
         }
+        // Where the edges of each point begin, those of the point before end.
+        let mut begins = vec![0; self.len + 1];
+        edges.iter().for_each(|([p, _], _)| begins[*p as usize + 1] += 1);
+        (0..self.len).for_each(|p| begins[p + 1] += begins[p]);
         let has_edge = |p: u32, q: u32| {
-            let edge = [p.min(q), p.max(q)];
-            edges.get(edges.partition_point(|(e, _)| *e < edge)).is_some_and(|(e, _)| *e == edge)
+            let (p, q) = (p.min(q) as usize, p.max(q));
+            let of_p = &edges[begins[p]..begins[p + 1]];
+            of_p.get(of_p.partition_point(|([_, other], _)| *other < q))
+                .is_some_and(|([_, other], _)| *other == q)
         };
         // By four corners: the quads there.
         let mut quads: BTreeMap<[u32; 4], Vec<Quad>> = BTreeMap::new();
