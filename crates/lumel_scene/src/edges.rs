@@ -25,7 +25,11 @@ impl Edge {
 
 /// The edges of triangles: those between the same two places side by side.
 #[derive(Clone, Debug, Default)]
-pub struct Edges(Vec<Edge>);
+pub struct Edges {
+    all: Vec<Edge>,
+    /// By place: the first edge whose smaller end it is. Those of the place before end there.
+    begins: Vec<u32>,
+}
 
 impl Edges {
     /// The edges of triangles whose corners are at places with these numbers, as [`Weld`](crate::Weld) gives them.
@@ -40,20 +44,26 @@ impl Edges {
         // Numbers of places have no gaps to speak of: counting is faster than comparing.
         let n_places = edges.iter().map(|edge| edge.ends[1] as usize + 1).max().unwrap_or(0);
         let edges = sorted_by_number(&edges, n_places, |edge: &Edge| edge.ends[1]);
-        Self(sorted_by_number(&edges, n_places, |edge| edge.ends[0]))
+        let all = sorted_by_number(&edges, n_places, |edge| edge.ends[0]);
+        let mut begins = vec![0; n_places + 1];
+        all.iter().for_each(|edge| begins[edge.ends[0] as usize + 1] += 1);
+        (0..n_places).for_each(|place| begins[place + 1] += begins[place]);
+        Self { all, begins }
     }
 
     /// The sides of triangles at each edge, in the order of the triangles, edge by edge in the order of their ends.
     pub fn each(&self) -> impl Iterator<Item = &[Edge]> {
-        self.0.chunk_by(|a, b| a.ends == b.ends)
+        self.all.chunk_by(|a, b| a.ends == b.ends)
     }
 
     /// The sides of triangles between two places; empty if there is no such edge.
     pub fn between(&self, p: u32, q: u32) -> &[Edge] {
-        let ends = [p.min(q), p.max(q)];
-        let first = self.0.partition_point(|edge| edge.ends < ends);
-        let n = self.0[first..].iter().take_while(|edge| edge.ends == ends).count();
-        &self.0[first..first + n]
+        let (low, high) = (p.min(q) as usize, p.max(q));
+        let Some(&[begin, end]) = self.begins.get(low..low + 2) else { return &[] };
+        let beside = &self.all[begin as usize..end as usize];
+        let first = beside.partition_point(|edge| edge.ends[1] < high);
+        let n = beside[first..].iter().take_while(|edge| edge.ends[1] == high).count();
+        &beside[first..first + n]
     }
 }
 
