@@ -1,13 +1,14 @@
 //! Files that a bake writes.
 
-use crate::args::{Basis, Target};
+use crate::args::{Basis, Png, Target};
 use crate::commands::Lightmapped;
 use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
-use lumel::{Baker, FileFormat, LightmapSolution, Solution, SolutionSelection, tracer_of};
+use lumel::{Baker, FileFormat, Lightmap, LightmapSolution, Solution, SolutionSelection, tracer_of};
 use lumel_export::{
-    LightmapTarget, Precision, check_obj, path_of_page, write_lightmap_exr, write_lightmap_glb,
+    LightmapTarget, PngDepth, Precision, check_obj, path_of_page, write_lightmap_exr, write_lightmap_glb,
+    write_lightmap_png,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -64,6 +65,8 @@ pub(crate) struct Light<'a> {
     pub(crate) lightmapped: Option<&'a Lightmapped>,
     /// What a GLB file with a lightmap is made for.
     pub(crate) target: Target,
+    /// What a PNG file with a lightmap holds.
+    pub(crate) png: Png,
 }
 
 impl Output {
@@ -110,7 +113,7 @@ impl Output {
         light: &Light<'_>,
         cancel: &AtomicBool,
     ) -> anyhow::Result<Vec<(PathBuf, u64)>> {
-        let Light { baker, solution, target, .. } = light;
+        let Light { baker, solution, target, png, .. } = light;
         let mut paths = vec![self.path.clone()];
         match (self.content, light.lightmapped) {
             (Content::Light(format), _) => format.write(&self.path, baker.scene(), solution)?,
@@ -119,6 +122,18 @@ impl Output {
                 picture::write_default(&self.path, baker.scene(), &**baker.tracer(), &lighting, cancel)?;
             }
             (Content::Picture, Some(Lightmapped { scene, lightmap, .. })) => {
+                let depth = match png {
+                    Png::Picture => None,
+                    Png::Sixteen => Some(PngDepth::Sixteen),
+                    Png::Eight => Some(PngDepth::Eight),
+                };
+                if let Some(depth) = depth {
+                    paths = self.pages_of(lightmap);
+                    for (page, path) in paths.iter().enumerate() {
+                        write_lightmap_png(path, lightmap, page, depth)?;
+                    }
+                    return paths.into_iter().map(sized).collect();
+                }
                 picture::write_default(&self.path, scene, &*tracer_of(scene), &lightmap.lighting(0), cancel)?;
             }
             (Content::LightmapGlb, Some(Lightmapped { scene, lightmap, .. })) => {
@@ -130,8 +145,7 @@ impl Output {
                 write_lightmap_glb(&self.path, scene, lightmap, target)?;
             }
             (Content::Pages, Some(Lightmapped { lightmap, .. })) => {
-                let pages = lightmap.atlas.pages().len();
-                paths = (0..pages).map(|page| path_of_page(&self.path, page, pages)).collect();
+                paths = self.pages_of(lightmap);
                 let settings = solution.meta.settings.to_string();
                 let attributes = [("scene", baker.scene().name()), ("settings", &*settings)];
                 for (page, path) in paths.iter().enumerate() {
@@ -145,6 +159,12 @@ impl Output {
             (Content::Pages | Content::LightmapGlb | Content::Lightmap, None) => {}
         }
         paths.into_iter().map(sized).collect()
+    }
+
+    /// A file for each page.
+    fn pages_of(&self, lightmap: &Lightmap) -> Vec<PathBuf> {
+        let pages = lightmap.atlas.pages().len();
+        (0..pages).map(|page| path_of_page(&self.path, page, pages)).collect()
     }
 }
 

@@ -39,7 +39,9 @@ pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
 pub use glb::{LightmapTarget, OCCLUSION, write_glb, write_lightmap_glb, write_unwrapped_glb};
-pub use lightmap::{LightmapSolution, Precision, path_of_page, write_lightmap_exr, write_lightmap_png};
+pub use lightmap::{
+    LightmapSolution, PngDepth, Precision, path_of_page, write_lightmap_exr, write_lightmap_png,
+};
 pub use lumel_state::{LumelMeta, LumelState};
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};

@@ -16,7 +16,7 @@ pub(crate) use dither::{Curve, dithered, dithered_over};
 pub use exr::{Precision, write_lightmap_exr};
 pub use npz::LightmapSolution;
 pub(crate) use png::encode_rgb;
-pub use png::write_lightmap_png;
+pub use png::{PngDepth, write_lightmap_png};
 pub(crate) use shared_exponent::shared_exponent;
 
 /// The file of one of several pages of a lightmap or an atlas: `room-2.exr` for `room.exr`; the file itself if there is one.

@@ -114,6 +114,10 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_enum, value_name = "TARGET", default_value_t = Target::Any, help_heading = "Atlas")]
     pub(crate) target: Target,
 
+    /// What a .png file of a lightmap holds.
+    #[arg(long, value_enum, value_name = "WHAT", default_value_t = Png::Picture, help_heading = "Atlas")]
+    pub(crate) png: Png,
+
     /// Whether noise is taken off a lightmap where its standard error says that it is noise. [default: on, with --preset
     /// production off]
     ///
@@ -191,6 +195,19 @@ pub(crate) enum Switch {
     On,
     /// No.
     Off,
+}
+
+/// What a PNG file of a bake with a lightmap holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Png {
+    /// A picture of the lit scene.
+    Picture,
+    /// The pages, 16 bits: linear irradiance over a power of two, which a text of the file has.
+    #[value(name = "16")]
+    Sixteen,
+    /// The pages, 8 bits, dithered.
+    #[value(name = "8")]
+    Eight,
 }
 
 /// What a GLB file with a lightmap is made for.

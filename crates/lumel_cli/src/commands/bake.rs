@@ -155,6 +155,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
             solution: &solution,
             lightmapped: lightmapped.as_ref(),
             target: args.target,
+            png: args.png,
         };
         write(files, &light, kept, run)
     });

@@ -150,7 +150,7 @@ fn lightmaps_are_drawn_and_compared_by_other_commands() {
 }
 
 #[test]
-fn ambient_occlusion_is_a_layer_an_array_and_a_texture() {
+fn ambient_occlusion_is_a_layer_an_array_and_a_texture_and_pages_are_images() {
     let place = room();
     bake(&place, "--lumels 4096 --ao 0.5 -o a.exr -o a.npz -o a.glb --target occlusion").done();
     let header = std::fs::read(place.path("a.exr")).unwrap();
@@ -166,6 +166,16 @@ fn ambient_occlusion_is_a_layer_an_array_and_a_texture() {
     assert!(
         shares.iter().all(|share| (0.0..=1.0).contains(share)) && shares.iter().any(|share| *share < 0.9)
     );
+    bake(&place, "--lumels 4096 --png 16 -o words.png").done();
+    bake(&place, "--lumels 4096 --png 8 -o bytes.png").done();
+    let [words, bytes] = ["words.png", "bytes.png"].map(|name| image::open(place.path(name)).unwrap());
+    assert_eq!((words.color().bits_per_pixel(), bytes.color().bits_per_pixel()), (48, 24));
+    let mean = |image: &image::DynamicImage| {
+        let image = image.to_rgb32f();
+        image.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>()
+            / f64::from(image.width() * image.height())
+    };
+    assert!((mean(&words) / mean(&bytes) - 1.0).abs() < 0.003, "{} {}", mean(&words), mean(&bytes));
     bake(&place, "--target occlusion -o b.glb").failed("--target occlusion needs ambient occlusion");
     bake(&place, "--ao -1 -o b.glb").failed("ao");
 }

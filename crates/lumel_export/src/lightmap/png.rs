@@ -1,31 +1,52 @@
 //! Pages as PNG images of linear light.
 
-use super::{check, largest, lumels_of};
+use super::{Curve, check, dithered_over, largest, lumels_of};
 use crate::{ExportError, write_atomically};
 use ::png::{BitDepth, ColorType, Encoder};
 use lumel_lightmap::Lightmap;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes a page of a lightmap as a PNG image of 16 bits, atomically. Returns the scale: 65535 stands for this irradiance.
+/// Digits of the channels of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PngDepth {
+    /// Bytes, dithered: their mean over a few lumels is exact.
+    Eight,
+    /// Words, rounded.
+    Sixteen,
+}
+
+/// Writes a page of a lightmap as a PNG image, atomically. Returns the scale: the largest byte or word stands for this
+/// irradiance.
 ///
-/// The scale is the smallest power of two that holds all light of the page; a text of the file, `irradiance of 65535`, has it.
-/// Values are linear, to half a step: 2⁻¹⁷ of the scale. Only the first layer is written.
+/// The scale is the smallest power of two that holds all light of the page; a text of the file, `irradiance of 65535` or
+/// `irradiance of 255`, has it. Values are linear, words to half a step: 2⁻¹⁷ of the scale. Only the first layer is written.
 ///
 /// # Errors
 /// A page that there is not, light that is not finite, and the errors of [`write_atomically`].
-pub fn write_lightmap_png(path: &Path, lightmap: &Lightmap, page: usize) -> Result<f32, ExportError> {
+pub fn write_lightmap_png(
+    path: &Path,
+    lightmap: &Lightmap,
+    page: usize,
+    depth: PngDepth,
+) -> Result<f32, ExportError> {
     let lumels = lumels_of(path, lightmap, page)?;
     check(path, lightmap)?;
     let values = &lightmap.layers[0].values[lumels];
     let scale = power_above(largest(values));
+    let size = lightmap.atlas.pages()[page];
     let word = |x: f32| (x.max(0.0) / scale * 65535.0).round() as u16;
-    let bytes: Vec<u8> =
-        values.iter().flat_map(|v| v.to_array()).flat_map(|x| word(x).to_be_bytes()).collect();
-    let texts = [("irradiance of 65535", &*scale.to_string())];
-    write_atomically(path, |out| {
-        encode_rgb(out, lightmap.atlas.pages()[page], BitDepth::Sixteen, &bytes, &texts)
-    })?;
+    let (keyword, depth, bytes) = match depth {
+        PngDepth::Eight => {
+            ("irradiance of 255", BitDepth::Eight, dithered_over(scale, values, size[0], Curve::Linear))
+        }
+        PngDepth::Sixteen => {
+            let channels = values.iter().flat_map(|value| value.to_array());
+            let bytes = channels.flat_map(|x| word(x).to_be_bytes()).collect();
+            ("irradiance of 65535", BitDepth::Sixteen, bytes)
+        }
+    };
+    write_atomically(path, |out| encode_rgb(out, size, depth, &bytes, &[(keyword, &*scale.to_string())]))?;
     Ok(scale)
 }
 

@@ -2,7 +2,7 @@ use crate::scenes::{colourful, plain};
 use exr::prelude::*;
 use glam::Vec3;
 use lumel_export::{
-    Array, ArrayData, ExportError, LightmapSolution, NpzReader, Precision, SolutionSelection,
+    Array, ArrayData, ExportError, LightmapSolution, NpzReader, PngDepth, Precision, SolutionSelection,
     write_lightmap_exr, write_lightmap_png, write_npz,
 };
 use lumel_lightmap::{Lightmap, LightmapLayer};
@@ -113,7 +113,7 @@ fn a_png_image_of_16_bits_is_linear_and_says_its_scale() {
     let path = folder.path().join("a.png");
     let lightmap = lightmap_of(&colourful());
     for page in 0..lightmap.atlas.pages().len() {
-        let scale = write_lightmap_png(&path, &lightmap, page).unwrap();
+        let scale = write_lightmap_png(&path, &lightmap, page, PngDepth::Sixteen).unwrap();
         let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
         let reader = png::Decoder::new(file).read_info().unwrap();
         let text = &reader.info().uncompressed_latin1_text[0];
@@ -140,7 +140,9 @@ fn lightmaps_that_do_not_fit_are_refused() {
     let good = lightmap_of(&plain("plain"));
     let refused = |lightmap: &Lightmap, page, problem: &str| {
         let written = write_lightmap_exr(&path, lightmap, page, Precision::Float, &[]);
-        for error in [written.unwrap_err(), write_lightmap_png(&path, lightmap, page).unwrap_err()] {
+        for error in
+            [written.unwrap_err(), write_lightmap_png(&path, lightmap, page, PngDepth::Sixteen).unwrap_err()]
+        {
             assert!(matches!(error, ExportError::Content { .. }));
             assert!(error.to_string().starts_with(problem), "{error}");
         }
