@@ -102,7 +102,7 @@ fn a_project_says_how_a_scene_is_laid_out_and_the_command_line_says_it_better() 
     let sun = ["--light", "sun direction=0,-1,0 irradiance=1,1,1"];
     let bake =
         |line: &str| run(place.lumel(&format!("bake room.lumel.toml --preset draft {line}")).args(sun));
-    bake("-o a.npz").failed("--basis lightmap writes no .npz files");
+    bake("-o a.ply").failed("--basis lightmap writes no .ply files");
     let text = bake("").done().stdout;
     assert!(text.contains(" lumels of 20 per metre\n"), "{text}");
     assert!(place.path("room.exr").exists());
