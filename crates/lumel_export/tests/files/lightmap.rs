@@ -201,7 +201,7 @@ fn lightmaps_that_do_not_hold_together_are_refused() {
         ("chart_places", |a| set(a, 4, u32::MAX), "outside of its page"),
         ("pages", |a| set(a, 0, 0), "no lumels"),
         ("pages", |a| set(a, 0, u32::MAX), "no lumels, or all have too many"),
-        ("pages", |a| set(a, 0, 65), "the atlas"),
+        ("pages", |a| set(a, 0, 65), "an atlas of"),
         ("corners", |a| set(a, 5, f32::NAN.to_bits()), "triangle 0 lies outside"),
         ("irradiance", |a| set(a, 7, f32::INFINITY.to_bits()), "not finite"),
     ];

@@ -232,9 +232,17 @@ fn arrays_of_a_wrong_shape_are_refused() {
         let mut npz = NpzReader::open(&path).unwrap();
         write_npz(&bad, |out| {
             out.bytes("meta.json", &npz.bytes("meta.json").unwrap())?;
-            for other in
-                ["positions", "normals", "irradiance", "bounces", "tail", "standard_error", "layers", "valid"]
-            {
+            for other in [
+                "positions",
+                "normals",
+                "irradiance",
+                "bounces",
+                "tail",
+                "standard_error",
+                "layers",
+                "occlusion",
+                "valid",
+            ] {
                 let old = npz.array(other).unwrap();
                 out.array(other, if other == name { &array } else { &old })?;
             }
