@@ -225,7 +225,7 @@ impl Baker {
         control: &Control,
         part_done: PartDone<'_>,
     ) -> Result<(), TransportError> {
-        let plans = [0, 1].map(|half| plan_of(self.settings().plan(), light.round, half));
+        let plans = [0, 1].map(|half| plan_of(self.settings().plan(), light, half));
         let active = light.active.iter().filter(|active| **active).count();
         let bytes = operator.memory_with(&plans[0], &light.active) / active.max(1) as u64;
         let most = (self.settings().memory.0 / bytes.max(1)).clamp(1, parts.most.max(1) as u64) as usize;
@@ -269,7 +269,11 @@ impl Baker {
 
     /// How noisy the light at lumels is.
     pub fn accuracy_at_lumels(&self, lumels: &Lumels, light: &LumelLight) -> LumelAccuracy {
-        let errors = light.relative_errors(&lumels.atlas, &lumels.coverage, DARK);
+        self.accuracy_of(light, &light.relative_errors(&lumels.atlas, &lumels.coverage, DARK))
+    }
+
+    /// The same, from the errors of the lumels.
+    fn accuracy_of(&self, light: &LumelLight, errors: &[f32]) -> LumelAccuracy {
         let valid = errors.iter().enumerate().filter(|(lumel, _)| light.is_valid(*lumel));
         let mut widths: Vec<f64> = valid.map(|(_, error)| f64::from(CONFIDENCE * error)).collect();
         widths.sort_by(f64::total_cmp);
@@ -285,11 +289,13 @@ impl Baker {
         let errors = |floor| light.relative_errors(&lumels.atlas, &lumels.coverage, floor);
         let (errors, least) = match target(self.settings()) {
             Some(Target { error, share, rounds, .. }) => {
-                let enough = self.accuracy_at_lumels(lumels, light).share.is_some_and(|below| below >= share);
-                (!enough && light.round + 1 < rounds).then(|| (errors(DARK), error as f32 / CONFIDENCE))?
+                let errors = (light.round + 1 < rounds).then(|| errors(DARK))?;
+                let enough = self.accuracy_of(light, &errors).share.is_some_and(|below| below >= share);
+                (!enough).then_some((errors, error as f32 / CONFIDENCE))?
             }
             None => {
-                let (errors, share) = (errors(DIM), SHARES.get(light.round as usize)?);
+                let share = SHARES.get(light.round as usize)?;
+                let errors = errors(DIM);
                 let mut sorted = errors.clone();
                 let place = ((1.0 - share) * errors.len() as f64) as usize;
                 let least =
@@ -303,8 +309,8 @@ impl Baker {
 }
 
 /// The samples of a half of a round: they continue those of all rounds before, where the sampler can.
-fn plan_of(plan: Plan, round: u32, half: u32) -> Plan {
-    let times = if round == 0 { 1 } else { 1 << (round - 1) };
+fn plan_of(plan: Plan, light: &LumelLight, half: u32) -> Plan {
+    let (round, times) = (light.round, light.samples_of_round());
     let samples = |samples: u32| samples.div_ceil(FIRST_SHARE).max(MIN_SAMPLES).saturating_mul(times);
     let portion = if round == 0 { half } else { 2 + half };
     let continued = plan.sampler != SamplerKind::Stratified;

@@ -138,7 +138,7 @@ impl LumelLight {
     /// # Panics
     /// If the parts are of other lumels or sources.
     pub fn add(&mut self, range: Range<usize>, parts: &[PartLight; 2]) {
-        let samples = self.samples_of_round();
+        let samples = self.samples_of_round() as f32;
         for (half, part) in parts.iter().enumerate() {
             for (lumel, known) in range.clone().zip(&part.known) {
                 if *known && self.active[lumel] {
@@ -165,8 +165,8 @@ impl LumelLight {
     }
 
     /// The samples of each half of the round, as a multiple of those of the first: with all before, they double.
-    pub fn samples_of_round(&self) -> f32 {
-        if self.round == 0 { 1.0 } else { f32::from(2u16).powi(self.round as i32 - 1) }
+    pub fn samples_of_round(&self) -> u32 {
+        1 << self.round.saturating_sub(1)
     }
 
     /// Begins the next round, which measures some of the lumels.

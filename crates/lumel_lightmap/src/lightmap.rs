@@ -26,6 +26,13 @@ pub struct LightmapLayer {
     pub values: Vec<Vec3>,
 }
 
+impl LightmapLayer {
+    /// The name of the layer of light after so many reflections.
+    pub fn of_bounce(bounce: usize) -> String {
+        if bounce == 0 { "direct".to_owned() } else { format!("bounce {bounce}") }
+    }
+}
+
 impl Lightmap {
     /// What was measured, less its noise if that is wanted, with seams closed and the light of lumels that were not measured taken
     /// from their neighbours.
@@ -51,10 +58,8 @@ impl Lightmap {
         };
         let all: Vec<Vec3> = (0..light.len()).map(|place| light.irradiance(place)).collect();
         let mut layers = vec![layer("irradiance".to_owned(), &all)];
-        layers.extend(light.bounces().iter().enumerate().map(|(bounce, values)| match bounce {
-            0 => layer("direct".to_owned(), values),
-            _ => layer(format!("bounce {bounce}"), values),
-        }));
+        let bounces = light.bounces().iter().enumerate();
+        layers.extend(bounces.map(|(bounce, values)| layer(LightmapLayer::of_bounce(bounce), values)));
         layers.extend(light.tail().map(|values| layer("tail".to_owned(), values)));
         let valid = on_pages(coverage, &valid, n_lumels);
         let mut lightmap = Self { atlas: Arc::clone(atlas), valid, layers };

@@ -67,7 +67,7 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
         let Loaded { scene, warnings, .. } = load::load_whole(&args.scene)?;
         load::warn(&warnings, &args.scene, &run.console);
         let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
-        return draw(args, display, &scene, &|at, _: Vec3| solution.lightmap.at(layer, at), run);
+        return draw(args, display, &scene, &solution.lightmap.lighting(layer), run);
     }
     let budget = args.solution.as_deref().and_then(load::budget_of);
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, budget, &run.console)?;

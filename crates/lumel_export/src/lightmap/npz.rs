@@ -90,7 +90,7 @@ impl LightmapSolution {
         let named = |wanted: &str| self.lightmap.layers.iter().position(|layer| layer.name == wanted);
         match selection {
             SolutionSelection::Sum => Ok(0),
-            SolutionSelection::Bounce(wanted) => named(&bounce_name(*wanted))
+            SolutionSelection::Bounce(wanted) => named(&LightmapLayer::of_bounce(*wanted))
                 .ok_or_else(|| SolutionError::NoSuchBounce { wanted: *wanted, count: self.bounces().len() }),
             SolutionSelection::Layer(wanted) => named(wanted).ok_or_else(|| {
                 let names = self.lightmap.layers.iter().map(|layer| layer.name.clone()).collect();
@@ -102,7 +102,7 @@ impl LightmapSolution {
     /// Direct light and each bounce, by lumel of all pages.
     pub fn bounces(&self) -> Vec<&[Vec3]> {
         let layers = &self.lightmap.layers;
-        let named = |bounce| layers.iter().find(|layer| layer.name == bounce_name(bounce));
+        let named = |bounce| layers.iter().find(|layer| layer.name == LightmapLayer::of_bounce(bounce));
         (0..).map_while(named).map(|layer| layer.values.as_slice()).collect()
     }
 
@@ -170,11 +170,6 @@ impl LightmapSolution {
         check(path, &lightmap).map_err(|error| refuse(format!("is damaged ({error})")))?;
         Ok(Self { meta, lightmap })
     }
-}
-
-/// The name of the layer of a bounce.
-fn bounce_name(bounce: usize) -> String {
-    if bounce == 0 { "direct".to_owned() } else { format!("bounce {bounce}") }
 }
 
 fn atlas_arrays(atlas: &Atlas) -> [(&'static str, Array); 6] {

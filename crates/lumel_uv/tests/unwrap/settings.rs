@@ -17,7 +17,7 @@ fn a_budget_is_used_but_not_exceeded() {
 }
 
 #[test]
-fn a_budget_that_is_too_small_for_so_many_charts_gives_a_warning() {
+fn a_budget_below_what_all_charts_need_gives_a_warning() {
     let scene = built(soup(2000));
     let out = unwrapped(&scene, &UnwrapSettings { density: Density::Budget(1000), ..settings() });
     let used = out.atlas.lumel_count();
