@@ -144,6 +144,11 @@ impl AreaPatterns {
         &self.kinds[place.unwrap_or_default()]
     }
 
+    /// How many samples each element of a chunk gets, in all parts.
+    pub(crate) fn samples(&self, order: &Order, chunk: u32) -> usize {
+        self.kind(order, chunk).samples as usize
+    }
+
     /// The parts in which the elements of a chunk are measured.
     pub(crate) fn parts(&self, order: &Order, chunk: u32) -> impl Iterator<Item = AreaPart<'_>> {
         let kind = self.kind(order, chunk);

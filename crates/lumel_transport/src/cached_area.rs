@@ -19,7 +19,8 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         chunk: u32,
         control: &Control,
     ) -> Result<Box<[StoredEnd]>, TransportError> {
-        let mut rows = Vec::new();
+        let mut rows =
+            Vec::with_capacity(self.inner.elements(chunk).len() * patterns.samples(&self.inner.order, chunk));
         for part in patterns.parts(&self.inner.order, chunk) {
             let ends = trace::over_areas(&self.inner, &self.area_chunk(&part, chunk), control)?;
             let stored = |end: Option<RayEnd>| end.map_or(StoredEnd::INSIDE, |end| StoredEnd::new(&end));
@@ -56,7 +57,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                 value.truncate().extend(f32::from(u8::from(end != StoredEnd::INSIDE)))
             });
         }
-        Ok(Sums::of_elements(sums, false))
+        Ok(Sums::of_elements(&sums, false))
     }
 
     /// Direct light of the elements of a chunk: of lights by shadow rays from places of `lights`, which are among those that
@@ -94,7 +95,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
             }
         }
         sums.iter_mut().zip(&by_rays).for_each(|(sums, by_rays)| sums.add_means(by_rays));
-        Ok(Sums::of_elements(sums, false))
+        Ok(Sums::of_elements(&sums, false))
     }
 
     /// The patterns of the shadow rays of direct light, if their places are among those of the rows; then no ray is needed

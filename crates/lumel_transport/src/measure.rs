@@ -188,7 +188,7 @@ pub(crate) fn over_areas<B: Basis, R: Receivers>(
     } else {
         sums = by_rays;
     }
-    Ok(Sums::of_elements(sums, matches!(job.source, Source::Nothing)))
+    Ok(Sums::of_elements(&sums, matches!(job.source, Source::Nothing)))
 }
 
 /// Adds what arrives along the rays of each element; of [nothing](Source::Nothing), whether their sites are hidden.

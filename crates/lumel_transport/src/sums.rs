@@ -54,9 +54,9 @@ impl Sums {
 
     /// An entry for each node of each element. Where it was only found out what is hidden, the values are the
     /// shares of it.
-    pub(crate) fn of_elements(elements: Vec<ElementSums>, are_hidden: bool) -> Self {
+    pub(crate) fn of_elements(elements: &[ElementSums], are_hidden: bool) -> Self {
         let mut sums = Self::with_capacity(elements.iter().map(|element| element.0.len()).sum());
-        for (node, weight, value) in elements.into_iter().flat_map(|element| element.0) {
+        for &(node, weight, value) in elements.iter().flat_map(|element| &element.0) {
             sums.nodes.push(node);
             sums.weights.push(weight);
             if are_hidden {
@@ -119,7 +119,7 @@ mod tests {
         elements[0].add(0, NodeId(1), 1.0, DVec3::ONE);
         elements[1].add(0, NodeId(1), 2.0, DVec3::ONE);
         elements[1].add(0, NodeId(1), 1.0, DVec3::splat(4.0));
-        let sums = Sums::of_elements(elements, false);
+        let sums = Sums::of_elements(&elements, false);
         assert_eq!((sums.len(), sums.weights[1], sums.values[1]), (2, 3.0, DVec3::splat(6.0)));
     }
 
@@ -130,7 +130,7 @@ mod tests {
         b.add(0, NodeId(7), 1.0, DVec3::ONE);
         b.add(1, NodeId(1), 0.5, DVec3::splat(3.0));
         a.add_means(&b);
-        let sums = Sums::of_elements(vec![a], false);
+        let sums = Sums::of_elements(&[a], false);
         assert_eq!((sums.nodes, sums.weights), (vec![NodeId(1)], vec![2.0]));
         assert_eq!(sums.values, [DVec3::splat(8.0)]);
     }

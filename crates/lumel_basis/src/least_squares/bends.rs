@@ -9,7 +9,7 @@ use rayon::prelude::*;
 ///
 /// Triangles of usual shape stay below 20. Without a bound, slivers would stiffen all around them, and iterations would
 /// not end.
-const MAX_STIFFNESS: f64 = 40.0;
+const MAX_STIFFNESS: f64 = 20.0;
 
 /// An edge between two triangles, and what a function costs that bends there: the square of the sum of its values at the
 /// four nodes times `jumps`.
@@ -31,7 +31,7 @@ impl Edges {
             ([a.min(b), a.max(b)], TriId(tri as u32), k as u8)
         };
         let mut sides: Vec<_> =
-            triangles.iter().enumerate().flat_map(|tri| [0, 1, 2].map(|k| side(tri, k))).collect();
+            triangles.par_iter().enumerate().flat_map_iter(|tri| [0, 1, 2].map(|k| side(tri, k))).collect();
         sides.par_sort_unstable();
         Self(sides)
     }

@@ -49,8 +49,10 @@ impl LeastSquares {
         let n_nodes = basis.node_count();
         let edges = Edges::new(triangles);
         let bends = if alpha > 0.0 { edges.bends(basis) } else { Vec::new() };
-        let around = Incidence::new(n_nodes, triangles.len(), |tri| triangles[tri]);
-        let across = Incidence::new(n_nodes, bends.len(), |bend| bends[bend].nodes);
+        let (around, across) = rayon::join(
+            || Incidence::new(n_nodes, triangles.len(), |tri| triangles[tri]),
+            || Incidence::new(n_nodes, bends.len(), |bend| bends[bend].nodes),
+        );
         // Terms of both halves of the symmetric matrix come in the same order, and so round alike.
         let matrix = Matrix::from_rows(n_nodes, |row, terms| {
             for tri in around.of(row) {
