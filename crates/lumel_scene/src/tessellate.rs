@@ -60,11 +60,15 @@ impl SceneBuilder {
         let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
         let given = self.face_count();
         let limit = given.saturating_add(TRIANGLES_PER_VERTEX * u64::from(vertex_budget));
-        while self.count(&self.rule(length), limit) > limit {
+        let mut triangles = self.count(&self.rule(length), limit);
+        while triangles > limit {
             length = length.scaled(COARSER);
+            triangles = self.count(&self.rule(length), limit);
         }
-        let warnings = self.split(&self.rule(length));
-        ((self.face_count() > given).then_some(length.shortest() as f32), warnings)
+        if triangles == given {
+            return (None, Warnings::default());
+        }
+        (Some(length.shortest() as f32), self.split(&self.rule(length)))
     }
 
     fn face_count(&self) -> u64 {
