@@ -61,12 +61,10 @@ impl RayTracer for Bvh {
                 occluded.fill(false);
                 continue;
             }
+            // Without those that cannot be traced.
+            let looking = packet.unmet();
             self.trace::<false, true>(&[root], &mut packet);
-            let free = packet.unmet();
-            for (i, (blocked, ray)) in occluded.iter_mut().zip(rays).enumerate() {
-                // Rays that cannot be traced were never free.
-                *blocked = free >> i & 1 == 0 && is_traceable(ray.origin, ray.direction);
-            }
+            tell_met(looking & !packet.unmet(), occluded);
         }
     }
 
@@ -137,6 +135,8 @@ impl Bvh {
         bundle: &Bundle<'_>,
         occluded: &mut [bool],
     ) {
+        // Without those that cannot be traced.
+        let looking: [u32; SHAFT / PACKET] = std::array::from_fn(|k| shaft.free(k));
         let rest = Stack::lend(|stack| (!shaft.walk(stack)).then(|| Rest::new(stack, root)));
         let mut packet = None;
         for (k, occluded) in occluded.chunks_mut(PACKET).enumerate() {
@@ -144,15 +144,12 @@ impl Bvh {
             let mut free = shaft.free(k);
             if let Some(rest) = rest.as_ref().filter(|_| free != 0) {
                 let packet = packet.get_or_insert_with(Packet::new);
-                packet.fill(rays.clone().map(|i| bundle.ray(i)));
+                packet.fill(rays.map(|i| bundle.ray(i)));
                 packet.retain(free);
                 self.trace::<true, true>(&rest.nodes[..rest.count], packet);
                 free = packet.unmet();
             }
-            for ((i, blocked), ray) in occluded.iter_mut().enumerate().zip(rays) {
-                // Rays that cannot be traced were never free.
-                *blocked = free >> i & 1 == 0 && is_traceable(bundle.origin, bundle.directions[ray]);
-            }
+            tell_met(looking[k] & !free, occluded);
         }
     }
 
@@ -161,4 +158,9 @@ impl Bvh {
             self.instructions().run(PacketTrace::<TOGETHER, ANY> { bvh: self, roots, packet, stack });
         });
     }
+}
+
+/// Writes out the mask of a packet's rays that have met something.
+fn tell_met(met: u32, occluded: &mut [bool]) {
+    occluded.iter_mut().enumerate().for_each(|(i, blocked)| *blocked = met >> i & 1 == 1);
 }

@@ -39,8 +39,11 @@ impl TriangleHit {
 }
 
 /// Whether rays have a direction, and an origin.
+#[inline]
 pub(crate) fn is_traceable(origin: Vec3, direction: Vec3) -> bool {
-    origin.is_finite() && direction.is_finite() && (1.0 / direction.abs().max_element()).is_finite()
+    // One over anything longer than 2⁻¹²⁸ is finite.
+    const TOO_SHORT: f32 = f32::MIN_POSITIVE / 4.0;
+    origin.is_finite() && direction.is_finite() && direction.abs().max_element() > TOO_SHORT
 }
 
 /// Whether the line of a ray passes through a triangle, edges included; exact.

@@ -83,11 +83,17 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
                 .as_ref()
                 .map(|lights| AreaChunk::new(rows.elements, lights, |element| inner.key(job, element)));
             let end = |i: usize, slot: u32| rows.ends[rows.at(rays.first + slot, i)];
-            for (&i, lights) in measured.iter().flat_map(|i| Some((i, lights.as_ref()?))) {
-                control.check()?;
-                let turn = rays.keys[i].1;
-                let is_outside = |number| end(i, rays.pattern.slot(number, turn)) != StoredEnd::INSIDE;
-                measure::add_lights_of(inner, &direct, (lights, i), is_outside, &mut scratch, &mut sums)?;
+            if let Some(lights) = &lights {
+                let is_outside =
+                    |i: usize, number| end(i, rays.pattern.slot(number, rays.keys[i].1)) != StoredEnd::INSIDE;
+                measure::add_lights_of(
+                    inner,
+                    &direct,
+                    (lights, &measured),
+                    is_outside,
+                    &mut scratch,
+                    &mut sums,
+                )?;
             }
             if inner.lights.needs_hemisphere() {
                 let end = |i, slot| end(i, slot).end();

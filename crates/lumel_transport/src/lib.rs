@@ -43,6 +43,7 @@ mod polygon;
 mod reflectance;
 mod rows;
 mod scatter;
+mod shadow_batch;
 mod shadow_rays;
 mod sky_light;
 mod sky_rays;

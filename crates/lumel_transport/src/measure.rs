@@ -7,7 +7,7 @@
 use crate::area_pattern::{AreaChunk, AreaPatterns};
 use crate::arrivals::Arrivals;
 use crate::direct::Direct;
-use crate::direct_area::{AreaSites, Batch};
+use crate::direct_area::AreaSites;
 use crate::ends::RayEnd;
 use crate::group::Group;
 use crate::hemisphere;
@@ -16,13 +16,14 @@ use crate::job::{Control, Job, Source, TransportError};
 use crate::light_points::LightPoints;
 use crate::operator::CpuTransport;
 use crate::order::CHUNK;
+use crate::shadow_batch::Batch;
 use crate::shadow_rays::Tally;
 use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{AmbientOcclusion, EmitterMask, Sums};
 use glam::{DVec3, DVec4, Vec3, Vec4};
 use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling, Site};
-use lumel_sample::Dim;
+use lumel_sample::{Dim, StreamKey};
 use smallvec::SmallVec;
 
 /// Rays that decide whether an element is valid.
@@ -267,12 +268,10 @@ fn add_lights<B: Basis, R: Receivers>(
 ) -> Result<(), TransportError> {
     let (direct, mut scratch) = (direct(op, mask, control), LightScratch::default());
     let lanes = area.elements.len();
-    for i in 0..lanes {
-        let turn = area.keys[i].1;
-        let is_outside = |number| ends[area.pattern.slot(number, turn) as usize * lanes + i].is_some();
-        add_lights_of(op, &direct, (area, i), is_outside, &mut scratch, sums)?;
-    }
-    Ok(())
+    let elements: Vec<usize> = (0..lanes).collect();
+    let is_outside =
+        |i: usize, number| ends[area.pattern.slot(number, area.keys[i].1) as usize * lanes + i].is_some();
+    add_lights_of(op, &direct, (area, &elements), is_outside, &mut scratch, sums)
 }
 
 /// Samples whose light is summed in single precision before it goes into a sum in double precision.
@@ -358,36 +357,43 @@ fn add_to_nodes<B: Basis, R: Receivers>(
 pub(crate) struct LightScratch {
     points: LightPoints,
     batch: Batch,
-    /// Of all samples, by number.
+    /// Of all samples of an element, by number.
     all: Vec<Site>,
-    /// Of those outside geometry.
+    /// Of those outside geometry, element by element.
     sites: Vec<Option<Site>>,
-    /// What arrives at each sample, by number.
+    keys: Vec<(StreamKey, u32)>,
+    /// What arrives at each sample.
     lit: Vec<DVec3>,
 }
 
-/// Adds what lights send to the samples of element `i` of a chunk that `is_outside` geometry, by their numbers.
+/// Adds what lights send to the samples of some elements of a chunk that are `is_outside` geometry, by element and number.
 pub(crate) fn add_lights_of<B: Basis, R: Receivers>(
     op: &CpuTransport<B, R>,
     direct: &Direct<'_>,
-    (chunk, i): (&AreaChunk<'_>, usize),
-    is_outside: impl Fn(u32) -> bool,
-    LightScratch { points, batch, all, sites, lit }: &mut LightScratch,
+    (chunk, elements): (&AreaChunk<'_>, &[usize]),
+    is_outside: impl Fn(usize, u32) -> bool,
+    LightScratch { points, batch, all, sites, keys, lit }: &mut LightScratch,
     sums: &mut [ElementSums],
 ) -> Result<(), TransportError> {
-    lit.clear();
-    lit.resize(chunk.pattern.len() as usize, DVec3::ZERO);
-    all.clear();
-    op.receivers.sites(chunk.elements[i], chunk.pattern.places(), all);
+    let samples = chunk.pattern.len() as usize;
     sites.clear();
-    sites.extend((0..).zip(all.drain(..)).map(|(number, site)| is_outside(number).then_some(site)));
-    let (key, turn) = chunk.keys[i];
-    let area = AreaSites { sites, key, number: |slot| chunk.pattern.number(slot, turn) };
-    direct.over_area(&area, (points, batch), lit)?;
-    add_samples::<1, _, _>(op, chunk, &[i], sums, |_, slot| {
-        let number = chunk.pattern.number(slot, turn);
-        if is_outside(number) { lit[number as usize].as_vec3().extend(1.0) } else { Vec4::ZERO }
-    });
+    for &i in elements {
+        all.clear();
+        op.receivers.sites(chunk.elements[i], chunk.pattern.places(), all);
+        sites.extend((0..).zip(all.drain(..)).map(|(number, site)| is_outside(i, number).then_some(site)));
+    }
+    keys.clear();
+    keys.extend(elements.iter().map(|&i| chunk.keys[i]));
+    lit.clear();
+    lit.resize(elements.len() * samples, DVec3::ZERO);
+    direct.over_areas(&AreaSites { sites, keys, pattern: chunk.pattern }, (points, batch), lit)?;
+    for (k, &i) in elements.iter().enumerate() {
+        add_samples::<1, _, _>(op, chunk, &[i], sums, |_, slot| {
+            let number = chunk.pattern.number(slot, chunk.keys[i].1);
+            let is_outside = is_outside(i, number);
+            if is_outside { lit[k * samples + number as usize].as_vec3().extend(1.0) } else { Vec4::ZERO }
+        });
+    }
     Ok(())
 }
 

@@ -34,6 +34,9 @@ pub(crate) fn measure(title: &str, trees: &Trees<'_>, rays: &Rays, rounds: usize
         let name = |how: &str| format!("lumel {instructions}, {how}");
         methods.push(Method::new(name("single rays"), Order::Receivers, |o| single(bvh, rays, o)));
         methods.push(Method::new(name("one origin"), Order::Receivers, |o| one_origin(bvh, rays, o)));
+        methods.push(Method::new(name("transposed"), Order::Transposed, |o| {
+            bvh.occlusions_of(&rays.transposed, o);
+        }));
     }
     let mut reference = vec![false; rays.rays.len()];
     match &trees.embree {

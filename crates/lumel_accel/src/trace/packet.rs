@@ -199,6 +199,9 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
     #[inline(always)]
     fn run<const ONE: bool>(&self, roots: &[Child], packet: &mut Packet, stack: &mut Stack) {
         stack.clear();
+        if ANY && !self.meet_what_was_in_the_way(packet, stack) {
+            return;
+        }
         for &child in roots {
             stack.push(Entry { near: 0.0, child, lanes: packet.active });
         }
@@ -214,7 +217,7 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
                     self.enter::<ONE>(node, lanes, limit, packet, stack);
                     false
                 }
-                None => self.leaf(current.child, lanes, packet),
+                None => self.leaf(current.child, lanes, packet, stack),
             };
             if met {
                 if ANY && packet.active == 0 {
@@ -322,20 +325,47 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
         any
     }
 
+    /// Tests the triangles that were in the way of other rays last. Whether any ray is still free.
+    #[inline(always)]
+    fn meet_what_was_in_the_way(&self, packet: &mut Packet, stack: &mut Stack) -> bool {
+        for guess in stack.guesses() {
+            if let Some(block) = self.bvh.blocks.get(guess)
+                && self.meet(block, packet.active, packet)
+            {
+                stack.is_in_the_way(guess);
+                if packet.active == 0 {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
     /// Whether any of the rays met one of a leaf's triangles.
     #[inline(always)]
-    fn leaf(&self, leaf: Child, lanes: u32, packet: &mut Packet) -> bool {
+    fn leaf(&self, leaf: Child, lanes: u32, packet: &mut Packet, stack: &mut Stack) -> bool {
         let mut any = false;
-        for block in &self.bvh.blocks[leaf.blocks()] {
+        for i in leaf.blocks() {
             let lanes = if ANY { lanes & packet.active } else { lanes };
-            let edges = Edges::<S::F4>::new(self.isa, block, &self.beam.from);
-            any |= match lanes.count_ones() {
-                0 => false,
-                1..=4 => self.four_by_four(block, edges, lanes, packet),
-                _ => self.each_triangle(block, edges, lanes, packet),
-            };
+            if self.meet(&self.bvh.blocks[i], lanes, packet) {
+                any = true;
+                if ANY {
+                    stack.is_in_the_way(i);
+                }
+            }
         }
         any
+    }
+
+    /// Whether any of the rays met one of a block's triangles.
+    #[inline(always)]
+    fn meet(&self, block: &Block, lanes: u32, packet: &mut Packet) -> bool {
+        let edges = Edges::<S::F4>::new(self.isa, block, &self.beam.from);
+        match lanes.count_ones() {
+            0 => false,
+            1..=4 => self.four_by_four(block, edges, lanes, packet),
+            _ => self.each_triangle(block, edges, lanes, packet),
+        }
     }
 
     /// At most four rays and four triangles, in all pairs.

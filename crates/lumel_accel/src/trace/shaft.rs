@@ -136,11 +136,14 @@ impl Kernel for Walk<'_, '_> {
         let limit = shaft.t_max.next_down();
         let mut budget = BUDGET;
         stack.clear();
-        if let Some(block) = bvh.blocks.get(stack.in_the_way) {
-            if !shaft.meet(isa, block, &beam) {
-                stack.in_the_way = usize::MAX;
-            } else if shaft.is_blocked() {
-                return true;
+        for guess in stack.guesses() {
+            if let Some(block) = bvh.blocks.get(guess)
+                && shaft.meet(isa, block, &beam)
+            {
+                stack.is_in_the_way(guess);
+                if shaft.is_blocked() {
+                    return true;
+                }
             }
         }
         let mut current = shaft.root;
@@ -169,7 +172,7 @@ impl Kernel for Walk<'_, '_> {
                 }
                 for i in blocks {
                     if shaft.meet(isa, &bvh.blocks[i], &beam) {
-                        stack.in_the_way = i;
+                        stack.is_in_the_way(i);
                     }
                 }
                 if shaft.is_blocked() {

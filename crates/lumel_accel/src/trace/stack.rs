@@ -17,9 +17,12 @@ pub(super) struct Entry {
 pub(crate) struct Stack {
     entries: [Entry; MAX_STACK],
     len: usize,
-    /// The block of triangles that was in the way of shadow rays last, a first guess for those that come next.
-    pub(super) in_the_way: usize,
+    /// The blocks of triangles that were in the way of shadow rays last, the last one first.
+    in_the_way: [usize; GUESSES],
 }
+
+/// Blocks that are tried before the tree is walked: in a penumbra, several take turns.
+const GUESSES: usize = 4;
 
 // So that an index is brought into range by a mask.
 const _: () = assert!(MAX_STACK.is_power_of_two());
@@ -33,7 +36,7 @@ thread_local! {
 impl Stack {
     const fn new() -> Self {
         let entry = Entry { near: 0.0, child: Child::ROOT, lanes: 0 };
-        Self { entries: [entry; MAX_STACK], len: 0, in_the_way: usize::MAX }
+        Self { entries: [entry; MAX_STACK], len: 0, in_the_way: [usize::MAX; GUESSES] }
     }
 
     /// The nodes on it, the next one last.
@@ -48,6 +51,20 @@ impl Stack {
             stack.clear();
             to(stack)
         })
+    }
+
+    /// Blocks that may be in the way of shadow rays, the most likely one first; there may be no such block.
+    #[inline(always)]
+    pub(super) fn guesses(&self) -> [usize; GUESSES] {
+        self.in_the_way
+    }
+
+    /// Notes a block that is in the way.
+    #[inline(always)]
+    pub(super) fn is_in_the_way(&mut self, block: usize) {
+        let place = self.in_the_way.iter().position(|&known| known == block).unwrap_or(GUESSES - 1);
+        self.in_the_way[..=place].rotate_right(1);
+        self.in_the_way[0] = block;
     }
 
     pub(super) fn clear(&mut self) {
