@@ -32,6 +32,7 @@ mod light_reader;
 mod lumels;
 mod max_edge;
 mod measure;
+mod memory_need;
 mod method;
 mod occlusion;
 mod open;

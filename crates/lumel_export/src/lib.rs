@@ -38,7 +38,7 @@ pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
-pub use glb::{LightmapTarget, OCCLUSION, write_glb, write_lightmap_glb, write_unwrapped_glb};
+pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};
 pub use lightmap::{
     LightmapSolution, PngDepth, Precision, path_of_page, write_lightmap_exr, write_lightmap_png,
 };

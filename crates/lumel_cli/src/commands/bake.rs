@@ -1,13 +1,14 @@
 //! `lumel bake`
 
 use super::lightmap::{self, Lightmapped, Solved};
-use super::summary::{Step, Summary, Written};
+use super::summary::{MemoryReport, Step, Summary, Written};
 use crate::args::{BakeArgs, Basis, Switch, Target};
 use crate::checkpoint::{self, Checkpoint};
 use crate::command_run::{CommandRun, SolveLog, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::{hinted, with_hint};
 use crate::load::{self, Loaded};
+use crate::memory;
 use crate::outcome::Outcome;
 use crate::outputs::{self, Light, Output};
 use anyhow::bail;
@@ -108,6 +109,9 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
         Some(file) => checkpoint.resumed_from(file),
         None => tell_of_old_checkpoint(checkpoint.path(), run),
     }
+    let lumels = prepared.as_ref().map(|prepared| &prepared.lumels);
+    let draws = files.outputs.iter().any(Output::is_picture);
+    let announced = memory::announce(&baker, lumels, draws, &run.console);
     let log = run.solve(&baker, &mut state, Some(&checkpoint))?;
     if state.bounces.len() > first_bounce {
         checkpoint.update(&baker, &state);
@@ -170,6 +174,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     if let Some(Lightmapped { report, .. }) = lightmapped {
         summary.add_lightmap(report);
     }
+    summary.memory = MemoryReport { announced, peak: memory::peak() };
     summary.seconds.load = load_seconds;
     summary.seconds.build = build_seconds;
     summary.seconds.write = write_seconds;

@@ -7,12 +7,10 @@ use crate::checkpoint::Checkpoint;
 use crate::command_run::{CHECKPOINT_SHARE, CommandRun};
 use crate::load::{self, Loaded};
 use crate::report;
-use glam::Vec3;
 use lumel::{
-    Baker, Lightmap, LightmapLayer, LumelAccuracy, LumelLight, LumelState, Lumels, Preset, Scene, Settings,
-    SolveState, TransportError,
+    Baker, Lightmap, LumelAccuracy, LumelLight, LumelState, Lumels, Preset, Scene, Settings, SolveState,
+    TransportError,
 };
-use lumel_export::OCCLUSION;
 use lumel_uv::{Report, Unwrapped};
 use std::path::Path;
 use std::sync::Arc;
@@ -27,7 +25,7 @@ pub(crate) struct Lightmapped {
 
 /// Where light is to be measured.
 pub(crate) struct Prepared {
-    lumels: Lumels,
+    pub(crate) lumels: Lumels,
     report: Report,
     seconds: f64,
 }
@@ -78,18 +76,15 @@ pub(crate) fn measure(
         })
         .0
     });
-    let more = match occlusion.transpose() {
-        Ok(occlusion) => occlusion.map(|shares| LightmapLayer {
-            name: OCCLUSION.to_owned(),
-            values: shares.into_iter().map(Vec3::splat).collect(),
-        }),
+    let openness = match occlusion.transpose() {
+        Ok(openness) => openness,
         Err(TransportError::Cancelled) => return Ok(None),
         Err(error) => return Err(error.into()),
     };
     let Lumels { scene, atlas, coverage } = &lumels;
     let accuracy = baker.accuracy_at_lumels(&lumels, &light);
     warn_of_error(&accuracy, &solved.settings, run);
-    let finished = || Lightmap::finished(scene, atlas, coverage, &light, denoises, more.as_slice());
+    let finished = || Lightmap::finished(scene, atlas, coverage, &light, denoises, openness.as_ref());
     let (lightmap, finish_seconds) = run.timed("finish", finished);
     let report = LightmapReport {
         pages: lumels.atlas.pages().to_vec(),

@@ -2,7 +2,7 @@
 
 use crate::command_run::SolveLog;
 use crate::report::{self, counted};
-use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, LumelAccuracy, Solution, SolveState};
+use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, LumelAccuracy, Memory, Solution, SolveState};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -35,9 +35,26 @@ pub(crate) struct Summary {
     threads: usize,
     /// The lightmap, if light is stored in one.
     lightmap: Option<LightmapReport>,
+    pub(crate) memory: MemoryReport,
     pub(crate) seconds: Seconds,
     pub(crate) files: Vec<Written>,
     pub(crate) warnings: usize,
+}
+
+/// What the program takes of memory, bytes, where the system tells.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct MemoryReport {
+    /// What was said before the solve.
+    pub(crate) announced: Option<Memory>,
+    /// The most that it took.
+    pub(crate) peak: Option<Memory>,
+}
+
+impl MemoryReport {
+    fn text(&self) -> Option<String> {
+        let Self { announced, peak } = self;
+        Some(format!("memory {} at most, announced {}", (*peak)?, (*announced)?))
+    }
 }
 
 /// A lightmap.
@@ -307,6 +324,7 @@ impl Summary {
                 ..Seconds::default()
             },
             lightmap: None,
+            memory: MemoryReport::default(),
             files: Vec::new(),
             warnings: 0,
         }
@@ -353,6 +371,7 @@ impl Summary {
         if self.rays > 0 {
             lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
         }
+        lines.extend(self.memory.text());
         lines.push(self.remainder_text());
         lines.extend(self.estimate.as_ref().map(EstimateReport::text));
         lines.extend(self.error.iter().flat_map(ErrorReport::text));

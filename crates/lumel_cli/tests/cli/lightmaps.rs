@@ -105,6 +105,26 @@ fn threads_make_no_difference_and_the_default_output_is_an_image() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn no_more_memory_is_taken_than_is_announced_before() {
+    let place = room();
+    for line in ["--lumels 65536 --bounces all -o a.npz -o a.png", "--max-edge 0.05 --basis vertex -o b.npz"]
+    {
+        let run = bake(&place, &format!("{line} --json")).done();
+        let summary: Value = serde_json::from_str(&run.stdout).unwrap();
+        let [announced, peak] =
+            ["announced", "peak"].map(|name| summary["memory"][name].as_u64().unwrap() as f64);
+        assert!((1.0..2.0).contains(&(announced / peak)), "{line}: {summary}");
+        assert!(
+            run.stderr.contains("note: needs about ") && run.stderr.contains("iB of memory\n"),
+            "{run:?}"
+        );
+    }
+    let text = bake(&place, "--lumels 4096 -o c.exr").done().stdout;
+    assert!(text.contains("\nmemory ") && text.contains("iB at most, announced "), "{text}");
+}
+
+#[test]
 fn pages_that_are_too_small_for_all_become_several_files() {
     let place = room();
     let run = bake(&place, "--density 24 --atlas-size 64 -o a.exr --json").done();
