@@ -1,6 +1,7 @@
 //! From a solve on vertices to light on the lumels of an atlas.
 
 use crate::Baker;
+use crate::settings::Memory;
 use crate::target::target;
 use lumel_basis::{Field, Identity, LumelReceivers, Receivers, VertexBasis};
 use lumel_lightmap::{LumelLight, PartLight};
@@ -275,15 +276,15 @@ impl Baker {
         [most, most * bytes]
     }
 
-    /// The bytes of the rays that are kept at a time while lumels are measured, without a target error.
-    pub(crate) fn ray_bytes_at_lumels(&self, lumels: &Lumels) -> u64 {
+    /// What the rays take that are kept at a time while lumels are measured, at most, without a target error.
+    pub fn memory_of_lumel_rays(&self, lumels: &Lumels) -> Memory {
         let operator = self.cached_at_lumels(lumels);
         let light = LumelLight::new(lumels.coverage.len(), 0, false);
         let first = plan_of(self.settings().plan(), &light, 0);
         // The last round has the samples of all before it, for some of the lumels.
         let times = 1 << SHARES.len().saturating_sub(1);
         let plan = Plan { indirect_samples: first.indirect_samples.saturating_mul(times), ..first };
-        self.part_of(&operator, &plan, &light.active, PART)[1]
+        Memory(self.part_of(&operator, &plan, &light.active, PART)[1])
     }
 
     /// Share of all samples at lumels that is done; `None` with a target error, which takes as many as it takes.

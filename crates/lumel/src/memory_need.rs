@@ -62,7 +62,7 @@ impl Baker {
         let (n, on_pages) = (lumels.coverage.len() as u64, lumels.atlas.lumel_count() as u64);
         let light = n * (n_parts * LIGHT + 17);
         let planes = self.scene().triangle_count() as u64 * PLANE;
-        let rays = self.ray_bytes_at_lumels(lumels);
+        let rays = self.memory_of_lumel_rays(lumels).0;
         let measuring = rays + planes + n * (SUM + MERGING + LIGHT) + 2 * light;
         let layers = (n_parts + MORE_LAYERS) * on_pages * LIGHT;
         let denoising = 2 * (n_parts + 1) * n * LIGHT;

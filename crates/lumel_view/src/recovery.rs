@@ -157,6 +157,7 @@ impl Note {
                 vertex_budget: None,
                 subdivide: self.subdivide,
                 two_sided: self.two_sided.clone(),
+                keeps_whole: false,
             },
         }
     }

@@ -70,6 +70,12 @@ pub(crate) struct LightmapReport {
     pub(crate) noise: NoiseReport,
     pub(crate) charts: usize,
     pub(crate) utilization: f64,
+    /// Objects whose lightmap coordinates are kept.
+    pub(crate) kept: usize,
+    /// Whether all of them are, on a square that they share.
+    pub(crate) shared: bool,
+    /// What the rays take that are kept at a time.
+    pub(crate) ray_bytes: Memory,
     pub(crate) unwrap_seconds: f64,
     /// For measuring light in lumels.
     pub(crate) seconds: f64,
@@ -111,8 +117,17 @@ impl LightmapReport {
             0 => String::new(),
             n => format!(", {} inside geometry", counted(n, "lies", "lie")),
         };
+        let kept = match (self.shared, self.kept) {
+            (true, _) => {
+                "\nthe lightmap coordinates of all objects are kept, on the square that they share".to_owned()
+            }
+            (false, 0) => String::new(),
+            (false, n) => {
+                format!("\nthe lightmap coordinates of {} are kept", counted(n, "object", "objects"))
+            }
+        };
         format!(
-            "lightmap {pages} of {}, {} used by {}; {} of {} per metre{inside}\n{}\nunwrap {:.2} s\nlumels {:.2} s\nfinish {:.2} s",
+            "lightmap {pages} of {}, {} used by {}; {} of {} per metre{inside}{kept}\n{}\nunwrap {:.2} s\nlumels {:.2} s, rays stored part by part ({})\nfinish {:.2} s",
             sizes.join(", "),
             report::percent(self.utilization),
             counted(self.charts, "chart", "charts"),
@@ -121,6 +136,7 @@ impl LightmapReport {
             self.noise.text(),
             self.unwrap_seconds,
             self.seconds,
+            self.ray_bytes,
             self.finish_seconds,
         )
     }

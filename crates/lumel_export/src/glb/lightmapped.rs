@@ -13,11 +13,13 @@ use lumel_lightmap::{Dilation, Lightmap, LightmapLayer};
 use lumel_scene::{Scene, TriId};
 use lumel_uv::{Coverage, Piece};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::Path;
 
 /// Who reads a scene with a lightmap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LightmapTarget {
     /// three.js, and what else reads `MOZ_lightmap`: irradiance, by which the albedo is multiplied.
     Three,
