@@ -177,13 +177,18 @@ pub(crate) fn settings(
 
 /// Refuses a scene that would stay dark.
 pub(crate) fn check_shines(scene: &Scene, emitters: EmitterSampling) -> anyhow::Result<()> {
+    why_dark(scene, emitters).map_or(Ok(()), |(problem, remedy)| Err(hinted(problem, remedy)))
+}
+
+/// Why a scene would stay dark, and what to do about it.
+pub(crate) fn why_dark(scene: &Scene, emitters: EmitterSampling) -> Option<(String, String)> {
     let emissive = (0..scene.triangle_count() as u32).any(|tri| scene.material(TriId(tri)).emits());
     let surfaces = emissive && emitters != EmitterSampling::Off;
     if surfaces || !scene.sky().is_zero() || scene.lights().iter().any(shines) {
-        return Ok(());
+        return None;
     }
     let but = if emissive { " with --no-emissive" } else { "" };
-    Err(hinted(
+    Some((
         format!("nothing emits light in scene \"{}\"{but}", scene.name()),
         format!("add a light that suits the scene: {}", suggested_light(scene, &Bvh::build(scene))),
     ))
