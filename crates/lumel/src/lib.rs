@@ -16,7 +16,6 @@
 
 mod assembly;
 mod at_vertices;
-mod atlas_entry;
 mod bake;
 mod baker;
 mod dark;
@@ -29,11 +28,14 @@ mod light_entry;
 mod light_file;
 mod light_findings;
 mod light_reader;
+mod lightmap_entry;
 mod lumels;
 mod max_edge;
 mod measure;
+mod memory_need;
 mod method;
 mod occlusion;
+mod occlusion_entry;
 mod open;
 mod places;
 mod progress;
@@ -50,7 +52,6 @@ mod target;
 mod two_sided;
 mod workload;
 
-pub use atlas_entry::{AtlasEntry, LightBasis, UvChoice};
 pub use bake::{Bake, BakeError, Baked};
 pub use baker::Baker;
 pub use decimal::decimal;
@@ -63,12 +64,14 @@ pub use light_entry::{LightEntry, LightKind};
 pub use light_file::{Fitting, LightFile, LightFileError};
 pub use light_findings::LightFinding;
 pub use light_reader::LightReader;
+pub use lightmap_entry::{LightBasis, LightmapEntry, UvChoice};
 pub use lumel_accel::{Bvh, RayTracer, SeeThrough, tracer_of};
 pub use lumel_basis::{
     Basis, Field, FieldLighting, Lighting, PointReceivers, VertexCountError, VertexLighting,
 };
 pub use lumel_export::{
-    Checkpoint, LightmapSolution, LumelState, RadFile, Saved, Solution, SolutionLayer, SolutionSelection,
+    Checkpoint, LightmapSolution, LightmapTarget, LumelState, RadFile, Saved, Solution, SolutionLayer,
+    SolutionSelection,
 };
 pub use lumel_import::PathPolicy;
 pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
@@ -88,6 +91,7 @@ pub use lumels::{LumelAccuracy, LumelParts, Lumels, PartDone};
 pub use max_edge::MaxEdge;
 pub use measure::{PointMeasurement, measure_points, vertex_errors};
 pub use method::Method;
+pub use occlusion_entry::OcclusionEntry;
 pub use open::{AutoEdge, OpenError, OpenOptions, Opened, open};
 pub use progress::{Progress, Tracker};
 pub use project::{CameraEntry, MaterialEntry, ObjectEntry, Project, ProjectError, SlotEntry};

@@ -301,6 +301,11 @@ impl LightEntry {
         if !(0.0 <= inner && inner < outer && outer <= 90.0) {
             return problem(format!("inner is {inner} and outer {outer} degrees; 0 <= inner < outer <= 90"));
         }
+        if outer.to_radians() < SpotLight::LEAST_OUTER {
+            return problem(format!(
+                "outer is {outer} degrees, but must be 0.2 or more; use a wider cone, or a sun"
+            ));
+        }
         let inner = inner.min(outer - LEAST_PENUMBRA_DEG).max(0.0);
         let [cos_inner, cos_outer] = [inner, outer].map(|angle| angle.to_radians().cos());
         Ok(SpotLight { point, direction, cos_inner, cos_outer })
@@ -484,6 +489,7 @@ mod tests {
                 "rect center=0,0,0 direction=0,1,0 toward=0,1,0 size=1,1 radiance=1,1,1",
                 "give either direction",
             ),
+            ("spot position=0,0,0 direction=0,1,0 intensity=1,1,1 outer=0.01", "outer is 0.01 degrees"),
             ("spot position=0,0,0 direction=0,1,0 intensity=1,1,1 inner=50", "inner is 50 and outer 45"),
             ("spot position=0,0,0 direction=0,1,0 intensity=1,1,1 outer=91", "inner is 0 and outer 91"),
             ("sun direction=0,1,0 irradiance=1,1,1 angle=181", "angle is 181 degrees"),

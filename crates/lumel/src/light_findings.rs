@@ -4,8 +4,10 @@ use crate::{Baker, places};
 use glam::Vec3;
 use lumel_accel::Ray;
 use lumel_basis::PointReceivers;
-use lumel_sample::{Dim, Sampler, Stream, StreamKey, uniform_sphere, uniform_triangle};
-use lumel_scene::{Light, Scene, SurfacePoint, TriId, luminance};
+use lumel_sample::{
+    Dim, Frame, Sampler, Stream, StreamKey, concentric_disk, uniform_sphere, uniform_triangle,
+};
+use lumel_scene::{Light, Scene, SpotLight, SurfacePoint, TriId, luminance};
 use lumel_transport::{
     Control, CpuTransport, Emitter, EmitterMask, Job, LightSampling, Plan, Source, TransportError, accumulate,
 };
@@ -42,6 +44,11 @@ pub enum LightFinding {
         /// The material or object that most of it arrives at.
         name: String,
     },
+    /// Closed objects that emit into their empty inside alone.
+    EmitsInside {
+        /// Their names, each once; at least one.
+        objects: Vec<String>,
+    },
     /// Closed objects that get light at their backs and none at their faces.
     InsideOut {
         /// Their names, each once; at least one.
@@ -63,20 +70,28 @@ impl fmt::Display for LightFinding {
                  \"{name}\": its faces may be wound the wrong way round",
                 100.0 * share
             ),
-            Self::InsideOut { objects } => {
-                let more = match objects.len() - 1 {
-                    0 => String::new(),
-                    n => format!(" and {n} more"),
-                };
-                write!(
-                    f,
-                    "all light on object \"{}\"{more} arrives at the backs of faces, which are black: they may be wound \
-                     the wrong way round",
-                    objects[0]
-                )
-            }
+            Self::EmitsInside { objects } => write!(
+                f,
+                "object {} emits only into its own inside, where nothing is: its faces are wound the wrong way round",
+                first_of(objects)
+            ),
+            Self::InsideOut { objects } => write!(
+                f,
+                "all light on object {} arrives at the backs of faces, which are black: they may be wound \
+                 the wrong way round",
+                first_of(objects)
+            ),
         }
     }
+}
+
+/// The first of some names, and how many more there are.
+fn first_of(names: &[String]) -> String {
+    let more = match names.len() - 1 {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    format!("\"{}\"{more}", names[0])
 }
 
 impl LightFinding {
@@ -84,6 +99,12 @@ impl LightFinding {
     pub fn remedy(&self) -> String {
         match self {
             Self::Unreached { .. } => "move or turn the light, or remove what encloses it".to_owned(),
+            Self::EmitsInside { objects } => {
+                format!(
+                    "turn its faces round, or let both sides emit with --two-sided '{}' (in project files two_sided)",
+                    objects[0]
+                )
+            }
             Self::InsideOut { objects } => {
                 format!("light both sides with --two-sided '{}' (in project files two_sided)", objects[0])
             }
@@ -125,6 +146,7 @@ impl Baker {
                 findings.push(LightFinding::Unreached { light: name.clone() });
             }
         }
+        findings.extend(self.emits_inside());
         let at_backs = self.light_at_back_faces(control)?;
         let is_told = at_backs.is_some();
         findings.extend(at_backs);
@@ -149,12 +171,14 @@ impl Baker {
             _ => f32::INFINITY,
         };
         let stream = stream(0);
-        (0..RAYS).map(|i| uniform_sphere(stream.sample_2d(i))).filter(|d| shines_towards(*d)).any(
-            |direction| {
-                let hit = self.tracer().closest_hit(&Ray { t_max: reach, ..Ray::new(origin, direction) });
-                hit.is_some_and(|hit| self.scene().seen_side(hit.at, hit.side).is_some())
-            },
-        )
+        let towards = |i: u32| match light {
+            Light::Spot(spot) if spot.cos_outer > 0.0 => within_cone(spot, stream.sample_2d(i)),
+            _ => uniform_sphere(stream.sample_2d(i)),
+        };
+        (0..RAYS).map(towards).filter(|d| shines_towards(*d)).any(|direction| {
+            let hit = self.tracer().closest_hit(&Ray { t_max: reach, ..Ray::new(origin, direction) });
+            hit.is_some_and(|hit| self.scene().seen_side(hit.at, hit.side).is_some())
+        })
     }
 
     /// Whether any of some places on lit sides gets light.
@@ -190,6 +214,36 @@ impl Baker {
         let material = &scene.materials()[most].name;
         let name = if material.is_empty() { object } else { material.clone() };
         Ok(Some(LightFinding::BackFaces { share: lost / (lost + lit), name }))
+    }
+
+    /// Closed shells that emit all over, inwards, and have nothing inside. A room of lamps has, or is all that there is.
+    fn emits_inside(&self) -> Option<LightFinding> {
+        let scene = self.scene();
+        let traced = || (0..scene.traced_count() as u32).map(TriId).filter(|&tri| scene.traced(tri) == tri);
+        let emits = |tri: TriId| scene.material(tri).emits();
+        if !traced().any(emits) {
+            return None;
+        }
+        let mut shells: BTreeMap<TriId, Vec<TriId>> = BTreeMap::new();
+        for tri in traced().filter(|&tri| scene.bounds_solid(tri)) {
+            shells.entry(scene.shell(tri)).or_default().push(tri);
+        }
+        shells.retain(|_, tris| tris.iter().all(|&tri| emits(tri)) && enclosed_volume(scene, tris) < 0.0);
+        let mut objects: Vec<String> = Vec::new();
+        for (shell, tris) in shells.iter().take(MAX_SHELLS) {
+            let corners = || tris.iter().flat_map(|&tri| scene.triangle_positions(tri));
+            let (min, max) = corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| {
+                (min.min(corner), max.max(corner))
+            });
+            let others = || traced().filter(|&tri| scene.shell(tri) != *shell);
+            let is_inside = |p: Vec3| p.cmpge(min).all() && p.cmple(max).all();
+            let is_empty = !others().any(|tri| scene.triangle_positions(tri).into_iter().any(is_inside));
+            let name = &scene.object_names()[scene.object_id(tris[0]).index()];
+            if is_empty && others().next().is_some() && !objects.contains(name) {
+                objects.push(name.clone());
+            }
+        }
+        (!objects.is_empty()).then_some(LightFinding::EmitsInside { objects })
     }
 
     /// Closed shells whose faces get no light while their backs do.
@@ -266,6 +320,25 @@ impl Baker {
     }
 }
 
+/// The volume within a closed shell, m³; negative if its faces face inwards.
+fn enclosed_volume(scene: &Scene, tris: &[TriId]) -> f64 {
+    let from = scene.triangle_positions(tris[0])[0].as_dvec3();
+    let of = |&tri: &TriId| {
+        let [a, b, c] = scene.triangle_positions(tri).map(|corner| corner.as_dvec3() - from);
+        a.dot(b.cross(c)) / 6.0
+    };
+    tris.iter().map(of).sum()
+}
+
+/// A direction within the cone of a spot that is narrower than a hemisphere.
+fn within_cone(spot: &SpotLight, u: [f32; 2]) -> Vec3 {
+    // Without the digits that a cosine near 1 loses.
+    let less = 1.0 - spot.cos_outer;
+    let tangent = (less * (2.0 - less)).sqrt() / spot.cos_outer;
+    let across = concentric_disk(u) * tangent;
+    Frame::from_normal(spot.direction).to_world(across.extend(1.0).normalize())
+}
+
 fn stream(purpose: u32) -> Stream {
     Sampler::Sobol.stream(StreamKey::new(0).element(purpose), Dim::Validity)
 }
@@ -305,7 +378,7 @@ mod tests {
     fn unreached(scene: &SceneBuilder) -> Vec<String> {
         let names = findings(scene).into_iter().filter_map(|finding| match finding {
             LightFinding::Unreached { light } => Some(light),
-            LightFinding::BackFaces { .. } | LightFinding::InsideOut { .. } => None,
+            _ => None,
         });
         names.collect()
     }
@@ -384,6 +457,46 @@ mod tests {
         let text = found(true, sun)[0].to_string();
         assert!(text.starts_with("all light on object \"walls\" arrives at the backs of faces"), "{text}");
         assert!(found(true, sun)[0].remedy().contains("--two-sided 'walls'"));
+    }
+
+    #[test]
+    fn a_closed_lamp_whose_faces_face_inwards_is_named() {
+        let found = |inwards: bool, sides: Material, more: [f32; 3]| {
+            let mut scene = room(inwards, sides);
+            let grey = scene.add_material(Material::diffuse("grey", WHITE));
+            let [x, y, z] = more;
+            let corners = [[x, y, z], [x, y, z + 0.1], [x + 0.1, y, z + 0.1]];
+            scene.add_mesh("table", corners, [[0, 1, 2]], grey);
+            findings(&scene)
+        };
+        let lamp = Material { emission: Radiance::splat(3.0), ..Material::diffuse("lamp", WHITE) };
+        let below = [0.4, -1.0, 0.4];
+        assert_eq!(
+            found(true, lamp.clone(), below)[..1],
+            [LightFinding::EmitsInside { objects: vec!["walls".into()] }]
+        );
+        assert_eq!(found(false, lamp.clone(), below), []);
+        assert_eq!(found(true, lamp.clone().two_sided(), below), []);
+        assert_eq!(found(true, lamp.clone(), [0.4; 3]), [], "a room of lamps with a table");
+        assert_eq!(findings(&room(true, lamp.clone())), [], "a furnace");
+        let finding = &found(true, lamp, below)[0];
+        assert!(
+            finding.to_string().starts_with("object \"walls\" emits only into its own inside"),
+            "{finding}"
+        );
+        assert!(finding.remedy().contains("--two-sided 'walls'"), "{}", finding.remedy());
+    }
+
+    #[test]
+    fn narrow_spots_are_found_where_they_shine() {
+        for (outer, towards, is_lost) in
+            [(0.21, "0,1,0", false), (0.3, "0.03,1,0.02", false), (0.3, "0,-1,0", true)]
+        {
+            let spot =
+                format!("spot position=0.5,-3,0.5 direction={towards} outer={outer} intensity=1,1,1 name=s");
+            let scene = with(room(false, Material::diffuse("white", WHITE)), &[&spot]);
+            assert_eq!(!unreached(&scene).is_empty(), is_lost, "{spot}");
+        }
     }
 
     #[test]

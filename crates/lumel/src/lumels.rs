@@ -1,6 +1,7 @@
 //! From a solve on vertices to light on the lumels of an atlas.
 
 use crate::Baker;
+use crate::settings::Memory;
 use crate::target::target;
 use lumel_basis::{Field, Identity, LumelReceivers, Receivers, VertexBasis};
 use lumel_lightmap::{LumelLight, PartLight};
@@ -195,7 +196,7 @@ impl Baker {
         control: &Control,
         part_done: PartDone<'_>,
     ) -> Result<(), TransportError> {
-        let (operator, sources) = (CachedTransport::new(self.traced_at_lumels(lumels), None), sources(state));
+        let (operator, sources) = (self.cached_at_lumels(lumels), sources(state));
         loop {
             self.finish_round((&operator, &sources), light, parts, control, part_done)?;
             let Some(active) = self.next_round(lumels, light) else { return Ok(()) };
@@ -204,7 +205,11 @@ impl Baker {
     }
 
     /// The operator towards lumels, every job of which traces rays of its own.
-    pub(crate) fn traced_at_lumels(&self, lumels: &Lumels) -> CpuTransport<VertexBasis, LumelReceivers> {
+    pub(crate) fn traced_at_lumels(
+        &self,
+        lumels: &Lumels,
+        plan: Plan,
+    ) -> CpuTransport<VertexBasis, LumelReceivers> {
         let receivers = lumels.receivers();
         let order = Order::new(&receivers);
         CpuTransport::in_order(
@@ -212,8 +217,12 @@ impl Baker {
             Arc::clone(self.tracer()),
             Arc::clone(self.basis()),
             (Arc::new(receivers), order),
-            self.settings().plan(),
+            plan,
         )
+    }
+
+    fn cached_at_lumels(&self, lumels: &Lumels) -> CachedTransport<VertexBasis, LumelReceivers> {
+        CachedTransport::new(self.traced_at_lumels(lumels, self.settings().plan()), None)
     }
 
     /// Measures the lumels that are left of a round.
@@ -226,9 +235,7 @@ impl Baker {
         part_done: PartDone<'_>,
     ) -> Result<(), TransportError> {
         let plans = [0, 1].map(|half| plan_of(self.settings().plan(), light, half));
-        let active = light.active.iter().filter(|active| **active).count();
-        let bytes = operator.memory_with(&plans[0], &light.active) / active.max(1) as u64;
-        let most = (self.settings().memory.0 / bytes.max(1)).clamp(1, parts.most.max(1) as u64) as usize;
+        let most = self.part_of(operator, &plans[0], &light.active, parts.most)[0] as usize;
         while let Some(range) = light.next_part(most) {
             let wanted = |lumel: usize| range.contains(&lumel) && light.active[lumel];
             let wanted: Vec<bool> = (0..light.len()).map(wanted).collect();
@@ -253,6 +260,31 @@ impl Baker {
             part_done(light);
         }
         Ok(())
+    }
+
+    /// How many lumels are measured together, so that their rays fit the settings' memory, and the bytes of these.
+    fn part_of(
+        &self,
+        operator: &CachedTransport<VertexBasis, LumelReceivers>,
+        plan: &Plan,
+        active: &[bool],
+        most: usize,
+    ) -> [u64; 2] {
+        let n = active.iter().filter(|active| **active).count().max(1) as u64;
+        let bytes = operator.memory_with(plan, active) / n;
+        let most = (self.settings().memory.0 / bytes.max(1)).clamp(1, most.max(1) as u64).min(n);
+        [most, most * bytes]
+    }
+
+    /// What the rays take that are kept at a time while lumels are measured, at most, without a target error.
+    pub fn memory_of_lumel_rays(&self, lumels: &Lumels) -> Memory {
+        let operator = self.cached_at_lumels(lumels);
+        let light = LumelLight::new(lumels.coverage.len(), 0, false);
+        let first = plan_of(self.settings().plan(), &light, 0);
+        // The last round has the samples of all before it, for some of the lumels.
+        let times = 1 << SHARES.len().saturating_sub(1);
+        let plan = Plan { indirect_samples: first.indirect_samples.saturating_mul(times), ..first };
+        Memory(self.part_of(&operator, &plan, &light.active, PART)[1])
     }
 
     /// Share of all samples at lumels that is done; `None` with a target error, which takes as many as it takes.
@@ -312,15 +344,21 @@ impl Baker {
 fn plan_of(plan: Plan, light: &LumelLight, half: u32) -> Plan {
     let (round, times) = (light.round, light.samples_of_round());
     let samples = |samples: u32| samples.div_ceil(FIRST_SHARE).max(MIN_SAMPLES).saturating_mul(times);
-    let portion = if round == 0 { half } else { 2 + half };
-    let continued = plan.sampler != SamplerKind::Stratified;
-    Plan {
+    let plan = Plan {
         direct_samples: samples(plan.direct_samples),
         indirect_samples: samples(plan.indirect_samples),
-        portion: if continued { portion } else { 0 },
-        seed: if continued { plan.seed } else { plan.seed.wrapping_add(u64::from(2 * round + half)) },
         ..plan
+    };
+    portion_of(plan, [round, half])
+}
+
+/// A half of the samples of a round, as many as those of all rounds before.
+pub(crate) fn portion_of(plan: Plan, [round, half]: [u32; 2]) -> Plan {
+    let portion = if round == 0 { half } else { 2 + half };
+    if plan.sampler == SamplerKind::Stratified {
+        return Plan { seed: plan.seed.wrapping_add(u64::from(2 * round + half)), ..plan };
     }
+    Plan { portion, ..plan }
 }
 
 /// What the light of one step at the lumels comes from.

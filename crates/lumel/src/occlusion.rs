@@ -1,10 +1,12 @@
 //! Ambient occlusion at vertices and lumels.
 
+use crate::lumels::portion_of;
 use crate::{Baker, Lumels};
 use lumel_basis::Basis;
+use lumel_lightmap::{LumelLight, PartLight};
 use lumel_solve::SolveState;
 use lumel_transport::{
-    AmbientOcclusion, Control, Job, Measured, Source, Transport, TransportError, accumulate,
+    AmbientOcclusion, Control, Job, Measured, Plan, Source, Transport, TransportError, accumulate,
 };
 
 impl Baker {
@@ -32,7 +34,7 @@ impl Baker {
     }
 
     /// How open the surroundings of each lumel are: 1 where nothing near hides anything; 0 where the lumel sees nothing but the
-    /// inside of geometry. With as many rays as light would have without rounds.
+    /// inside of geometry. With as many rays as light would have without rounds, in two halves that tell how noisy it is.
     ///
     /// # Errors
     /// When it is cancelled or tracing fails.
@@ -41,9 +43,18 @@ impl Baker {
         occlusion: AmbientOcclusion,
         lumels: &Lumels,
         control: &Control,
-    ) -> Result<Vec<f32>, TransportError> {
-        let measured = openness(&self.traced_at_lumels(lumels), occlusion, control)?;
-        Ok(measured.field.values().iter().map(|value| value.x).collect())
+    ) -> Result<LumelLight, TransportError> {
+        let plan = self.settings().plan();
+        let plan = Plan { indirect_samples: plan.indirect_samples.div_ceil(2), ..plan };
+        let [first, second] = [0, 1].map(|half| {
+            let transport = self.traced_at_lumels(lumels, portion_of(plan, [0, half]));
+            let Measured { field, known, .. } = openness(&transport, occlusion, control)?;
+            Ok(PartLight { known, sources: vec![field.values().to_vec()] })
+        });
+        let n = lumels.coverage.len();
+        let mut openness = LumelLight::new(n, 1, false);
+        openness.add(0..n, &[first?, second?]);
+        Ok(openness)
     }
 }
 

@@ -23,6 +23,8 @@ pub struct OpenOptions {
     pub subdivide: Option<u32>,
     /// Names of materials or objects that have two sides, whatever the files say; "all" for all.
     pub two_sided: Vec<String>,
+    /// Whether the scene is also wanted with no edge split, for a lightmap.
+    pub keeps_whole: bool,
 }
 
 /// A scene that can still be changed before it is built.
@@ -30,6 +32,8 @@ pub struct OpenOptions {
 pub struct Opened {
     /// The scene, tessellated.
     pub builder: SceneBuilder,
+    /// The same with no edge split, if that is wanted.
+    pub whole: Option<SceneBuilder>,
     /// What had to be left out.
     pub warnings: Warnings,
     /// The bake settings of its project file.
@@ -101,9 +105,17 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
         open_project(path, options)?
     } else {
         let (builder, warnings) = open_mesh(name, options.subdivide, options)?;
-        Opened { builder, warnings, settings: SettingsPatch::default(), project: None, auto_edge: None }
+        Opened {
+            builder,
+            whole: None,
+            warnings,
+            settings: SettingsPatch::default(),
+            project: None,
+            auto_edge: None,
+        }
     };
     two_sided(name, &options.two_sided, &mut opened.builder, &mut opened.warnings);
+    opened.whole = options.keeps_whole.then(|| opened.builder.clone());
     let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
     let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
     let max_edge = options.max_edge.or(of_project).unwrap_or(MaxEdge::usual(is_builtin));
@@ -151,7 +163,8 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
     };
     let project = project.moved(-builder.origin);
     apply(&project, path, options, &mut builder, &mut warnings)?;
-    Ok(Opened { builder, warnings, settings: project.bake.clone(), project: Some(project), auto_edge: None })
+    let settings = project.bake.clone();
+    Ok(Opened { builder, whole: None, warnings, settings, project: Some(project), auto_edge: None })
 }
 
 fn resolve(project: &Path, reference: &Path, options: &OpenOptions) -> Result<PathBuf, OpenError> {

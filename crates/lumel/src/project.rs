@@ -1,9 +1,10 @@
 //! Project files: a scene with its lights, cameras and settings.
 
-use crate::atlas_entry::{AtlasEntry, LightBasis};
 use crate::decimal::decimal;
 use crate::light_entry::LightEntry;
+use crate::lightmap_entry::{LightBasis, LightmapEntry};
 use crate::max_edge::MaxEdge;
+use crate::occlusion_entry::OcclusionEntry;
 use crate::settings::SettingsPatch;
 use crate::sky_entry::SkyEntry;
 use glam::{DVec3, Vec3};
@@ -81,9 +82,12 @@ pub struct Project {
     /// Settings of the bake.
     #[serde(default, skip_serializing_if = "is_default")]
     pub bake: SettingsPatch,
-    /// How a lightmap is laid out.
+    /// How a lightmap is laid out, finished and written.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub lightmap: AtlasEntry,
+    pub lightmap: LightmapEntry,
+    /// Ambient occlusion, which is computed besides light.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub ambient_occlusion: OcclusionEntry,
     /// Views with their own lights and settings, which editors keep under a number; bakes ignore them.
     #[serde(default, rename = "slot", skip_serializing_if = "Vec::is_empty")]
     pub slots: Vec<SlotEntry>,
@@ -269,6 +273,9 @@ impl Project {
         if let Some(problem) = self.lightmap.problem() {
             return Some(problem);
         }
+        if let Some(problem) = self.ambient_occlusion.problem() {
+            return Some(problem.to_owned());
+        }
         let is_factor = |factor: f32| factor > 0.0 && factor.is_finite();
         if let Some(entry) = self.objects.iter().find(|entry| !is_factor(entry.density_factor)) {
             return Some(format!("the density factor of object \"{}\" must be above 0", entry.name));
@@ -322,6 +329,7 @@ impl From<&Camera> for CameraEntry {
 mod tests {
     use super::*;
     use crate::{BounceLimit, Preset, Settings, UvChoice};
+    use lumel_export::LightmapTarget;
 
     fn read_text(text: &str) -> Result<Project, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -375,14 +383,18 @@ mod tests {
             objects: vec![ObjectEntry { name: "floor".into(), density_factor: 0.3 }],
             lights: vec![light],
             cameras: vec![camera],
-            lightmap: AtlasEntry {
+            lightmap: LightmapEntry {
                 lumels: Some(1 << 18),
                 atlas_size: Some(1024),
                 gutter: Some(3),
                 align: Some(4),
                 uv: Some(UvChoice::New),
-                ..AtlasEntry::default()
+                time_limit: Some(60),
+                denoise: Some(false),
+                target: Some(LightmapTarget::Occlusion),
+                density: None,
             },
+            ambient_occlusion: OcclusionEntry { distance: Some(0.5), falloff: Some(2.0) },
             bake: SettingsPatch::complete(&Settings { seed: u64::MAX, ..Preset::Production.settings() }),
             slots: vec![slot.clone(), SlotEntry { number: 0, lights: Vec::new(), ..slot }],
         }
@@ -507,6 +519,15 @@ mod tests {
         ] {
             assert_eq!(project(text).unwrap_err(), format!("FILE: {problem}"));
         }
+        for (text, problem) in [
+            ("distance = 0", "[ambient_occlusion]: the distance must be above 0"),
+            ("distance = 1\nfalloff = -1", "[ambient_occlusion]: the falloff must be 0 or more"),
+            ("falloff = 1", "[ambient_occlusion] has a falloff, but no distance"),
+        ] {
+            let error = project(&format!("[ambient_occlusion]\n{text}")).unwrap_err();
+            assert_eq!(error, format!("FILE: {problem}"));
+        }
+        assert!(project("[lightmap]\ntarget = \"unity\"").unwrap_err().contains("unity"));
         assert!(project("[lightmap]\ngutters = 1").unwrap_err().contains("gutters"));
     }
 

@@ -4,9 +4,9 @@
 
 use glam::{EulerRot, Quat, Vec3};
 use lumel::{
-    AmbientOcclusion, Baker, BounceLimit, Checkpoint, Control, LumelLight, LumelParts, LumelState, Lumels,
-    Memory, OpenOptions, PointReceivers, Projection, Saved, Scene, SceneBuilder, Settings, Silent,
-    SolveState, Tail, TargetError, measure_points,
+    AmbientOcclusion, Baker, BounceLimit, Checkpoint, Control, Lightmap, LightmapLayer, LumelLight,
+    LumelParts, LumelState, Lumels, Memory, OpenOptions, PointReceivers, Projection, Saved, Scene,
+    SceneBuilder, Settings, Silent, SolveState, Tail, TargetError, measure_points,
 };
 use lumel_scene::{Light, PointLight, Radiance, RectLight, Sky};
 use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
@@ -295,6 +295,7 @@ fn within_a_ball_the_surroundings_are_as_open_as_they_should_be() {
                 let (occlusion, control) = (AmbientOcclusion { distance, falloff }, Control::default());
                 let at_vertices = baker.openness_at_vertices(occlusion, &state, &control).unwrap();
                 let at_lumels = baker.openness_at_lumels(occlusion, &lumels, &control).unwrap();
+                let at_lumels = at_lumels.sources[0].iter().map(|share| share.x).collect();
                 for shares in [at_vertices, at_lumels] {
                     let mean = shares.iter().sum::<f32>() / shares.len() as f32;
                     // The ball is a polyhedron, a few parts in a thousand smaller.
@@ -305,6 +306,26 @@ fn within_a_ball_the_surroundings_are_as_open_as_they_should_be() {
             }
         }
     }
+}
+
+#[test]
+fn the_noise_of_openness_is_taken_off_as_that_of_light() {
+    let ball = sphere(Vec3::ZERO, 1.0, 3, Facing::Inward, 0);
+    let scene = built(scene(vec![ball], vec![grey(0.5, 0.0)], vec![]));
+    let lumels = lumels(&scene, 12.0);
+    let Lumels { scene, atlas, coverage } = &lumels;
+    let settings = Settings { indirect_samples: 16, ..settings() };
+    let baker = Baker::new(Arc::clone(scene), settings);
+    let occlusion = AmbientOcclusion { distance: 2.0, falloff: 1.0 };
+    let openness = baker.openness_at_lumels(occlusion, &lumels, &Control::default()).unwrap();
+    let [noisy, calm] = [false, true].map(|denoises| {
+        let lightmap = Lightmap::finished(scene, atlas, coverage, &openness, denoises, Some(&openness));
+        let layer = lightmap.layers.iter().find(|layer| layer.name == LightmapLayer::OCCLUSION).unwrap();
+        let off = |lumel: &u32| (layer.values[*lumel as usize].x - 2.0 / 3.0).powi(2);
+        (coverage.lumels().iter().map(off).sum::<f32>() / coverage.len() as f32).sqrt()
+    });
+    println!("off by {noisy}, without noise by {calm}");
+    assert!(noisy > 0.02 && calm < 0.5 * noisy, "{noisy} {calm}");
 }
 
 #[test]

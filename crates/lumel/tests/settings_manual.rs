@@ -16,6 +16,9 @@ dashes (`direct_samples` is `--direct-samples`), override the project file, and 
 shows them under *Solve*; a program sets them in `lumel::Settings`. A value out of range is refused everywhere with the
 same message.
 
+What a lightmap is like stands under `[lightmap]`, ambient occlusion under `[ambient_occlusion]`: see
+[lightmaps](lightmaps.md#in-project-files).
+
 This page is written by a test from the table of settings.
 ";
 

@@ -8,7 +8,7 @@ use crate::failure::with_hint;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use anyhow::Context;
-use lumel::{Baker, Observer, Reading, SolveError, SolveState, Step, Tracker};
+use lumel::{Baker, Observer, Reading, SolveError, SolveState, Step, Tracker, TransportError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -90,6 +90,15 @@ impl CommandRun {
             }
             Err(error) => Err(error.into()),
         }
+    }
+}
+
+/// What was measured; `None` if it was cancelled.
+pub(crate) fn unless_stopped<T>(measured: Result<T, TransportError>) -> anyhow::Result<Option<T>> {
+    match measured {
+        Ok(measured) => Ok(Some(measured)),
+        Err(TransportError::Cancelled) => Ok(None),
+        Err(error) => Err(error.into()),
     }
 }
 

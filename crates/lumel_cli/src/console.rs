@@ -10,6 +10,9 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+/// Further warnings of a kind are only counted: a broken file can have one per face.
+pub(crate) const MAX_WARNINGS: usize = 20;
+
 /// How messages on stderr are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Messages {
@@ -51,6 +54,19 @@ impl Console {
     pub(crate) fn warning_with_hint(&self, message: &str, hint: &str) {
         self.n_warnings.fetch_add(1, Ordering::Relaxed);
         self.message("warning", "33", message, Some(hint));
+    }
+
+    /// Warnings of a kind, up to some number; `more` says how many further ones there are, and where to find them.
+    pub(crate) fn warnings<W: ToString>(
+        &self,
+        warnings: impl ExactSizeIterator<Item = W>,
+        more: impl FnOnce(usize) -> String,
+    ) {
+        let n_more = warnings.len().saturating_sub(MAX_WARNINGS);
+        warnings.take(MAX_WARNINGS).for_each(|warning| self.warning(&warning.to_string()));
+        if n_more > 0 {
+            self.warning(&more(n_more));
+        }
     }
 
     /// How many warnings there were.

@@ -1,13 +1,13 @@
 //! Scenes and settings from the command line.
 
 use crate::args::{SceneArgs, SettingsArgs};
-use crate::console::Console;
+use crate::console::{Console, MAX_WARNINGS};
 use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
 use glam::Vec3;
 use lumel::{
-    AtlasEntry, AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightBasis, LightFileError, MaxEdge,
-    OpenError, OpenOptions, Opened, Project, Scene, SceneError, Settings, SettingsError, SettingsPatch,
+    AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightFileError, LightmapEntry, MaxEdge, OpenError,
+    OpenOptions, Opened, Project, Scene, SceneBuilder, SceneError, Settings, SettingsError, SettingsPatch,
     SolveState, Warnings, suggested_light,
 };
 use lumel_export::SolutionMeta;
@@ -15,17 +15,16 @@ use lumel_scene::TriId;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Further warnings are only counted: a broken file can have one per face.
-const MAX_WARNINGS: usize = 20;
-
 /// A scene with its settings and warnings.
 pub(crate) struct Loaded {
     /// The scene with the changes from the command line.
     pub(crate) scene: Arc<Scene>,
+    /// The same with no edge split, if that was wanted.
+    pub(crate) whole: Option<Arc<Scene>>,
     /// The bake settings of its project.
     pub(crate) patch: SettingsPatch,
     /// What its project says about lightmaps.
-    pub(crate) lightmap: AtlasEntry,
+    pub(crate) lightmap: LightmapEntry,
     /// What was left out.
     pub(crate) warnings: Warnings,
     /// What was chosen, if the lengths of edges suit the scene.
@@ -40,9 +39,13 @@ pub(crate) struct Auto {
     pub(crate) vertices: usize,
 }
 
-/// Opens and builds the scene, with about so many more vertices at most where the lengths of edges suit the scene.
-fn load(args: &SceneArgs, vertex_budget: Option<u32>) -> anyhow::Result<Loaded> {
-    build(args, open(args, &args.open_options(vertex_budget))?)
+/// Which scenes are made of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Meshes {
+    /// The one that vertices carry light on.
+    Split,
+    /// Also the one with no edge split, which lightmaps are for.
+    SplitAndWhole,
 }
 
 /// The scene as it is in its files, unless they or the command line give a length of edges; then that, and nothing else.
@@ -54,21 +57,16 @@ pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<(Loaded, Option<
     Ok((build(args, opened)?, auto))
 }
 
-/// The scene with no edge split at all, for lightmaps. Its warnings were those of the scene that was baked.
+/// The scene with no edge split at all, which a lightmap is for.
 pub(crate) fn load_whole(args: &SceneArgs) -> anyhow::Result<Loaded> {
     let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..args.open_options(None) };
     build(args, open(args, &options)?)
 }
 
 /// The project file, if the scene is one that can be read.
-fn project(scene: &str) -> Option<Project> {
+pub(crate) fn project(scene: &str) -> Option<Project> {
     let path = Path::new(scene);
     Project::is_file_name(path).then(|| Project::read(path).ok())?
-}
-
-/// Where the project stores light, if the scene is one and says it.
-pub(crate) fn basis_of_project(scene: &str) -> Option<LightBasis> {
-    project(scene)?.basis
 }
 
 /// The length of edges that a project gives, if it is one and does.
@@ -84,7 +82,16 @@ fn auto(opened: &Opened) -> Result<Auto, SceneError> {
 }
 
 fn build(args: &SceneArgs, opened: Opened) -> anyhow::Result<Loaded> {
-    let Opened { mut builder, mut warnings, settings: patch, auto_edge, project } = opened;
+    let Opened { builder, whole, mut warnings, settings: patch, auto_edge, project } = opened;
+    // What is wrong with one is wrong with the other.
+    let whole = whole.map(|whole| built(args, whole, &mut Warnings::default())).transpose()?;
+    let scene = built(args, builder, &mut warnings)?;
+    let lightmap = project.map(|project| project.lightmap).unwrap_or_default();
+    Ok(Loaded { scene, whole, patch, lightmap, warnings, auto_edge })
+}
+
+/// The scene with the lights and the sky of the command line.
+fn built(args: &SceneArgs, mut builder: SceneBuilder, warnings: &mut Warnings) -> anyhow::Result<Arc<Scene>> {
     let new_lights = || args.lights.iter().filter_map(LightChoice::as_new);
     if new_lights().next().is_some() {
         builder.clear_lights();
@@ -94,12 +101,11 @@ fn build(args: &SceneArgs, opened: Opened) -> anyhow::Result<Loaded> {
         builder.add_named_light(entry.name.clone().unwrap_or_default(), light);
     }
     if let Some(sky) = &args.sky {
-        builder.sky = sky.load(sky.file(), &mut warnings)?;
+        builder.sky = sky.load(sky.file(), warnings)?;
     }
     let (scene, more) = builder.build().map_err(|error| in_scene(error, args))?;
     warnings.append(more);
-    let lightmap = project.map(|project| project.lightmap).unwrap_or_default();
-    Ok(Loaded { scene: Arc::new(scene), patch, lightmap, warnings, auto_edge })
+    Ok(Arc::new(scene))
 }
 
 /// What opening a scene for light that was baked needs: the number of vertices that tessellation might add, about.
@@ -108,25 +114,25 @@ pub(crate) fn budget_of(solution: &Path) -> Option<u32> {
     SolutionMeta::load(solution).ok()?.vertex_budget
 }
 
-/// Like [`load`], and reports the warnings.
+/// Opens and builds the scene, with about so many more vertices at most where the lengths of edges suit the scene. Reports the
+/// warnings.
 pub(crate) fn load_and_warn(
     args: &SceneArgs,
     vertex_budget: Option<u32>,
+    meshes: Meshes,
     console: &Console,
 ) -> anyhow::Result<Loaded> {
-    let loaded = load(args, vertex_budget)?;
+    let keeps_whole = meshes == Meshes::SplitAndWhole;
+    let options = OpenOptions { keeps_whole, ..args.open_options(vertex_budget) };
+    let loaded = build(args, open(args, &options)?)?;
     warn(&loaded.warnings, args, console);
     Ok(loaded)
 }
 
 /// Reports the warnings about a scene, up to some number.
 pub(crate) fn warn(warnings: &Warnings, args: &SceneArgs, console: &Console) {
-    for warning in warnings.iter().take(MAX_WARNINGS) {
-        console.warning(&warning.to_string());
-    }
-    if let Some(more) = warnings.len().checked_sub(MAX_WARNINGS).filter(|&n| n > 0) {
-        console.warning(&format!("{more} more warnings about this scene; see `lumel info {}`", args.scene));
-    }
+    let more = |n| format!("{n} more warnings about this scene; see `lumel info {}`", args.scene);
+    console.warnings(warnings.iter(), more);
 }
 
 fn open(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Opened> {
@@ -171,13 +177,18 @@ pub(crate) fn settings(
 
 /// Refuses a scene that would stay dark.
 pub(crate) fn check_shines(scene: &Scene, emitters: EmitterSampling) -> anyhow::Result<()> {
+    why_dark(scene, emitters).map_or(Ok(()), |(problem, remedy)| Err(hinted(problem, remedy)))
+}
+
+/// Why a scene would stay dark, and what to do about it.
+pub(crate) fn why_dark(scene: &Scene, emitters: EmitterSampling) -> Option<(String, String)> {
     let emissive = (0..scene.triangle_count() as u32).any(|tri| scene.material(TriId(tri)).emits());
     let surfaces = emissive && emitters != EmitterSampling::Off;
     if surfaces || !scene.sky().is_zero() || scene.lights().iter().any(shines) {
-        return Ok(());
+        return None;
     }
     let but = if emissive { " with --no-emissive" } else { "" };
-    Err(hinted(
+    Some((
         format!("nothing emits light in scene \"{}\"{but}", scene.name()),
         format!("add a light that suits the scene: {}", suggested_light(scene, &Bvh::build(scene))),
     ))

@@ -12,6 +12,7 @@ mod console;
 mod failure;
 mod interrupt;
 mod load;
+mod memory;
 mod outcome;
 mod outputs;
 mod parse;

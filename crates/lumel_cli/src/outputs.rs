@@ -1,17 +1,18 @@
 //! Files that a bake writes.
 
-use crate::args::{Basis, Png, Target};
+use crate::args::{Basis, Png};
 use crate::commands::Lightmapped;
 use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
-use lumel::{Baker, FileFormat, Lightmap, LightmapSolution, Solution, SolutionSelection, tracer_of};
+use lumel::{Baker, FileFormat, LightmapSolution, Solution, SolutionSelection, tracer_of};
 use lumel_export::{
-    LightmapTarget, PngDepth, Precision, check_obj, path_of_page, write_lightmap_exr, write_lightmap_glb,
-    write_lightmap_png,
+    LightmapTarget, PngDepth, Precision, check_obj, write_lightmap_exr, write_lightmap_glb,
+    write_lightmap_png, write_pages,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// What a file holds.
@@ -64,7 +65,7 @@ pub(crate) struct Light<'a> {
     /// In lumels, if it was asked for.
     pub(crate) lightmapped: Option<&'a Lightmapped>,
     /// What a GLB file with a lightmap is made for.
-    pub(crate) target: Target,
+    pub(crate) target: LightmapTarget,
     /// What a PNG file with a lightmap holds.
     pub(crate) png: Png,
 }
@@ -128,43 +129,31 @@ impl Output {
                     Png::Eight => Some(PngDepth::Eight),
                 };
                 if let Some(depth) = depth {
-                    paths = self.pages_of(lightmap);
-                    for (page, path) in paths.iter().enumerate() {
-                        write_lightmap_png(path, lightmap, page, depth)?;
-                    }
+                    let write =
+                        |page, path: &Path| write_lightmap_png(path, lightmap, page, depth).map(|_| ());
+                    let paths = write_pages(&self.path, lightmap.atlas.pages().len(), write)?;
                     return paths.into_iter().map(sized).collect();
                 }
                 picture::write_default(&self.path, scene, &*tracer_of(scene), &lightmap.lighting(0), cancel)?;
             }
             (Content::LightmapGlb, Some(Lightmapped { scene, lightmap, .. })) => {
-                let target = match target {
-                    Target::Three => LightmapTarget::Three,
-                    Target::Any => LightmapTarget::Any,
-                    Target::Occlusion => LightmapTarget::Occlusion,
-                };
-                write_lightmap_glb(&self.path, scene, lightmap, target)?;
+                write_lightmap_glb(&self.path, scene, lightmap, *target)?;
             }
             (Content::Pages, Some(Lightmapped { lightmap, .. })) => {
-                paths = self.pages_of(lightmap);
                 let settings = solution.meta.settings.to_string();
                 let attributes = [("scene", baker.scene().name()), ("settings", &*settings)];
-                for (page, path) in paths.iter().enumerate() {
-                    write_lightmap_exr(path, lightmap, page, Precision::Float, &attributes)?;
-                }
+                let write = |page, path: &Path| {
+                    write_lightmap_exr(path, lightmap, page, Precision::Float, &attributes)
+                };
+                paths = write_pages(&self.path, lightmap.atlas.pages().len(), write)?;
             }
             (Content::Lightmap, Some(Lightmapped { scene, lightmap, .. })) => {
-                LightmapSolution::new(scene, solution.meta.settings.clone(), lightmap.clone())
+                LightmapSolution::new(scene, solution.meta.settings.clone(), Arc::clone(lightmap))
                     .save(&self.path)?;
             }
             (Content::Pages | Content::LightmapGlb | Content::Lightmap, None) => {}
         }
         paths.into_iter().map(sized).collect()
-    }
-
-    /// A file for each page.
-    fn pages_of(&self, lightmap: &Lightmap) -> Vec<PathBuf> {
-        let pages = lightmap.atlas.pages().len();
-        (0..pages).map(|page| path_of_page(&self.path, page, pages)).collect()
     }
 }
 

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-pub use lightmapped::{LightmapTarget, OCCLUSION, write_lightmap_glb};
+pub use lightmapped::{LightmapTarget, write_lightmap_glb};
 pub use lit::write_glb;
 pub use unwrapped::write_unwrapped_glb;
 

@@ -38,9 +38,9 @@ pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
-pub use glb::{LightmapTarget, OCCLUSION, write_glb, write_lightmap_glb, write_unwrapped_glb};
+pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};
 pub use lightmap::{
-    LightmapSolution, PngDepth, Precision, path_of_page, write_lightmap_exr, write_lightmap_png,
+    LightmapSolution, PngDepth, Precision, path_of_page, write_lightmap_exr, write_lightmap_png, write_pages,
 };
 pub use lumel_state::{LumelMeta, LumelState};
 pub use npy::{Array, ArrayData};

@@ -29,6 +29,22 @@ pub fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
     path.with_file_name(format!("{stem}-{page}.{extension}"))
 }
 
+/// Writes something of several pages by `write(page, its file)`, in their order. Returns the files.
+///
+/// # Errors
+/// The first error.
+pub fn write_pages<E>(
+    path: &Path,
+    pages: usize,
+    write: impl Fn(usize, &Path) -> Result<(), E>,
+) -> Result<Vec<PathBuf>, E> {
+    let written = |page| {
+        let path = path_of_page(path, page, pages);
+        write(page, &path).map(|()| path)
+    };
+    (0..pages).map(written).collect()
+}
+
 /// The lumels of a page, of which a file of `path` is to be made.
 pub(crate) fn lumels_of(path: &Path, lightmap: &Lightmap, page: usize) -> Result<Range<usize>, ExportError> {
     let Some(&[width, height]) = lightmap.atlas.pages().get(page) else {

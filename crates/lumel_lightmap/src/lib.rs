@@ -3,7 +3,8 @@
 //! A [`LumelLight`] is measured round by round. [`Lightmap::finished`] makes a [`Lightmap`] of it, the irradiance of every lumel, in
 //! this order:
 //!
-//! 1. [`Lightmap::denoise`] takes out noise whose size is known, if that is wanted.
+//! 1. If noise is to be taken off, light that one lumel found by chance is spread over those around it, and
+//!    [`Lightmap::denoise`] takes out noise whose size is known.
 //! 2. [`Seams`] make light equal on both sides of a smooth edge that the atlas cuts.
 //! 3. [`Dilation`] gives light to lumels that could not be measured, and to those between charts.
 //!
@@ -13,6 +14,7 @@ mod charts;
 mod denoise;
 mod dilate;
 mod edges;
+mod fireflies;
 mod light;
 mod lighting;
 mod lightmap;

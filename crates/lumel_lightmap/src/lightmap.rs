@@ -4,6 +4,7 @@ use crate::{Dilation, Filter, LumelLight, LumelLighting, Seams};
 use glam::Vec3;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 use lumel_uv::{Atlas, Coverage};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Light on the lumels of an atlas.
@@ -27,6 +28,9 @@ pub struct LightmapLayer {
 }
 
 impl LightmapLayer {
+    /// The name of the layer of ambient occlusion, 1 where nothing is near.
+    pub const OCCLUSION: &str = "occlusion";
+
     /// The name of the layer of light after so many reflections.
     pub fn of_bounce(bounce: usize) -> String {
         if bounce == 0 { "direct".to_owned() } else { format!("bounce {bounce}") }
@@ -38,7 +42,8 @@ impl Lightmap {
     /// from their neighbours.
     ///
     /// The layers are "irradiance", "direct", "bounce 1" and so on, "tail" if there is one, "noisy" if noise was taken off, which
-    /// has all light with it, "error", the standard error of all light, and `more`, by lumel of the coverage, whose noise stays.
+    /// has all light with it, "error", the standard error of all light, and [`OCCLUSION`](LightmapLayer::OCCLUSION) if `openness`
+    /// is given, which is treated like light.
     ///
     /// # Panics
     /// If the light is not that of the lumels of the coverage.
@@ -48,31 +53,51 @@ impl Lightmap {
         coverage: &Coverage,
         light: &LumelLight,
         denoises: bool,
-        more: &[LightmapLayer],
+        openness: Option<&LumelLight>,
     ) -> Self {
+        let mut lightmap = Self::calmed(atlas, coverage, light, denoises);
+        lightmap.layers[0].name = "irradiance".to_owned();
         let n_lumels = atlas.lumel_count();
-        let valid: Vec<bool> = (0..light.len()).map(|place| light.is_valid(place)).collect();
-        let layer = |name: String, values: &[Vec3]| LightmapLayer {
-            name,
-            values: on_pages(coverage, values, n_lumels),
+        let on_pages = |name: &str, values: Vec<Vec3>| LightmapLayer {
+            name: name.to_owned(),
+            values: on_pages(coverage, &values, n_lumels),
         };
-        let all: Vec<Vec3> = (0..light.len()).map(|place| light.irradiance(place)).collect();
-        let mut layers = vec![layer("irradiance".to_owned(), &all)];
-        let bounces = light.bounces().iter().enumerate();
-        layers.extend(bounces.map(|(bounce, values)| layer(LightmapLayer::of_bounce(bounce), values)));
-        layers.extend(light.tail().map(|values| layer("tail".to_owned(), values)));
+        if denoises {
+            let all = (0..light.len()).map(|place| light.irradiance(place)).collect();
+            lightmap.layers.push(on_pages("noisy", all));
+        }
+        let errors = light.noise(atlas, coverage).into_iter().map(Vec3::splat).collect();
+        lightmap.layers.push(on_pages("error", errors));
+        if let Some(openness) = openness {
+            let values = Self::calmed(atlas, coverage, openness, denoises).layers.swap_remove(0).values;
+            lightmap.layers.push(LightmapLayer { name: LightmapLayer::OCCLUSION.to_owned(), values });
+        }
+        lightmap.finish(scene, coverage);
+        lightmap
+    }
+
+    /// All light and its parts, less their noise if that is wanted.
+    fn calmed(atlas: &Arc<Atlas>, coverage: &Coverage, light: &LumelLight, denoises: bool) -> Self {
+        let n_lumels = atlas.lumel_count();
+        let sources = match denoises {
+            true => Cow::Owned(light.with_fireflies_spread(atlas, coverage)),
+            false => Cow::Borrowed(&light.sources),
+        };
+        let all: Vec<Vec3> =
+            (0..light.len()).map(|place| sources.iter().map(|source| source[place]).sum()).collect();
+        let n_bounces = light.bounces().len();
+        let part = |k: usize| if k < n_bounces { LightmapLayer::of_bounce(k) } else { "tail".to_owned() };
+        let parts = sources.iter().enumerate().map(|(k, source)| (part(k), source));
+        let layers = std::iter::once((String::new(), &all)).chain(parts);
+        let layers = layers
+            .map(|(name, values)| LightmapLayer { name, values: on_pages(coverage, values, n_lumels) })
+            .collect();
+        let valid: Vec<bool> = (0..light.len()).map(|place| light.is_valid(place)).collect();
         let valid = on_pages(coverage, &valid, n_lumels);
         let mut lightmap = Self { atlas: Arc::clone(atlas), valid, layers };
-        let noise = on_pages(coverage, &light.noise(atlas, coverage), n_lumels);
         if denoises {
-            let values = lightmap.layers[0].values.clone();
-            lightmap.denoise(coverage, &noise);
-            lightmap.layers.push(LightmapLayer { name: "noisy".to_owned(), values });
+            lightmap.denoise(coverage, &on_pages(coverage, &light.noise(atlas, coverage), n_lumels));
         }
-        let values = noise.into_iter().map(Vec3::splat).collect();
-        lightmap.layers.push(LightmapLayer { name: "error".to_owned(), values });
-        lightmap.layers.extend(more.iter().map(|LightmapLayer { name, values }| layer(name.clone(), values)));
-        lightmap.finish(scene, coverage);
         lightmap
     }
 

@@ -24,6 +24,18 @@ impl Integrals {
         Self { areas, reflecting }
     }
 
+    /// Number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// The mean albedo of all surfaces, by luminance.
+    pub fn mean_albedo(&self) -> f64 {
+        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        let reflecting: f64 = self.reflecting.iter().map(|&area| f64::from(luminance(area))).sum();
+        if area > 0.0 { reflecting / area } else { 0.0 }
+    }
+
     /// Power that arrives, W per channel.
     pub fn incident(&self, field: &Field) -> DVec3 {
         field.weighted_sum(self.areas.iter().map(|&area| Vec3::splat(area)))

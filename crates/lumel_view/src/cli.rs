@@ -87,6 +87,7 @@ impl Cli {
             vertex_budget: solution.and_then(|file| SolutionMeta::load(file).ok()?.vertex_budget),
             subdivide: self.subdivide,
             two_sided: self.two_sided.clone(),
+            keeps_whole: false,
         };
         self.scene.clone().map(|name| OpenRequest { name, options })
     }

@@ -3,6 +3,7 @@
 //! After each bounce or round, and when the window is closed, the state of the solve is written as a checkpoint
 //! (`NAME.checkpoint.npz`, which `lumel bake --resume` takes too) with a note of what it belongs to
 //! (`NAME.recovery.json`). The next start offers to resume it. Both are removed once the work is saved or discarded.
+//! Lumels are not among it: they are measured again from the bounces.
 //! Earlier versions wrote a solution in place of the checkpoint; it is still read.
 //!
 //! Each process that keeps unsaved work locks a file of its own there for as long as it runs (`process-ID.lock`): no
@@ -157,6 +158,7 @@ impl Note {
                 vertex_budget: None,
                 subdivide: self.subdivide,
                 two_sided: self.two_sided.clone(),
+                keeps_whole: false,
             },
         }
     }

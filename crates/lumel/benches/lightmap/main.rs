@@ -113,10 +113,10 @@ impl Case {
             let lumels = lumels(&whole, preset);
             let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
             let Lumels { scene, atlas, coverage } = &lumels;
-            let raw = Lightmap::finished(scene, atlas, coverage, &light, false, &[]);
+            let raw = Lightmap::finished(scene, atlas, coverage, &light, false, None);
             let seconds = begun.elapsed().as_secs_f64();
             let begun = ProcessTime::now();
-            let denoised = Lightmap::finished(scene, atlas, coverage, &light, true, &[]);
+            let denoised = Lightmap::finished(scene, atlas, coverage, &light, true, None);
             let more = begun.elapsed().as_secs_f64();
             let n_lumels = coverage.len();
             row(&format!("{preset:?} lumels, {n_lumels}"), seconds, &of_whole, &raw.lighting(0));

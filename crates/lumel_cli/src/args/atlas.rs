@@ -3,7 +3,7 @@
 use crate::parse;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use lumel::{AtlasEntry, UvChoice};
+use lumel::{LightmapEntry, UvChoice};
 use lumel_uv::MAX_PAGE;
 
 /// How a scene is unwrapped.
@@ -52,10 +52,10 @@ pub(crate) struct AtlasArgs {
     #[arg(long, value_enum, value_name = "CHOICE", help_heading = "Atlas")]
     pub(crate) uv: Option<Uv>,
 
-    /// After this many seconds, objects that are left get simple charts, and are named.
-    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = parse::count(0..=1_000_000))]
+    /// After this many seconds, objects that are left get simple charts, and are named. [default: 300]
+    #[arg(long, value_name = "SECONDS", value_parser = parse::count(0..=1_000_000))]
     #[arg(help_heading = "Run", allow_negative_numbers = true)]
-    pub(crate) time_limit: u32,
+    pub(crate) time_limit: Option<u32>,
 }
 
 fn align() -> impl TypedValueParser<Value = u32> {
@@ -64,9 +64,11 @@ fn align() -> impl TypedValueParser<Value = u32> {
 
 impl AtlasArgs {
     /// What they say.
-    pub(crate) fn entry(&self) -> AtlasEntry {
-        let Self { density, lumels, atlas_size, gutter, align, uv, .. } = *self;
-        AtlasEntry { density, lumels, atlas_size, gutter, align, uv: uv.map(UvChoice::from) }
+    pub(crate) fn entry(&self) -> LightmapEntry {
+        let Self { density, lumels, atlas_size, gutter, align, uv, time_limit, .. } = *self;
+        let uv = uv.map(UvChoice::from);
+        let usual = LightmapEntry::default();
+        LightmapEntry { density, lumels, atlas_size, gutter, align, uv, time_limit, ..usual }
     }
 }
 

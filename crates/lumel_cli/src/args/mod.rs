@@ -10,7 +10,7 @@ pub(crate) use atlas::AtlasArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};
-use lumel::{AmbientOcclusion, LightBasis, SolutionSelection, spec};
+use lumel::{LightBasis, LightmapEntry, LightmapTarget, OcclusionEntry, SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, ThreadArgs};
@@ -110,9 +110,9 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_enum, value_name = "BASIS")]
     pub(crate) basis: Option<Basis>,
 
-    /// What a .glb file with a lightmap is made for.
-    #[arg(long, value_enum, value_name = "TARGET", default_value_t = Target::Any, help_heading = "Atlas")]
-    pub(crate) target: Target,
+    /// What a .glb file with a lightmap is made for. [default: any]
+    #[arg(long, value_enum, value_name = "TARGET", help_heading = "Atlas")]
+    pub(crate) target: Option<Target>,
 
     /// What a .png file of a lightmap holds.
     #[arg(long, value_enum, value_name = "WHAT", default_value_t = Png::Picture, help_heading = "Atlas")]
@@ -134,10 +134,10 @@ pub(crate) struct BakeArgs {
     #[arg(allow_negative_numbers = true)]
     pub(crate) ao_distance: Option<f32>,
 
-    /// How fast hiding falls with the distance: 1 evenly, 2 faster, 0 not before the end.
-    #[arg(long, value_name = "POWER", default_value_t = 1.0, value_parser = parse::tolerance)]
-    #[arg(requires = "ao_distance", allow_negative_numbers = true, help_heading = "Ambient occlusion")]
-    pub(crate) ao_falloff: f64,
+    /// How fast hiding falls with the distance: 1 evenly, 2 faster, 0 not before the end. [default: 1]
+    #[arg(long, value_name = "POWER", value_parser = parse::tolerance)]
+    #[arg(allow_negative_numbers = true, help_heading = "Ambient occlusion")]
+    pub(crate) ao_falloff: Option<f64>,
 
     #[command(flatten)]
     pub(crate) atlas: AtlasArgs,
@@ -173,9 +173,18 @@ pub(crate) enum Basis {
 }
 
 impl BakeArgs {
-    /// The ambient occlusion that is asked for.
-    pub(crate) fn occlusion(&self) -> Option<AmbientOcclusion> {
-        self.ao_distance.map(|distance| AmbientOcclusion { distance, falloff: self.ao_falloff as f32 })
+    /// What they say of the lightmap.
+    pub(crate) fn lightmap(&self) -> LightmapEntry {
+        LightmapEntry {
+            denoise: self.denoise.map(|switch| switch == Switch::On),
+            target: self.target.map(LightmapTarget::from),
+            ..self.atlas.entry()
+        }
+    }
+
+    /// What they say of ambient occlusion.
+    pub(crate) fn occlusion(&self) -> OcclusionEntry {
+        OcclusionEntry { distance: self.ao_distance, falloff: self.ao_falloff.map(|falloff| falloff as f32) }
     }
 }
 
@@ -219,6 +228,16 @@ pub(crate) enum Target {
     Any,
     /// Any program that lights the scene itself: ambient occlusion, see --ao.
     Occlusion,
+}
+
+impl From<Target> for LightmapTarget {
+    fn from(target: Target) -> Self {
+        match target {
+            Target::Three => Self::Three,
+            Target::Any => Self::Any,
+            Target::Occlusion => Self::Occlusion,
+        }
+    }
 }
 
 /// What `--light` means to `lumel render`.

@@ -99,6 +99,7 @@ impl SceneArgs {
             vertex_budget,
             subdivide: self.subdivide,
             two_sided: self.two_sided.clone(),
+            keeps_whole: false,
         }
     }
 }

@@ -2,21 +2,20 @@
 
 use crate::args::AtlasArgs;
 use crate::command_run::CommandRun;
-use crate::console::Console;
 use crate::failure::{hinted, with_hint};
-use lumel::{AtlasEntry, Scene};
-use lumel_uv::{Finding, Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
+use lumel::{LightmapEntry, Scene};
+use lumel_uv::{Pace, UnwrapSettings, Unwrapped, UvError, unwrap};
 
-/// Further findings are only counted: when time is up, every object can have one.
-const MAX_FINDINGS: usize = 20;
+/// Seconds after which objects that are left get simple charts.
+const TIME_LIMIT: u32 = 300;
 
 /// A scene to unwrap.
 pub(crate) struct ToUnwrap<'a> {
     pub(crate) scene: &'a Scene,
     /// What the command line calls it.
     pub(crate) name: &'a str,
-    /// What its project says about lightmaps.
-    pub(crate) project: AtlasEntry,
+    /// What its project and the command line say about lightmaps.
+    pub(crate) entry: LightmapEntry,
     /// How many lumels it gets if nothing else is asked for.
     pub(crate) usual_lumels: u32,
 }
@@ -28,15 +27,16 @@ pub(crate) fn of(
     run: &CommandRun,
 ) -> anyhow::Result<Option<Unwrapped>> {
     let settings = settings(args, to_unwrap)?;
-    let unwrapped = in_time(args, to_unwrap.scene, &settings, run)?;
+    let unwrapped = in_time(to_unwrap, &settings, run)?;
     if let Some(unwrapped) = &unwrapped {
-        warn(&unwrapped.report.findings, &run.console);
+        let more = |n| format!("{n} more objects or faults; `lumel unwrap --json` lists all");
+        run.console.warnings(unwrapped.report.findings.iter(), more);
     }
     Ok(unwrapped)
 }
 
 fn settings(args: &AtlasArgs, to_unwrap: &ToUnwrap<'_>) -> anyhow::Result<UnwrapSettings> {
-    let ToUnwrap { scene, name: scene_name, project, usual_lumels } = *to_unwrap;
+    let ToUnwrap { scene, name: scene_name, entry, usual_lumels } = *to_unwrap;
     let mut factors = scene.density_factors().to_vec();
     for (name, factor) in &args.density_factor {
         let named = || scene.object_names().iter().enumerate().filter(|(_, object)| *object == name);
@@ -48,16 +48,15 @@ fn settings(args: &AtlasArgs, to_unwrap: &ToUnwrap<'_>) -> anyhow::Result<Unwrap
         }
         named().for_each(|(object, _)| factors[object] = *factor);
     }
-    Ok(UnwrapSettings { factors, ..project.overridden_by(args.entry()).settings(usual_lumels) })
+    Ok(UnwrapSettings { factors, ..entry.settings(usual_lumels) })
 }
 
 fn in_time(
-    args: &AtlasArgs,
-    scene: &Scene,
+    to_unwrap: &ToUnwrap<'_>,
     settings: &UnwrapSettings,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Unwrapped>> {
-    let ends = run.clock.seconds() + f64::from(args.time_limit);
+    let ends = run.clock.seconds() + f64::from(to_unwrap.entry.time_limit.unwrap_or(TIME_LIMIT));
     let pace = || {
         if run.interrupt.is_requested() {
             Pace::Stop
@@ -68,18 +67,10 @@ fn in_time(
         }
     };
     let _heeding = run.interrupt.heed();
-    match unwrap(scene, settings, &pace) {
+    match unwrap(to_unwrap.scene, settings, &pace) {
         Ok(unwrapped) => Ok(Some(unwrapped)),
         Err(UvError::Stopped) => Ok(None),
         Err(error @ UvError::TooLarge { .. }) => Err(with_hint(error, "choose a smaller --density")),
         Err(error @ UvError::Setting { .. }) => Err(with_hint(error, "see `lumel unwrap --help`")),
-    }
-}
-
-/// Reports findings, up to some number.
-fn warn(findings: &[Finding], console: &Console) {
-    findings.iter().take(MAX_FINDINGS).for_each(|finding| console.warning(&finding.to_string()));
-    if let Some(more) = findings.len().checked_sub(MAX_FINDINGS).filter(|&n| n > 0) {
-        console.warning(&format!("{more} more objects or faults; `lumel unwrap --json` lists all"));
     }
 }

@@ -1,28 +1,30 @@
 //! `lumel bake`
 
-use super::lightmap::{self, Lightmapped, Solved};
-use super::summary::{Step, Summary, Written};
-use crate::args::{BakeArgs, Basis, Switch, Target};
+use super::lightmap::{self, LightmapWanted, Lightmapped, Solved};
+use super::summary::{MemoryReport, Step, Summary, Written};
+use crate::args::{BakeArgs, Basis};
 use crate::checkpoint::{self, Checkpoint};
-use crate::command_run::{CommandRun, SolveLog, thread_pool};
+use crate::command_run::{CommandRun, SolveLog, thread_pool, unless_stopped};
 use crate::console::{self, Console};
 use crate::failure::{hinted, with_hint};
-use crate::load::{self, Loaded};
+use crate::load::{self, Loaded, Meshes};
+use crate::memory;
 use crate::outcome::Outcome;
 use crate::outputs::{self, Light, Output};
 use anyhow::bail;
 use lumel::{
-    Baker, Control, Ended, Preset, ResumeError, Saved, Settings, Solution, SolveState, TransportError,
+    AmbientOcclusion, Baker, Control, Ended, LightmapEntry, LightmapTarget, Preset, ResumeError, Saved,
+    Settings, Solution, SolveState,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bakes.
 pub(crate) fn run(args: &BakeArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
-    let files = BakeFiles::new(args)?;
+    let wanted = Wanted::new(args)?;
     let pool = thread_pool(&args.run.threads)?;
     let mut run = CommandRun::start(args.run.progress, console)?;
-    let result = pool.install(|| bake(args, &files, &run));
+    let result = pool.install(|| bake(args, &wanted, &run));
     run.progress.finish();
     match result? {
         Baked::Done(mut summary) => {
@@ -44,18 +46,23 @@ enum Baked {
     Stopped(String),
 }
 
-/// The files of a bake.
-struct BakeFiles {
+/// What the command line and the project want besides settings.
+struct Wanted {
     basis: Basis,
+    lightmap: LightmapEntry,
+    occlusion: Option<AmbientOcclusion>,
     outputs: Vec<Output>,
     checkpoint: PathBuf,
 }
 
-impl BakeFiles {
+impl Wanted {
     /// Checks everything that can be checked in advance.
     fn new(args: &BakeArgs) -> anyhow::Result<Self> {
-        let of_project = || load::basis_of_project(&args.scene.scene).map(Basis::from);
-        let basis = args.basis.or_else(of_project).unwrap_or(Basis::Vertex);
+        // What is wrong with it is told when the scene is opened.
+        let project = load::project(&args.scene.scene).unwrap_or_default();
+        let basis = args.basis.or(project.basis.map(Basis::from)).unwrap_or(Basis::Vertex);
+        let lightmap = project.lightmap.overridden_by(args.lightmap());
+        let occlusion = project.ambient_occlusion.overridden_by(args.occlusion());
         let outputs = args.outputs.iter().map(|path| Output::new(path, basis));
         let mut outputs = outputs.collect::<anyhow::Result<Vec<_>>>()?;
         if outputs.is_empty() {
@@ -69,26 +76,32 @@ impl BakeFiles {
             bail!("this name is reserved for the checkpoint; choose another: {}", checkpoint.display());
         }
         paths.push(&checkpoint);
-        if args.target == Target::Occlusion && args.ao_distance.is_none() {
-            return Err(hinted("--target occlusion needs ambient occlusion", "add --ao METRES"));
+        let needs_occlusion = match lightmap.target {
+            Some(LightmapTarget::Occlusion) => Some("--target occlusion"),
+            _ => occlusion.falloff.map(|_| "--ao-falloff"),
+        };
+        if let (Some(option), None) = (needs_occlusion, occlusion.distance) {
+            return Err(hinted(format!("{option} needs ambient occlusion"), "add --ao METRES"));
         }
         outputs::check(&paths, &load::source_files(&args.scene.scene))?;
         outputs.iter().try_for_each(Output::check_company)?;
-        Ok(Self { basis, outputs, checkpoint })
+        Ok(Self { basis, lightmap, occlusion: occlusion.occlusion(), outputs, checkpoint })
     }
 }
 
 /// The bake on the threads of the pool.
-fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<Baked> {
-    let (loaded, load_seconds) =
-        run.timed("load", || load::load_and_warn(&args.scene, args.settings.vertex_budget(), &run.console));
-    let Loaded { scene, patch, auto_edge, .. } = loaded?;
+fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Baked> {
+    let meshes = if wanted.basis == Basis::Lightmap { Meshes::SplitAndWhole } else { Meshes::Split };
+    let budget = args.settings.vertex_budget();
+    let load = || load::load_and_warn(&args.scene, budget, meshes, &run.console);
+    let (loaded, load_seconds) = run.timed("load", load);
+    let Loaded { scene, whole, patch, auto_edge, .. } = loaded?;
     let preset = args.settings.patch.preset.or(patch.preset).unwrap_or_default();
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
-    let prepared = match files.basis {
-        Basis::Vertex => None,
-        Basis::Lightmap => match lightmap::prepare(args, preset, run)? {
+    let prepared = match whole {
+        None => None,
+        Some(whole) => match lightmap::prepare(whole, args, (wanted.lightmap, preset), run)? {
             Some(prepared) => Some(prepared),
             None => return Ok(Baked::Stopped("stopped; nothing was computed".to_owned())),
         },
@@ -103,11 +116,14 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
         None => SolveState::new(),
     };
     let first_bounce = state.bounces.len();
-    let checkpoint = Checkpoint::new(files.checkpoint.clone(), &run.console);
+    let checkpoint = Checkpoint::new(wanted.checkpoint.clone(), &run.console);
     match &args.resume {
         Some(file) => checkpoint.resumed_from(file),
         None => tell_of_old_checkpoint(checkpoint.path(), run),
     }
+    let lumels = prepared.as_ref().map(|prepared| &prepared.lumels);
+    let draws = wanted.outputs.iter().any(Output::is_picture);
+    let announced = memory::announce(&baker, lumels, draws, &run.console);
     let log = run.solve(&baker, &mut state, Some(&checkpoint))?;
     if state.bounces.len() > first_bounce {
         checkpoint.update(&baker, &state);
@@ -120,32 +136,34 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     }
     warn_of_dark_faces(&baker, &state, run);
     warn_of_error(&state, run);
-    let denoises = args.denoise.map_or(preset != Preset::Production, |switch| switch == Switch::On);
+    let denoises = wanted.lightmap.denoise.unwrap_or(preset != Preset::Production);
     let lightmapped = match prepared {
         None => None,
         Some(prepared) => {
             let settings = of_lumels.unwrap_or_else(|| baker.settings().clone());
             let solved = Solved { baker: &baker, state: &state, checkpoint: &checkpoint, settings };
-            match lightmap::measure(prepared, solved, args, denoises, run)? {
+            let of_lumels =
+                LightmapWanted { resumed: args.resume.as_deref(), denoises, occlusion: wanted.occlusion };
+            match lightmap::measure(prepared, solved, &of_lumels, run)? {
                 Some(lightmapped) => Some(lightmapped),
                 None => return Ok(Baked::Stopped(after_cancel_in_lumels(&checkpoint))),
             }
         }
     };
-    let mut solution = solution(&baker, &state, run, &log);
-    if let (None, Some(occlusion)) = (&lightmapped, args.occlusion()) {
-        let measured = run.timed("ambient occlusion", || {
-            let _heeding = run.interrupt.heed();
-            baker.openness_at_vertices(occlusion, &state, run.interrupt.control())
-        });
-        match measured.0 {
-            Ok(openness) => solution.occlusion = Some(openness),
-            Err(TransportError::Cancelled) => {
-                return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
+    let openness = match wanted.occlusion.filter(|_| lightmapped.is_none()) {
+        None => None,
+        Some(occlusion) => {
+            let measured = run.timed("ambient occlusion", || {
+                let _heeding = run.interrupt.heed();
+                baker.openness_at_vertices(occlusion, &state, run.interrupt.control())
+            });
+            match unless_stopped(measured.0)? {
+                Some(openness) => Some(openness),
+                None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
             }
-            Err(error) => return Err(error.into()),
         }
-    }
+    };
+    let mut solution = Solution { occlusion: openness, ..solution(&baker, &state, run, &log) };
     solution.meta.vertex_budget = auto_edge.map(|auto| auto.vertex_budget);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
     let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
@@ -154,10 +172,10 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
             baker: &baker,
             solution: &solution,
             lightmapped: lightmapped.as_ref(),
-            target: args.target,
+            target: wanted.lightmap.target.unwrap_or_default(),
             png: args.png,
         };
-        write(files, &light, kept, run)
+        write(&wanted.outputs, &light, kept, run)
     });
     let Some(written) = written? else {
         return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
@@ -170,6 +188,7 @@ fn bake(args: &BakeArgs, files: &BakeFiles, run: &CommandRun) -> anyhow::Result<
     if let Some(Lightmapped { report, .. }) = lightmapped {
         summary.add_lightmap(report);
     }
+    summary.memory = MemoryReport { announced, peak: memory::peak() };
     summary.seconds.load = load_seconds;
     summary.seconds.build = build_seconds;
     summary.seconds.write = write_seconds;
@@ -290,14 +309,14 @@ fn solution(baker: &Baker, state: &SolveState, run: &CommandRun, log: &SolveLog)
 
 /// Writes all outputs in order. `None` if cancelled. The file `kept` also contains all light.
 fn write(
-    files: &BakeFiles,
+    outputs: &[Output],
     light: &Light<'_>,
     kept: Option<&Path>,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Vec<Written>>> {
     let _heeding = run.interrupt.heed();
     let mut written = Vec::new();
-    for output in &files.outputs {
+    for output in outputs {
         if run.interrupt.is_requested() {
             return Ok(None);
         }

@@ -4,15 +4,12 @@ use super::atlas::{self, ToUnwrap};
 use super::summary::{LightmapReport, NoiseReport};
 use crate::args::BakeArgs;
 use crate::checkpoint::Checkpoint;
-use crate::command_run::{CHECKPOINT_SHARE, CommandRun};
-use crate::load::{self, Loaded};
+use crate::command_run::{CHECKPOINT_SHARE, CommandRun, unless_stopped};
 use crate::report;
-use glam::Vec3;
 use lumel::{
-    Baker, Lightmap, LightmapLayer, LumelAccuracy, LumelLight, LumelState, Lumels, Preset, Scene, Settings,
-    SolveState, TransportError,
+    AmbientOcclusion, Baker, Lightmap, LightmapEntry, LumelAccuracy, LumelLight, LumelState, Lumels, Preset,
+    Scene, Settings, SolveState,
 };
-use lumel_export::OCCLUSION;
 use lumel_uv::{Report, Unwrapped};
 use std::path::Path;
 use std::sync::Arc;
@@ -21,33 +18,40 @@ use std::sync::Arc;
 pub(crate) struct Lightmapped {
     pub(crate) scene: Arc<Scene>,
     /// Finished: seams are closed, and all lumels have light.
-    pub(crate) lightmap: Lightmap,
+    pub(crate) lightmap: Arc<Lightmap>,
     pub(crate) report: LightmapReport,
 }
 
 /// Where light is to be measured.
 pub(crate) struct Prepared {
-    lumels: Lumels,
+    pub(crate) lumels: Lumels,
     report: Report,
     seconds: f64,
 }
 
 /// Unwraps the scene as it is in its files. `None` if it was stopped.
-pub(crate) fn prepare(args: &BakeArgs, preset: Preset, run: &CommandRun) -> anyhow::Result<Option<Prepared>> {
-    let (scene, _) = run.timed("load", || load::load_whole(&args.scene));
-    let Loaded { scene, lightmap, .. } = scene?;
-    let to_unwrap = ToUnwrap {
-        scene: &scene,
-        name: &args.scene.scene,
-        project: lightmap,
-        usual_lumels: preset.lumel_budget(),
-    };
+pub(crate) fn prepare(
+    scene: Arc<Scene>,
+    args: &BakeArgs,
+    (entry, preset): (LightmapEntry, Preset),
+    run: &CommandRun,
+) -> anyhow::Result<Option<Prepared>> {
+    let name = &*args.scene.scene;
+    let to_unwrap = ToUnwrap { scene: &scene, name, entry, usual_lumels: preset.lumel_budget() };
     let (unwrapped, seconds) = run.timed("unwrap", || atlas::of(&to_unwrap, &args.atlas, run));
     Ok(unwrapped?.map(|Unwrapped { atlas, report }| Prepared {
         lumels: Lumels::new(scene, atlas),
         report,
         seconds,
     }))
+}
+
+/// What is made of the light in lumels.
+pub(crate) struct LightmapWanted<'a> {
+    /// The checkpoint that may have lumels.
+    pub(crate) resumed: Option<&'a Path>,
+    pub(crate) denoises: bool,
+    pub(crate) occlusion: Option<AmbientOcclusion>,
 }
 
 /// A solve that is done, and where it is kept until all files are written.
@@ -63,33 +67,27 @@ pub(crate) struct Solved<'a> {
 pub(crate) fn measure(
     Prepared { lumels, report, seconds: unwrap_seconds }: Prepared,
     solved: Solved<'_>,
-    args: &BakeArgs,
-    denoises: bool,
+    wanted: &LightmapWanted<'_>,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Lightmapped>> {
     let baker = solved.baker.relit(Arc::clone(solved.baker.scene()), solved.settings.clone());
-    let (measured, seconds) =
-        run.timed("lumels", || measured(&lumels, &baker, &solved, args.resume.as_deref(), run));
+    let (measured, seconds) = run.timed("lumels", || measured(&lumels, &baker, &solved, wanted.resumed, run));
     let Some(light) = measured? else { return Ok(None) };
-    let occlusion = args.occlusion().map(|occlusion| {
+    let openness = wanted.occlusion.map(|occlusion| {
         let _heeding = run.interrupt.heed();
         run.timed("ambient occlusion", || {
             baker.openness_at_lumels(occlusion, &lumels, run.interrupt.control())
         })
         .0
     });
-    let more = match occlusion.transpose() {
-        Ok(occlusion) => occlusion.map(|shares| LightmapLayer {
-            name: OCCLUSION.to_owned(),
-            values: shares.into_iter().map(Vec3::splat).collect(),
-        }),
-        Err(TransportError::Cancelled) => return Ok(None),
-        Err(error) => return Err(error.into()),
+    let openness = match openness.map(unless_stopped).transpose()? {
+        Some(None) => return Ok(None),
+        openness => openness.flatten(),
     };
     let Lumels { scene, atlas, coverage } = &lumels;
     let accuracy = baker.accuracy_at_lumels(&lumels, &light);
     warn_of_error(&accuracy, &solved.settings, run);
-    let finished = || Lightmap::finished(scene, atlas, coverage, &light, denoises, more.as_slice());
+    let finished = || Lightmap::finished(scene, atlas, coverage, &light, wanted.denoises, openness.as_ref());
     let (lightmap, finish_seconds) = run.timed("finish", finished);
     let report = LightmapReport {
         pages: lumels.atlas.pages().to_vec(),
@@ -99,11 +97,14 @@ pub(crate) fn measure(
         noise: NoiseReport::from(accuracy),
         charts: report.chart_count(),
         utilization: report.utilization,
+        kept: report.kept_count(),
+        shared: report.is_shared,
+        ray_bytes: baker.memory_of_lumel_rays(&lumels),
         unwrap_seconds,
         seconds,
         finish_seconds,
     };
-    Ok(Some(Lightmapped { scene: Arc::clone(&lumels.scene), lightmap, report }))
+    Ok(Some(Lightmapped { scene: Arc::clone(&lumels.scene), lightmap: Arc::new(lightmap), report }))
 }
 
 /// Warns of a missed target error.
@@ -156,9 +157,5 @@ fn measured(
     if measured.is_err() && !checkpoint.is_current() {
         save(&light);
     }
-    match measured {
-        Ok(()) => Ok(Some(light)),
-        Err(TransportError::Cancelled) => Ok(None),
-        Err(error) => Err(error.into()),
-    }
+    Ok(unless_stopped(measured)?.map(|()| light))
 }

@@ -4,7 +4,7 @@ use crate::args::MeasureArgs;
 use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::{hinted, with_hint};
-use crate::load::{self, Loaded};
+use crate::load::{self, Loaded, Meshes};
 use crate::outcome::Outcome;
 use crate::outputs;
 use crate::points::Points;
@@ -66,7 +66,8 @@ fn measure(
         Some(file) => load::budget_of(file),
         None => args.settings.vertex_budget(),
     };
-    let (loaded, _) = run.timed("load", || load::load_and_warn(&args.scene, budget, &run.console));
+    let (loaded, _) =
+        run.timed("load", || load::load_and_warn(&args.scene, budget, Meshes::Split, &run.console));
     let Loaded { scene, patch, .. } = loaded?;
     let receivers = points.receivers(&scene)?;
     let light = match &args.solution {

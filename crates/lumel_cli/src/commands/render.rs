@@ -4,7 +4,7 @@ use crate::args::{Basis, ProgressMode, RenderArgs};
 use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
 use crate::failure::hinted;
-use crate::load::{self, Loaded};
+use crate::load::{self, Loaded, Meshes};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
 use crate::parse::{CameraChoice, LightChoice};
@@ -70,7 +70,7 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
         return draw(args, display, &scene, &solution.lightmap.lighting(layer), run);
     }
     let budget = args.solution.as_deref().and_then(load::budget_of);
-    let Loaded { scene, .. } = load::load_and_warn(&args.scene, budget, &run.console)?;
+    let Loaded { scene, .. } = load::load_and_warn(&args.scene, budget, Meshes::Split, &run.console)?;
     let light = light(args, &scene, &run.console)?;
     draw(args, display, &scene, &VertexLighting::new(&scene, &light)?, run)
 }

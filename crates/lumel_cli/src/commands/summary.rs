@@ -2,7 +2,7 @@
 
 use crate::command_run::SolveLog;
 use crate::report::{self, counted};
-use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, LumelAccuracy, Solution, SolveState};
+use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, LumelAccuracy, Memory, Solution, SolveState};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -35,9 +35,26 @@ pub(crate) struct Summary {
     threads: usize,
     /// The lightmap, if light is stored in one.
     lightmap: Option<LightmapReport>,
+    pub(crate) memory: MemoryReport,
     pub(crate) seconds: Seconds,
     pub(crate) files: Vec<Written>,
     pub(crate) warnings: usize,
+}
+
+/// What the program takes of memory, bytes, where the system tells.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct MemoryReport {
+    /// What was said before the solve.
+    pub(crate) announced: Option<Memory>,
+    /// The most that it took.
+    pub(crate) peak: Option<Memory>,
+}
+
+impl MemoryReport {
+    fn text(&self) -> Option<String> {
+        let Self { announced, peak } = self;
+        Some(format!("memory {} at most, announced {}", (*peak)?, (*announced)?))
+    }
 }
 
 /// A lightmap.
@@ -53,6 +70,12 @@ pub(crate) struct LightmapReport {
     pub(crate) noise: NoiseReport,
     pub(crate) charts: usize,
     pub(crate) utilization: f64,
+    /// Objects whose lightmap coordinates are kept.
+    pub(crate) kept: usize,
+    /// Whether all of them are, on a square that they share.
+    pub(crate) shared: bool,
+    /// What the rays take that are kept at a time.
+    pub(crate) ray_bytes: Memory,
     pub(crate) unwrap_seconds: f64,
     /// For measuring light in lumels.
     pub(crate) seconds: f64,
@@ -94,8 +117,17 @@ impl LightmapReport {
             0 => String::new(),
             n => format!(", {} inside geometry", counted(n, "lies", "lie")),
         };
+        let kept = match (self.shared, self.kept) {
+            (true, _) => {
+                "\nthe lightmap coordinates of all objects are kept, on the square that they share".to_owned()
+            }
+            (false, 0) => String::new(),
+            (false, n) => {
+                format!("\nthe lightmap coordinates of {} are kept", counted(n, "object", "objects"))
+            }
+        };
         format!(
-            "lightmap {pages} of {}, {} used by {}; {} of {} per metre{inside}\n{}\nunwrap {:.2} s\nlumels {:.2} s\nfinish {:.2} s",
+            "lightmap {pages} of {}, {} used by {}; {} of {} per metre{inside}{kept}\n{}\nunwrap {:.2} s\nlumels {:.2} s, rays stored part by part ({})\nfinish {:.2} s",
             sizes.join(", "),
             report::percent(self.utilization),
             counted(self.charts, "chart", "charts"),
@@ -104,6 +136,7 @@ impl LightmapReport {
             self.noise.text(),
             self.unwrap_seconds,
             self.seconds,
+            self.ray_bytes,
             self.finish_seconds,
         )
     }
@@ -307,6 +340,7 @@ impl Summary {
                 ..Seconds::default()
             },
             lightmap: None,
+            memory: MemoryReport::default(),
             files: Vec::new(),
             warnings: 0,
         }
@@ -353,6 +387,7 @@ impl Summary {
         if self.rays > 0 {
             lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
         }
+        lines.extend(self.memory.text());
         lines.push(self.remainder_text());
         lines.extend(self.estimate.as_ref().map(EstimateReport::text));
         lines.extend(self.error.iter().flat_map(ErrorReport::text));

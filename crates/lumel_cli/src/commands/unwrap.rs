@@ -11,7 +11,7 @@ use crate::outcome::Outcome;
 use crate::outputs::{self, sized};
 use crate::report::{bytes, counted, duration, percent, significant};
 use lumel::Scene;
-use lumel_export::{path_of_page, write_atlas_png, write_unwrapped_glb};
+use lumel_export::{write_atlas_png, write_pages, write_unwrapped_glb};
 use lumel_uv::Unwrapped;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -39,8 +39,8 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
     let (Loaded { scene, warnings, lightmap, .. }, _) = load::load_as_it_is(&args.scene)?;
     load::warn(&warnings, &args.scene, console);
     let begun = run.clock.seconds();
-    let to_unwrap =
-        ToUnwrap { scene: &scene, name: &args.scene.scene, project: lightmap, usual_lumels: LUMELS };
+    let entry = lightmap.overridden_by(args.atlas.entry());
+    let to_unwrap = ToUnwrap { scene: &scene, name: &args.scene.scene, entry, usual_lumels: LUMELS };
     let unwrapped = pool.install(|| atlas::of(&to_unwrap, &args.atlas, &run))?;
     let Some(unwrapped) = unwrapped else {
         console.note("stopped; no file was written");
@@ -79,12 +79,7 @@ fn write(path: &Path, format: Format, scene: &Scene, unwrapped: &Unwrapped) -> a
             vec![path.to_owned()]
         }
         Format::Png => {
-            let pages = atlas.pages().len();
-            let paths: Vec<PathBuf> = (0..pages).map(|page| path_of_page(path, page, pages)).collect();
-            for (page, path) in paths.iter().enumerate() {
-                write_atlas_png(path, atlas, page)?;
-            }
-            paths
+            write_pages(path, atlas.pages().len(), |page, path| write_atlas_png(path, atlas, page))?
         }
     };
     paths.into_iter().map(|path| sized(path).map(|(path, bytes)| Written { path, bytes })).collect()

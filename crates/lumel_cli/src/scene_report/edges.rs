@@ -17,7 +17,10 @@ pub(super) struct EdgeReport {
 impl EdgeReport {
     /// Those of a scene; edges that faces share count once.
     pub(super) fn of(scene: &Scene) -> Self {
-        let mut edges: Vec<[[u32; 3]; 2]> = scene.traced_corners().iter().flat_map(edges_between).collect();
+        let corners = scene.traced_corners();
+        // Triangles that no ray meets lie where others do.
+        let traced = corners.iter().filter(|corners| corners.iter().all(|corner| corner.is_finite()));
+        let mut edges: Vec<[[u32; 3]; 2]> = traced.flat_map(edges_between).collect();
         edges.sort_unstable();
         edges.dedup();
         let point = |bits: [u32; 3]| Vec3::from(bits.map(f32::from_bits)).as_dvec3();

@@ -118,5 +118,18 @@ fn warnings_are_part_of_the_description() {
     let json = run(&mut place.lumel("info a.obj --json --strict"));
     assert_eq!((json.code, json.stderr.as_str()), (1, ""));
     let info: Value = serde_json::from_str(&json.stdout).unwrap();
-    assert_eq!(info["warnings"].as_array().unwrap().len(), 1);
+    let warnings: Vec<&str> =
+        info["warnings"].as_array().unwrap().iter().map(|w| w.as_str().unwrap()).collect();
+    let [_, dark] = warnings[..] else { panic!("{warnings:?}") };
+    assert!(
+        dark.starts_with("nothing emits light in scene \"a\"; add a light that suits the scene: --sky "),
+        "{dark}"
+    );
+    let lit = run(&mut place.lumel("info a.obj --sky 1,1,1 --json")).done();
+    assert!(!lit.stdout.contains("nothing emits light"), "{}", lit.stdout);
+    // Two faces in one place: the edges of both are the same.
+    place.write("b.obj", "v 0 0 0\nv 3 0 0\nv 0 0 -4\nf 1 2 3\nf 1 3 2\n");
+    let doubled = run(&mut place.lumel("info b.obj --json")).done();
+    let doubled: Value = serde_json::from_str(&doubled.stdout).unwrap();
+    assert_eq!((&doubled["edges"]["min"], &doubled["edges"]["max"]), (&3.0.into(), &5.0.into()));
 }

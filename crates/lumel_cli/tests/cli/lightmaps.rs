@@ -95,6 +95,26 @@ fn noise_is_taken_off_unless_it_is_wanted_and_the_noisy_light_is_kept() {
 }
 
 #[test]
+fn a_project_says_how_a_lightmap_is_finished_and_written_and_options_go_first() {
+    let place = room();
+    let lightmap = "[lightmap]\nlumels = 4096\ndenoise = false\ntarget = \"occlusion\"\ntime_limit = 60\n";
+    let text = format!("scene = \"room.obj\"\n{lightmap}[ambient_occlusion]\ndistance = 0.5\n");
+    place.write("room.lumel.toml", &text);
+    let bake = |line: &str| run(&mut place.lumel(&format!("bake room.lumel.toml {QUICK} {line}")));
+    bake("-o a.exr -o a.glb").done();
+    let occlusion = |name: &str| {
+        let file = std::fs::read(place.path(name)).unwrap();
+        String::from_utf8_lossy(&file).contains("\"occlusionTexture\":{")
+    };
+    assert!(!layers(&place, "a.exr").contains(&"noisy".to_owned()) && occlusion("a.glb"));
+    bake("--denoise on --target any -o b.exr -o b.glb").done();
+    assert!(layers(&place, "b.exr").contains(&"noisy".to_owned()) && !occlusion("b.glb"));
+    place.write("room.lumel.toml", &text.replace("[ambient_occlusion]\ndistance = 0.5\n", ""));
+    bake("-o c.glb").failed("--target occlusion needs ambient occlusion");
+    bake("--ao-falloff 2 --target any -o c.glb").failed("--ao-falloff needs ambient occlusion");
+}
+
+#[test]
 fn threads_make_no_difference_and_the_default_output_is_an_image() {
     let place = room();
     bake(&place, "--lumels 4096 --threads 1 -o one.exr").done();
@@ -102,6 +122,27 @@ fn threads_make_no_difference_and_the_default_output_is_an_image() {
     assert_eq!(place.files(), ["one.exr", "room.exr", "room.mtl", "room.obj"]);
     let [one, two] = ["one.exr", "room.exr"].map(|name| std::fs::read(place.path(name)).unwrap());
     assert!(one == two);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn no_more_memory_is_taken_than_is_announced_before() {
+    let place = room();
+    for line in ["--lumels 65536 --bounces all -o a.npz -o a.png", "--max-edge 0.05 --basis vertex -o b.npz"]
+    {
+        let run = bake(&place, &format!("{line} --json")).done();
+        let summary: Value = serde_json::from_str(&run.stdout).unwrap();
+        let [announced, peak] =
+            ["announced", "peak"].map(|name| summary["memory"][name].as_u64().unwrap() as f64);
+        assert!((1.0..2.0).contains(&(announced / peak)), "{line}: {summary}");
+        assert!(
+            run.stderr.contains("note: needs about ") && run.stderr.contains("iB of memory\n"),
+            "{run:?}"
+        );
+    }
+    let text = bake(&place, "--lumels 4096 -o c.exr").done().stdout;
+    assert!(text.contains(" s, rays stored part by part ("), "{text}");
+    assert!(text.contains("\nmemory ") && text.contains("iB at most, announced "), "{text}");
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn baked(page_sizes: [u32; 2]) -> (Arc<Scene>, [Lightmap; 2]) {
         let atlas = unwrap(&scene, &settings, &|| Pace::Go).unwrap().atlas;
         let lumels = Lumels::new(Arc::clone(&scene), atlas);
         let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
-        Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &light, true, &[])
+        Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &light, true, None)
     });
     (scene, lightmaps)
 }

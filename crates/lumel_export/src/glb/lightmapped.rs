@@ -9,15 +9,17 @@ use crate::ExportError;
 use crate::display::seen_radiance;
 use crate::lightmap::{Curve, check, lumels_of};
 use glam::Vec3;
-use lumel_lightmap::{Dilation, Lightmap};
+use lumel_lightmap::{Dilation, Lightmap, LightmapLayer};
 use lumel_scene::{Scene, TriId};
 use lumel_uv::{Coverage, Piece};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::Path;
 
 /// Who reads a scene with a lightmap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LightmapTarget {
     /// three.js, and what else reads `MOZ_lightmap`: irradiance, by which the albedo is multiplied.
     Three,
@@ -27,9 +29,6 @@ pub enum LightmapTarget {
     /// Any reader of glTF that lights the scene itself: the layer "occlusion", as `occlusionTexture`.
     Occlusion,
 }
-
-/// The layer that has how open the surroundings of surfaces are, from 0 to 1.
-pub const OCCLUSION: &str = "occlusion";
 
 /// Places per side at which a triangle whose albedo or emission varies is looked at, in each lumel.
 const LOOKS: u32 = 4;
@@ -73,7 +72,7 @@ pub fn write_lightmap_glb(
             (Appearance::Surfaces, Curve::Linear, "irradiance over the intensity of MOZ_lightmap, W/m^2")
         }
         LightmapTarget::Occlusion => {
-            let layer = lightmap.layers.iter().find(|layer| layer.name == OCCLUSION);
+            let layer = lightmap.layers.iter().find(|layer| layer.name == LightmapLayer::OCCLUSION);
             let missing = || ExportError::content(path, "the lightmap has no layer \"occlusion\"".to_owned());
             add(&layer.ok_or_else(missing)?.values)?;
             (Appearance::Occluded, Curve::Linear, "share of an even sky that is seen past what is near")

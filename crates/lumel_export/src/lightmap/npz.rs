@@ -55,13 +55,13 @@ pub struct LightmapSolution {
     /// Where it comes from: the scene as it was unwrapped, and the settings.
     pub meta: SolutionMeta,
     /// The light.
-    pub lightmap: Lightmap,
+    pub lightmap: Arc<Lightmap>,
 }
 
 impl LightmapSolution {
     /// A lightmap of a scene.
-    pub fn new(scene: &Scene, settings: Value, lightmap: Lightmap) -> Self {
-        Self { meta: SolutionMeta::of_kind(&KIND, scene, settings), lightmap }
+    pub fn new(scene: &Scene, settings: Value, lightmap: impl Into<Arc<Lightmap>>) -> Self {
+        Self { meta: SolutionMeta::of_kind(&KIND, scene, settings), lightmap: lightmap.into() }
     }
 
     /// Checks that this is light on the scene's geometry; its materials and lights may have changed since.
@@ -112,7 +112,7 @@ impl LightmapSolution {
     /// Light that is not finite, a layer whose name another array has, and all that writing meets.
     pub fn save(&self, path: &Path) -> Result<(), SolutionError> {
         let refuse = |problem| SolutionError::Lightmap { path: path.to_owned(), problem };
-        let Lightmap { atlas, valid, layers } = &self.lightmap;
+        let Lightmap { atlas, valid, layers } = &*self.lightmap;
         check(path, &self.lightmap)?;
         let mut meta = SolutionMeta {
             arrays: ARRAYS.map(|(name, what)| (name.to_owned(), what.to_owned())).into(),
@@ -168,7 +168,7 @@ impl LightmapSolution {
             Arc::new(atlas.atlas().map_err(|problem| refuse(format!("has a damaged atlas ({problem})")))?);
         let lightmap = Lightmap { atlas, valid, layers };
         check(path, &lightmap).map_err(|error| refuse(format!("is damaged ({error})")))?;
-        Ok(Self { meta, lightmap })
+        Ok(Self { meta, lightmap: Arc::new(lightmap) })
     }
 }
 

@@ -14,9 +14,6 @@ use std::f32::consts::{FRAC_PI_2, PI};
 const LEAST_PENUMBRA: f32 = 1e-3;
 const LEAST_PENUMBRA_SHARE: f32 = 0.02;
 
-/// The narrowest spot, half-angle in radians (0.2°): of less, cosines of 24 bits hold too few digits.
-const LEAST_OUTER: f32 = 3.5e-3;
-
 /// The light of a node, if it has one that emits, and its name: that of the node, else its own, else none.
 ///
 /// KHR_lights_punctual: it shines along the node's -Z, scale does not change its brightness. Intensities are used
@@ -73,7 +70,7 @@ fn convert(
     let direction = direction.ok_or("its node has no direction")?;
     let spot =
         light.spot.clone().unwrap_or(khr::Spot { inner_cone_angle: 0.0, outer_cone_angle: FRAC_PI_2 / 2.0 });
-    if spot.outer_cone_angle < LEAST_OUTER {
+    if spot.outer_cone_angle < SpotLight::LEAST_OUTER {
         return Err("its outer cone angle is below 0.2°; use a directional light or a wider cone");
     }
     let outer = spot.outer_cone_angle.min(FRAC_PI_2);

@@ -8,13 +8,13 @@ use lumel_uv::{Density, UnwrapSettings};
 type Light<'a> = &'a dyn Fn(DVec3) -> f32;
 
 /// A number of the standard normal distribution.
-fn normal(i: usize) -> f32 {
+pub(crate) fn normal(i: usize) -> f32 {
     let radius = (-2.0 * noise(2 * i + 1).max(1e-9).ln()).sqrt();
     radius * (std::f32::consts::TAU * noise(2 * i + 2)).cos()
 }
 
 /// Two charts of 109 by 109 lumels.
-fn fine() -> Stage {
+pub(crate) fn fine() -> Stage {
     Stage::new(moved(of(pair())), &UnwrapSettings { density: Density::PerMetre(64.0), ..settings(512) })
 }
 

@@ -4,6 +4,7 @@
 
 mod denoising;
 mod dilation;
+mod fireflies;
 mod reading;
 mod seams;
 

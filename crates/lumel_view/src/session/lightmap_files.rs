@@ -6,7 +6,7 @@ use crate::document::error_text;
 use crate::prefs::ViewPrefs;
 use crate::screenshot;
 use lumel::{Lightmap, Scene, tracer_of};
-use lumel_export::{LightmapTarget, Precision, path_of_page, write_lightmap_exr, write_lightmap_glb};
+use lumel_export::{LightmapTarget, Precision, write_lightmap_exr, write_lightmap_glb};
 use lumel_render_cpu::{Display, Exposure, Resolution, Show, View, draw};
 use lumel_scene::Camera;
 use std::path::Path;
@@ -56,11 +56,8 @@ impl Session {
 fn write_pages(path: &Path, lightmap: &Lightmap, scene: &Scene, settings: &str) -> Result<(), String> {
     let pages = lightmap.atlas.pages().len();
     let attributes = [("scene", scene.name()), ("settings", settings)];
-    for page in 0..pages {
-        let path = path_of_page(path, page, pages);
-        write_lightmap_exr(&path, lightmap, page, Precision::Float, &attributes)
-            .map_err(|e| error_text(&e))?;
-    }
+    let write = |page, path: &Path| write_lightmap_exr(path, lightmap, page, Precision::Float, &attributes);
+    lumel_export::write_pages(path, pages, write).map_err(|e| error_text(&e))?;
     Ok(())
 }
 

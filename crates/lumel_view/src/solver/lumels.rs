@@ -46,7 +46,7 @@ pub(super) fn measure(
         Err(error) => return Ending::Failed(error.to_string()),
     }
     shared.publish_phase(Phase::Finishing);
-    let lightmap = Lightmap::finished(scene, atlas, coverage, &light, denoises, &[]);
+    let lightmap = Lightmap::finished(scene, atlas, coverage, &light, denoises, None);
     let all = LumelIllumination::finished(Arc::clone(layout), lightmap);
     shared.publish_light(|published| published.lumels = Some(all));
     Ending::Done

@@ -53,7 +53,7 @@ fn reference(app: &App) -> Lightmap {
     let lumels = &session.layout().unwrap().lumels;
     let light = baker.light_at_lumels(&state, lumels, &control).unwrap();
     let Lumels { scene, atlas, coverage } = lumels;
-    Lightmap::finished(scene, atlas, coverage, &light, session.lumels.denoises, &[])
+    Lightmap::finished(scene, atlas, coverage, &light, session.lumels.denoises, None)
 }
 
 #[test]

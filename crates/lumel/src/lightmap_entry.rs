@@ -1,5 +1,6 @@
-//! How a lightmap is laid out, as project files say it.
+//! What a lightmap is to be like, as project files say it.
 
+use lumel_export::LightmapTarget;
 use lumel_uv::{Density, GivenUvs, UnwrapSettings};
 use serde::{Deserialize, Serialize};
 
@@ -24,10 +25,10 @@ pub enum UvChoice {
     New,
 }
 
-/// How a lightmap is laid out; what is missing is as usual.
+/// How a lightmap is laid out, finished and written; what is missing is as usual.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct AtlasEntry {
+pub struct LightmapEntry {
     /// Lumels per metre.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<f32>,
@@ -46,9 +47,18 @@ pub struct AtlasEntry {
     /// What becomes of the lightmap coordinates that the file has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uv: Option<UvChoice>,
+    /// After so many seconds, objects that are left get simple charts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_limit: Option<u32>,
+    /// Whether noise is taken off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub denoise: Option<bool>,
+    /// What a GLB file with the lightmap is made for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<LightmapTarget>,
 }
 
-impl AtlasEntry {
+impl LightmapEntry {
     /// What `over` says, else what `self` says. A density and a number of lumels replace each other.
     #[must_use]
     pub fn overridden_by(self, over: Self) -> Self {
@@ -60,10 +70,13 @@ impl AtlasEntry {
             gutter: over.gutter.or(self.gutter),
             align: over.align.or(self.align),
             uv: over.uv.or(self.uv),
+            time_limit: over.time_limit.or(self.time_limit),
+            denoise: over.denoise.or(self.denoise),
+            target: over.target.or(self.target),
         }
     }
 
-    /// The settings; as fine as `usual_lumels` allow if it does not say how fine.
+    /// The settings of the layout; as fine as `usual_lumels` allow if it does not say how fine.
     pub fn settings(&self, usual_lumels: u32) -> UnwrapSettings {
         let usual = UnwrapSettings::default();
         UnwrapSettings {
