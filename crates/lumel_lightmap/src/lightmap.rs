@@ -6,6 +6,10 @@ use lumel_scene::{Irradiance, Scene, SurfacePoint};
 use lumel_uv::{Atlas, Coverage};
 use std::sync::Arc;
 
+/// Halves of a sequence of samples complement each other: light is so much more exact than their difference says. Measured: 1.4
+/// to 1.7 times in the Cornell box, 1.2 times in the atrium.
+const COMPLEMENT: f32 = 1.3;
+
 /// Light on the lumels of an atlas.
 #[derive(Clone, Debug)]
 pub struct Lightmap {
@@ -66,7 +70,8 @@ impl Lightmap {
         let noise = on_pages(coverage, &light.noise(atlas, coverage), n_lumels);
         if denoises {
             let values = lightmap.layers[0].values.clone();
-            lightmap.denoise(coverage, &noise);
+            let errors: Vec<f32> = noise.iter().map(|error| error / COMPLEMENT).collect();
+            lightmap.denoise(coverage, &errors);
             lightmap.layers.push(LightmapLayer { name: "noisy".to_owned(), values });
         }
         let values = noise.into_iter().map(Vec3::splat).collect();

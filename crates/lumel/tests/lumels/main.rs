@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests")]
 
 mod closed_forms;
+mod denoising;
 mod leaks;
 mod lines;
 mod refining;
