@@ -161,8 +161,8 @@ impl Baker {
     /// Samples go where light is noisy: all lumels get half as many as that, then the noisier half of them twice as many, then the
     /// noisiest quarter four times as many. With a target error, lumels get more until enough of them are below it, or
     /// have 64 times as many as in the beginning. Which lumels are measured again is decided by the differences of two halves of
-    /// the samples, of each lumel and its neighbours. The light that is measured again is one of several estimates that looked
-    /// noisy: the bias that this brings is below the noise itself.
+    /// the samples and by the light, of each lumel and its neighbours together. What looks noisy by chance is measured again: the
+    /// bias that this brings is far below the noise.
     ///
     /// Lumels are measured part by part, so that the rays that are kept fit the settings' memory; the bits do not depend on the
     /// parts. When it is cancelled, `light` holds all parts that were finished, and continues from there with the same bits.

@@ -6,7 +6,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use lumel::{
     Baker, BounceLimit, CONFIDENCE_95, Control, EmitterSampling, Ended, Light, Memory, Method, Observer,
     Projection, Saved, Scene, SceneBuilder, Settings, Silent, Snapshot, SolveError, SolveState, Step, Tail,
@@ -16,8 +16,7 @@ use lumel_basis::{Field, LeastSquares};
 use lumel_solve::PowerLog;
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{ceiling_light, grey, scene, two_sided, varying_sphere};
-use lumel_testkit::{Estimate, form_factor, rms};
-use std::f64::consts::PI;
+use lumel_testkit::{Estimate, rms, screen};
 use std::sync::Arc;
 
 /// What has no noise may be off by this, relative: origins of rays lie a little above their surface.
@@ -111,26 +110,12 @@ impl Honesty {
     }
 }
 
-const LIGHT: [[f64; 2]; 2] = [[-0.5, 0.5]; 2];
-const SCREEN: [[f64; 2]; 2] = [[0.0, 1.0], [-1.0, 1.0]];
-
 /// A floor under a square light and a screen that hides half of it.
 fn shadowed_floor() -> Arc<Scene> {
-    let corners = |x: [f32; 2], y: [f32; 2], z: f32| {
-        [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x, y, z))
-    };
-    let floor = quad(corners([-1.0, 3.0], [-2.0, 2.0], 0.0), [40, 40], 0);
-    let screen = quad(corners([0.0, 1.0], [-1.0, 1.0], 1.0), [1, 1], 1);
-    let light = Light::Rect(ceiling_light(Vec3::new(0.0, 0.0, 2.0), 1.0, 1.0, 1.0));
-    built(scene(vec![floor, screen], vec![grey(0.0, 0.0), two_sided(grey(0.0, 0.0))], vec![light]))
-}
-
-/// Irradiance on the floor in closed form.
-fn on_the_floor(point: DVec3) -> f64 {
-    let factor = |polygon: &[DVec3]| form_factor::polygon(polygon, point, DVec3::Z);
-    let light = form_factor::facing_down(LIGHT[0], LIGHT[1], 2.0);
-    let hidden = form_factor::hidden_part(LIGHT, 2.0, SCREEN, 1.0, point);
-    PI * (factor(&light) - hidden.map_or(0.0, |hidden| factor(&hidden)))
+    let corners = [[-1.0, -2.0], [3.0, -2.0], [3.0, 2.0], [-1.0, 2.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    let floor = quad(corners, [40, 40], 0);
+    let materials = vec![grey(0.0, 0.0), two_sided(grey(0.0, 0.0))];
+    built(scene(vec![floor, screen::screen(1)], materials, vec![screen::light()]))
 }
 
 fn field_of(scene: &Arc<Scene>, value: impl Fn(Vec3) -> f64) -> Field {
@@ -143,7 +128,7 @@ fn field_of(scene: &Arc<Scene>, value: impl Fn(Vec3) -> f64) -> Field {
 fn in_a_penumbra_the_truth_lies_within_95_of_100_intervals() {
     let scene = shadowed_floor();
     // The screen itself does not count.
-    let truth = field_of(&scene, |p| if p.z > 0.5 { f64::NAN } else { on_the_floor(p.as_dvec3()) });
+    let truth = field_of(&scene, |p| if p.z > 0.5 { f64::NAN } else { screen::irradiance(p.as_dvec3()) });
     for (target, text) in [(0.05, "5%"), (0.02, "2%"), (0.01, "1%")] {
         let honesty = Honesty::of(&scene, &truth, &settings(text, 0), 0..24);
         honesty.assert_kept(target, &format!("penumbra at {text}"));

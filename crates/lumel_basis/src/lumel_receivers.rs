@@ -3,7 +3,7 @@
 use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
 use glam::{DVec2, Vec3};
 use lumel_sample::Frame;
-use lumel_scene::{Scene, SurfacePoint};
+use lumel_scene::{RayOrigins, Scene, SurfacePoint, TriId};
 use lumel_uv::{Atlas, Coverage, Piece};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -48,15 +48,23 @@ impl LumelReceivers {
         Lumel { min: DVec2::new(f64::from(x), f64::from(y)), pieces, area }
     }
 
-    fn site_at(&self, at: SurfacePoint) -> Site {
+    /// What all sites on a triangle share.
+    fn start(&self, tri: TriId) -> Start {
         let scene = &self.scene;
-        let geometric = scene.geometric_normal(at.tri);
-        let origin = scene.ray_origin(at);
-        let smooth = scene.shading_normal(at);
-        if scene.triangle(at.tri).iter().all(|&v| scene.normals()[v as usize].dot(geometric) > FLAT) {
-            return Site { origin, frame: Frame::from_normal(geometric), skip: None };
+        let normal = scene.geometric_normal(tri);
+        let is_flat = scene.triangle(tri).iter().all(|&v| scene.normals()[v as usize].dot(normal) > FLAT);
+        Start { origins: scene.ray_origins(tri), flat: is_flat.then(|| Frame::from_normal(normal)) }
+    }
+
+    fn site_at(&self, start: &Start, at: SurfacePoint) -> Site {
+        let origin = start.origins.at(at.bary.weights());
+        match start.flat {
+            Some(frame) => Site { origin, frame, skip: None },
+            None => {
+                let frame = Frame::from_normal(self.scene.shading_normal(at));
+                Site { origin: origin + self.bulge(at), frame, skip: None }
+            }
         }
-        Site { origin: origin + self.bulge(at), frame: Frame::from_normal(smooth), skip: None }
     }
 
     /// How far the smooth surface lies above the triangle.
@@ -75,6 +83,13 @@ impl LumelReceivers {
 /// Vertex normals as near to that of the triangle as this cosine describe no other surface.
 const FLAT: f32 = 0.999_99;
 
+/// What all sites on a triangle share.
+struct Start {
+    origins: RayOrigins,
+    /// The frame of a triangle whose vertex normals describe no other surface.
+    flat: Option<Frame>,
+}
+
 /// The pieces of triangles in a lumel.
 struct Lumel {
     /// Its smallest corner on the page.
@@ -86,27 +101,27 @@ struct Lumel {
 }
 
 impl Lumel {
-    /// The point of the surface that a place in the unit square stands for, uniform by area.
-    fn point(&self, [u, v]: [f32; 2]) -> Option<SurfacePoint> {
-        let first = self.pieces.first()?;
+    /// The point of the surface that a place in the unit square stands for, uniform by area, and the number of its piece.
+    fn point(&self, [u, v]: [f32; 2]) -> Option<(usize, SurfacePoint)> {
         if self.area >= WHOLE {
             let place = self.min + DVec2::new(f64::from(u), f64::from(v));
-            let inside = self.pieces.iter().map(|piece| piece.at(place));
-            let best = inside.max_by(|(_, a), (_, b)| a.total_cmp(b));
-            if let Some((point, _)) = best.filter(|(_, inside)| *inside > OUTSIDE) {
-                return Some(point);
+            let inside = self.pieces.iter().map(|piece| piece.at(place)).enumerate();
+            let best = inside.max_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
+            if let Some((number, (point, _))) = best.filter(|(_, (_, inside))| *inside > OUTSIDE) {
+                return Some((number, point));
             }
         }
         // One after the other, by their areas.
         let mut left = f64::from(u) * self.area;
-        for piece in &self.pieces {
+        for (number, piece) in self.pieces.iter().enumerate() {
             let area = f64::from(piece.area());
             if left < area {
-                return Some(piece.point([(left / area) as f32, v]));
+                return Some((number, piece.point([(left / area) as f32, v])));
             }
             left -= area;
         }
-        Some(self.pieces.last().unwrap_or(first).point([1.0, v]))
+        let last = self.pieces.len().checked_sub(1)?;
+        Some((last, self.pieces[last].point([1.0, v])))
     }
 }
 
@@ -133,13 +148,21 @@ impl Receivers for LumelReceivers {
     }
 
     fn site(&self, element: ElementId, u: [f32; 2]) -> Site {
-        let lumel = self.lumel(element);
-        self.site_at(self.point_of(&lumel, element, u))
+        let mut sites = Vec::with_capacity(1);
+        self.sites(element, &[u], &mut sites);
+        sites.remove(0)
     }
 
     fn sites(&self, element: ElementId, places: &[[f32; 2]], sites: &mut Vec<Site>) {
         let lumel = self.lumel(element);
-        sites.extend(places.iter().map(|&u| self.site_at(self.point_of(&lumel, element, u))));
+        let first = self.coverage.shares(element.index())[0].tri;
+        let tris = lumel.pieces.iter().map(Piece::tri).chain(lumel.pieces.is_empty().then_some(first));
+        let starts: SmallVec<[Start; 2]> = tris.map(|tri| self.start(tri)).collect();
+        let middle = SurfacePoint { tri: first, bary: [1.0 / 3.0; 2].into() };
+        sites.extend(places.iter().map(|&u| {
+            let (number, at) = lumel.point(u).unwrap_or((0, middle));
+            self.site_at(&starts[number], at)
+        }));
     }
 
     fn towards(&self, element: ElementId, _: [f32; 2], nodes: &mut NodeWeights) {
@@ -150,14 +173,5 @@ impl Receivers for LumelReceivers {
         let lumel = self.lumel(element);
         let corners = lumel.pieces.iter().flat_map(|piece| piece.corners());
         origins.extend(corners.map(|at| self.scene.ray_origin(at)));
-    }
-}
-
-impl LumelReceivers {
-    fn point_of(&self, lumel: &Lumel, element: ElementId, u: [f32; 2]) -> SurfacePoint {
-        lumel.point(u).unwrap_or_else(|| SurfacePoint {
-            tri: self.coverage.shares(element.index())[0].tri,
-            bary: [1.0 / 3.0; 2].into(),
-        })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Lightmap;
 use crate::surface::Surface;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use lumel_scene::luminance;
 use lumel_uv::Coverage;
 use rayon::prelude::*;
@@ -11,38 +11,104 @@ use rayon::prelude::*;
 const PASSES: u32 = 4;
 
 /// Differences in light well beyond this many standard errors are taken for light, not for noise.
-const ERRORS: f32 = 2.0;
+const ERRORS: f32 = 4.0;
+
+/// Noise of this share of the light around is left alone the more the smaller it is: a step of 8 bits is five times as much.
+const UNSEEN: f32 = 0.003;
+
+/// Light darker than this share of the mean is compared with it, where noise is relative.
+const DARK: f32 = 0.1;
+
+/// How far lumels are moved to see what of that remains, in standard errors.
+const STIR: f32 = 0.1;
 
 impl Lightmap {
-    /// Mixes the light of each lumel with that around it on its chart, as far as the difference may be noise.
+    /// Mixes the light of each lumel with that around it on its chart, as far as the difference may be noise, and as far as that
+    /// helps.
     ///
     /// `errors` has the standard error of the luminance of the first layer by lumel of all pages, W·m⁻². Where it is 0 or no
     /// number, a lumel changes only by the noise of others. A constant keeps its bits. The first layer decides how all layers
     /// are mixed, so that they still add up. Biased: what changes by less than the noise gets smoother.
     ///
     /// After Dammertz, Sewtz, Hanika, Lensch, *Edge-Avoiding À-Trous Wavelet Transform for fast Global Illumination Filtering*,
-    /// 2010; here errors shrink from pass to pass.
+    /// 2010; here errors shrink from pass to pass. How much of the mixed light is taken is decided where it is by Stein's
+    /// unbiased estimate of its error: the filter is run once more on light that was stirred, after Ramani, Blu, Unser,
+    /// *Monte-Carlo SURE*, 2008.
     ///
     /// # Panics
     /// If there are fewer errors than lumels.
     pub fn denoise(&mut self, coverage: &Coverage, errors: &[f32]) {
         let valid = |place: usize| self.valid[coverage.lumels()[place] as usize];
         let surface = Surface::new(&self.atlas, coverage, valid);
-        let variance = |lumel: usize| Some(errors[lumel].powi(2)).filter(|variance| variance.is_finite());
+        let error = |lumel: usize| Some(errors[lumel]).filter(|error| error.is_finite()).unwrap_or_default();
+        let errors: Vec<f32> = surface.lumels().map(error).collect();
         let light = |lumel: usize| self.layers.iter().map(move |layer| layer.values[lumel]);
-        let mut noisy = Noisy {
+        let variances: Vec<f32> = errors.iter().map(|error| error.powi(2)).collect();
+        let noisy = Noisy {
             light: surface.lumels().flat_map(light).collect(),
-            variances: surface.lumels().map(|lumel| variance(lumel).unwrap_or_default()).collect(),
+            variances: variances.clone(),
             n_layers: self.layers.len(),
         };
-        for pass in 0..PASSES {
-            noisy = noisy.mixed(&surface, 1 << pass);
+        let stirs: Vec<f32> =
+            errors.iter().enumerate().map(|(place, error)| STIR * error * sign(place)).collect();
+        let stirred = Noisy {
+            light: stirs.iter().enumerate().map(|(place, stir)| noisy.layer(place, 0) + *stir).collect(),
+            variances,
+            n_layers: 1,
+        };
+        let (mixed, stirred) = (noisy.mixed_all(&surface), stirred.mixed_all(&surface));
+        // What of the noise of a lumel stays in its mixed light.
+        let kept = |place: usize| (stirred.brightness(place) - mixed.brightness(place)) / stirs[place];
+        let benefit = |place: usize| {
+            let noise = errors[place].powi(2);
+            let removed = if stirs[place] == 0.0 { 0.0 } else { noise * (1.0 - kept(place)) };
+            let change = (mixed.brightness(place) - noisy.brightness(place)).powi(2);
+            Vec4::new(removed, change, noise, noisy.brightness(place))
+        };
+        let mut benefits: Vec<Vec4> = (0..errors.len()).into_par_iter().map(benefit).collect();
+        let mean = benefits.iter().map(|benefit| f64::from(benefit.w)).sum::<f64>() / errors.len() as f64;
+        for reach in [1, 2] {
+            benefits = pooled(&surface, &benefits, reach);
         }
-        for (lumel, light) in surface.lumels().zip(noisy.light.chunks(noisy.n_layers)) {
-            let layers = self.layers.iter_mut().zip(light);
-            layers.for_each(|(layer, &value)| layer.values[lumel] = value);
+        for (place, lumel) in surface.lumels().enumerate() {
+            let share = share(benefits[place], mean as f32);
+            for (index, layer) in self.layers.iter_mut().enumerate() {
+                let value = &mut layer.values[lumel];
+                *value += (mixed.layer(place, index) - *value) * share;
+            }
         }
     }
+}
+
+/// The means around each place.
+fn pooled(surface: &Surface<'_>, values: &[Vec4], reach: i64) -> Vec<Vec4> {
+    let mean = |place: usize| {
+        let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
+        surface.around(place, reach, |near, weight| {
+            sum += values[near] * weight;
+            weights += weight;
+        });
+        sum / weights
+    };
+    (0..values.len()).into_par_iter().map(mean).collect()
+}
+
+/// The share of mixed light with which the mean square error around a lumel is least, by Stein's estimate: how much of the variance
+/// of the noise mixing takes out, over the mean square of what it changes. Less where noise is not seen.
+fn share(benefit: Vec4, mean: f32) -> f32 {
+    let [removed, change, noise, light] = benefit.to_array();
+    if removed <= 0.0 || change <= 0.0 || noise <= 0.0 {
+        return 0.0;
+    }
+    let unseen = (UNSEEN * light.max(DARK * mean)).powi(2);
+    (removed / change).min(1.0) * noise / (noise + unseen)
+}
+
+/// 1 or −1, as if by chance.
+fn sign(place: usize) -> f32 {
+    let mixed = (place as u32 ^ 0x5bd1_e995).wrapping_mul(0x9e37_79b9);
+    let mixed = (mixed ^ mixed >> 15).wrapping_mul(0x85eb_ca6b);
+    if (mixed ^ mixed >> 13) & 1 == 0 { 1.0 } else { -1.0 }
 }
 
 /// Light that is not known exactly.
@@ -55,6 +121,12 @@ struct Noisy {
 }
 
 impl Noisy {
+    /// Mixed in all passes.
+    fn mixed_all(&self, surface: &Surface<'_>) -> Self {
+        let first = self.mixed(surface, 1);
+        (1..PASSES).fold(first, |noisy, pass| noisy.mixed(surface, 1 << pass))
+    }
+
     /// Each place mixed with those around it, by how likely they have the same light.
     fn mixed(&self, surface: &Surface<'_>, reach: i64) -> Self {
         let mut mixed =
@@ -85,9 +157,14 @@ impl Noisy {
         self.light[place * self.n_layers + layer]
     }
 
+    /// The luminance of the first layer.
+    fn brightness(&self, place: usize) -> f32 {
+        luminance(self.layer(place, 0))
+    }
+
     /// 1 if two places have the same light, less the more their difference exceeds what errors make.
     fn likeness(&self, a: usize, b: usize) -> f32 {
-        let difference = (luminance(self.layer(a, 0)) - luminance(self.layer(b, 0))).abs();
+        let difference = (self.brightness(a) - self.brightness(b)).abs();
         let error = (2.0 * self.variances[a].min(self.variances[b])).sqrt();
         if difference == 0.0 { 1.0 } else { (-difference / (ERRORS * error)).exp() }
     }

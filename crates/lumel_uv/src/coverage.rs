@@ -150,6 +150,11 @@ impl Piece {
         Some(Self { tri, corners, polygon, nearest: nearest(corners, min + 0.5).0 })
     }
 
+    /// The triangle.
+    pub fn tri(&self) -> TriId {
+        self.tri
+    }
+
     /// Area in parts of the lumel; 0 if the triangle only comes near.
     pub fn area(&self) -> f32 {
         self.polygon.area() as f32

@@ -5,22 +5,24 @@
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
 
 use cpu_time::ProcessTime;
+use glam::Vec3;
 use lumel::{
     Baker, BounceLimit, Control, Light, Lighting, Lightmap, Lumels, MaxEdge, OpenOptions, Preset, Scene,
     Settings, Silent, SolveState, Tail, VertexLighting,
 };
 use lumel_basis::{Basis, Field, PointReceivers};
-use lumel_scene::Sides;
+use lumel_scene::{DirectionalLight, Radiance, Sides, Sky, SunLight};
 use lumel_testkit::{Reference, shared};
 use lumel_transport::{CpuTransport, Plan, Transport};
 use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
 use std::sync::Arc;
 
+mod denoising;
 #[path = "../common/sponza.rs"]
 mod sponza;
 
 const HELP: &str = "\
-usage: cargo x bench lightmap [--quick] [SCENE]...
+usage: cargo x bench lightmap [--quick | --denoising] [SCENE]...
 
 Bakes files as they are given, at vertices and at lumels, with the defaults of the presets draft and medium and two bounces, and
 compares the light with many samples at random points, uniform by area over all surfaces.
@@ -29,9 +31,10 @@ compares the light with many samples at random points, uniform by area over all 
   error         root mean square of the difference, without the worst 2 % of the points, and what 95 % stay below, relative to
                 the root mean square of the light; bias is the relative difference of means
 
-Scenes: cornell-box (44 triangles), bevy-cornell, cornell-built-in, atrium, sponza; files are read from LUMEL_TEST_SHARED.
+Scenes: cornell-box (44 triangles), bevy-cornell, cornell-built-in, atrium, sponza, house; files are read from LUMEL_TEST_SHARED.
 
   --quick       few points, and the preset draft alone
+  --denoising   what the denoiser makes of 16,384 lumels with the samples of each preset, and of 16 times those of medium
 ";
 
 struct Case {
@@ -39,13 +42,16 @@ struct Case {
     file: Option<&'static str>,
 }
 
-const CASES: [Case; 5] = [
+const CASES: [Case; 6] = [
     Case { name: "cornell-box", file: Some("scenes/cornell-variants/CornellBox-Original.obj") },
     Case { name: "bevy-cornell", file: Some("scenes/gltf-samples/bevy-CornellBox.glb") },
     Case { name: "cornell-built-in", file: None },
     Case { name: "atrium", file: None },
     Case { name: "sponza", file: None },
+    Case { name: "house", file: Some("scenes/house-lightmap-uv/house.glb") },
 ];
+
+const OPTIONS: [&str; 2] = ["--quick", "--denoising"];
 
 /// Bounces after direct light.
 const BOUNCES: u32 = 2;
@@ -56,16 +62,20 @@ const PASSES: u32 = 4;
 fn main() {
     // Cargo adds --bench.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
-    let names: Vec<&str> = arguments.iter().map(String::as_str).filter(|a| *a != "--quick").collect();
+    let names: Vec<&str> = arguments.iter().map(String::as_str).filter(|a| !OPTIONS.contains(a)).collect();
     if names.iter().any(|name| CASES.iter().all(|case| case.name != *name)) {
         return println!("{HELP}");
     }
-    let quick = names.len() < arguments.len();
+    let [quick, denoising] = OPTIONS.map(|option| arguments.iter().any(|argument| argument == option));
     let presets: &[Preset] = if quick { &[Preset::Draft] } else { &[Preset::Draft, Preset::Medium] };
     println!("lumel {} on {} threads", env!("CARGO_PKG_VERSION"), rayon::current_num_threads());
     for case in CASES.iter().filter(|case| names.is_empty() || names.contains(&case.name)) {
         println!("\n{}", case.name);
-        if let Err(reason) = case.measure(presets, if quick { 500 } else { 4000 }) {
+        let measured = match denoising {
+            true => denoising::measure(case),
+            false => case.measure(presets, if quick { 500 } else { 4000 }),
+        };
+        if let Err(reason) = measured {
             println!("  {reason}");
         }
     }
@@ -90,6 +100,12 @@ impl Case {
             builder.materials.iter_mut().for_each(|material| material.sides = Sides::Both);
             builder.lights = vec![Light::Rect(sponza::light())];
         }
+        if self.name == "house" {
+            let direction = Vec3::new(-0.48, -0.8, -0.36);
+            let parallel = DirectionalLight { direction, irradiance: Vec3::splat(5.0) };
+            builder.lights = vec![Light::Sun(SunLight { parallel, sin_half_angle: 0.005 })];
+            builder.sky = Sky::Uniform(Radiance(Vec3::new(0.5, 0.6, 1.0)));
+        }
         builder.build().map(|(scene, _)| Arc::new(scene)).map_err(|e| e.to_string())
     }
 
@@ -110,7 +126,7 @@ impl Case {
             row(&name, seconds, &of_fine, &VertexLighting::new(&fine, &light).unwrap());
             let begun = ProcessTime::now();
             let (baker, state) = solved(&fine, &settings);
-            let lumels = lumels(&whole, preset);
+            let lumels = lumels_of(&whole, Density::Budget(preset.lumel_budget()));
             let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
             let Lumels { scene, atlas, coverage } = &lumels;
             let raw = Lightmap::finished(scene, atlas, coverage, &light, false, None);
@@ -161,9 +177,8 @@ fn solved(scene: &Arc<Scene>, settings: &Settings) -> (Baker, SolveState) {
     (baker, state)
 }
 
-fn lumels(scene: &Arc<Scene>, preset: Preset) -> Lumels {
-    let settings =
-        UnwrapSettings { density: Density::Budget(preset.lumel_budget()), ..UnwrapSettings::default() };
+fn lumels_of(scene: &Arc<Scene>, density: Density) -> Lumels {
+    let settings = UnwrapSettings { density, ..UnwrapSettings::default() };
     Lumels::new(Arc::clone(scene), unwrap(scene, &settings, &|| Pace::Go).unwrap().atlas)
 }
 
