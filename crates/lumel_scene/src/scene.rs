@@ -139,6 +139,12 @@ impl Scene {
         Self { unlit: Arc::new(unlit), hash: OnceLock::new(), ..self.clone() }
     }
 
+    /// Whether both are [refined](Self::refined) from the same triangles, or are these.
+    pub fn has_originals_of(&self, other: &Self) -> bool {
+        let of = |scene: &Self| scene.refinement().map_or(scene.shared_faces(), Refinement::given).clone();
+        Arc::ptr_eq(&of(self), &of(other))
+    }
+
     /// The scene that this one was [refined](Self::refined) from, under the same lights.
     pub fn original(&self) -> Option<Self> {
         Some(self.with_faces(Arc::clone(self.refinement()?.given()), None))
