@@ -1,4 +1,4 @@
-//! Meshes that follow light beside uniform ones: `cargo x bench adaptive`.
+//! Meshes that follow light beside uniform ones, at the light of all surfaces: `cargo x bench adaptive`.
 
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
@@ -6,123 +6,161 @@
 use cpu_time::ProcessTime;
 use glam::Vec3;
 use lumel::{
-    Baker, BounceLimit, Control, Lighting, MaxEdge, OpenOptions, Preset, Projection, Scene, Settings, Silent,
-    SolveState, VertexLighting,
+    Adaptive, Baker, Bisection, BounceLimit, Control, Light, Lighting, MaxEdge, OpenOptions, Preset, Scene,
+    Settings, Share, Silent, SolveState, VertexLighting,
 };
-use lumel_basis::{Basis, Field, PointReceivers};
-use lumel_scene::{Bisection, SurfacePoint};
+use lumel_basis::{Field, PointReceivers};
+use lumel_scene::{Sides, SurfacePoint};
 use lumel_testkit::{Reference, shared};
 use lumel_transport::{CpuTransport, Plan, Transport};
 use std::sync::Arc;
 
-fn uniform(scene: &Arc<Scene>, length: f64) -> Arc<Scene> {
-    let mut mesh = Bisection::new(Arc::clone(scene));
-    loop {
-        let long: Vec<[u32; 2]> = mesh
-            .parts()
-            .flat_map(|p| [0, 1, 2].map(|k| [p.vertices[k], p.vertices[(k + 1) % 3]]))
-            .filter(|&e| mesh.relative_length(e) > length)
-            .collect();
-        if long.is_empty() {
-            break;
-        }
-        mesh.split(long, usize::MAX);
-    }
-    Arc::new(scene.refined(mesh.splits()).unwrap())
+#[path = "../common/sponza.rs"]
+mod sponza;
+
+const HELP: &str = "\
+usage: cargo x bench adaptive [--quick] [SCENE]...
+
+Bakes scenes with three bounces and the samples of the preset medium, on meshes whose edges are split uniformly and on meshes
+that follow light, and compares the light with many samples at random points, uniform by area over all surfaces.
+
+  CPU           seconds of all threads, from the opened scene to light that can be read: for the mesh, and for all
+  error         root mean square of the difference, the same without the worst 2 % of the points, and what 99 % stay below,
+                relative to the root mean square of the light
+
+Scenes: cornell-box (32 triangles), sponza; read from LUMEL_TEST_SHARED.
+
+  --quick       few points
+";
+
+/// Bounces after direct light.
+const BOUNCES: u32 = 3;
+
+/// Independent measurements of the reference.
+const PASSES: u32 = 4;
+
+struct Case {
+    name: &'static str,
+    /// Longest edges, as parts of the diameter of the scene.
+    uniform: &'static [f64],
+    /// Errors of meshes that follow light.
+    adaptive: &'static [f32],
+    /// Edges of the mesh that carries the bounces of the reference.
+    reference: f64,
 }
 
+const CASES: [Case; 2] = [
+    Case {
+        name: "cornell-box",
+        uniform: &[32.0, 64.0, 100.0],
+        adaptive: &[0.08, 0.04, 0.02, 0.01],
+        reference: 150.0,
+    },
+    Case { name: "sponza", uniform: &[64.0, 128.0, 256.0], adaptive: &[0.16, 0.08, 0.04], reference: 200.0 },
+];
+
 fn main() {
-    let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
-    let path = shared::path(&args[0]).unwrap();
-    let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
-    let opened = lumel::open(&path.to_string_lossy(), &options).unwrap();
-    let scene = Arc::new(opened.builder.build().unwrap().0);
-    let bounces = 3;
-    let settings = Settings {
-        bounces: BounceLimit::Count(bounces),
-        projection: Projection::LeastSquares,
-        ..Preset::Medium.settings()
+    // Cargo adds --bench.
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let names: Vec<&str> = arguments.iter().map(String::as_str).filter(|a| *a != "--quick").collect();
+    if names.iter().any(|name| CASES.iter().all(|case| case.name != *name)) {
+        return println!("{HELP}");
+    }
+    let points = if arguments.iter().any(|a| a == "--quick") { 1000 } else { 5000 };
+    println!("lumel {} on {} threads", env!("CARGO_PKG_VERSION"), rayon::current_num_threads());
+    for case in CASES.iter().filter(|case| names.is_empty() || names.contains(&case.name)) {
+        match open(case.name) {
+            Ok(scene) => measure(case, &Arc::new(scene), points),
+            Err(reason) => println!("\n{}: {reason}", case.name),
+        }
+    }
+}
+
+fn open(name: &str) -> Result<Scene, String> {
+    let path = match name {
+        "sponza" => sponza::file()?,
+        _ => shared::path("scenes/cornell-variants/CornellBox-Original.obj")
+            .ok_or_else(|| format!("files are read from the folder that {} names", shared::VARIABLE))?,
     };
-    // reference
-    let fine = uniform(&scene, 1.0 / 150.0);
-    println!("{} triangles; reference bounces on {} vertices", scene.triangle_count(), fine.vertex_count());
-    let baker = Baker::new(
-        Arc::clone(&fine),
-        Settings { bounces: BounceLimit::Count(bounces - 1), seed: 77, ..settings.clone() },
-    );
+    let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
+    let mut builder = lumel::open(&path.to_string_lossy(), &options).map_err(|e| e.to_string())?.builder;
+    if name == "sponza" {
+        builder.materials.iter_mut().for_each(|material| material.sides = Sides::Both);
+        builder.lights = vec![Light::Rect(sponza::light())];
+    }
+    builder.build().map(|(scene, _)| scene).map_err(|e| e.to_string())
+}
+
+/// The scene with edges of at most this part of its diameter.
+fn uniform(scene: &Arc<Scene>, part: f64) -> Arc<Scene> {
+    let mut mesh = Bisection::new(Arc::clone(scene));
+    loop {
+        let edges = |part: &lumel_scene::Part| {
+            [[0, 1], [1, 2], [2, 0]].map(|ends| ends.map(|k: usize| part.vertices[k]))
+        };
+        // A little more, so that rounding splits no diagonal once more.
+        let is_long = |ends: &[u32; 2]| mesh.relative_length(*ends) > 1.001 / part;
+        let long: Vec<[u32; 2]> = mesh.parts().flat_map(edges).filter(is_long).collect();
+        if long.is_empty() {
+            return Arc::new(scene.refined(mesh.splits()).unwrap());
+        }
+        assert!(mesh.split(long, usize::MAX));
+    }
+}
+
+fn solved(baker: &Baker) -> SolveState {
     let mut state = SolveState::new();
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
-    let reflecting = Field::sum(state.bounces[0].node_count(), &state.bounces);
+    state
+}
+
+fn measure(case: &Case, scene: &Arc<Scene>, points: u32) {
+    let settings = Settings { bounces: BounceLimit::Count(BOUNCES), ..Preset::Medium.settings() };
+    // What the last bounce reflects is not in the light.
+    let carrying = Settings { bounces: BounceLimit::Count(BOUNCES - 1), seed: 1000, ..settings.clone() };
+    let fine = Baker::new(uniform(scene, case.reference), carrying);
+    let state = solved(&fine);
+    let reflecting = Field::sum(state.node_count(), &state.bounces);
     let plan = Plan { direct_samples: 256, indirect_samples: 512, seed: 2000, ..Plan::default() };
-    let reference = |field: Option<&Field>| {
-        let towards = |points: PointReceivers| -> Box<dyn Transport> {
-            Box::new(CpuTransport::new(
-                Arc::clone(&fine),
-                Arc::clone(baker.tracer()),
-                Arc::clone(baker.basis()),
-                Arc::new(points),
-                plan,
-            ))
-        };
-        Reference::measured(&scene, 5000, 3, towards, field, 4)
+    let towards = |points: PointReceivers| -> Box<dyn Transport> {
+        let (scene, tracer) = (Arc::clone(fine.scene()), Arc::clone(fine.tracer()));
+        Box::new(CpuTransport::new(scene, tracer, Arc::clone(fine.basis()), Arc::new(points), plan))
     };
-    let direct = reference(None);
-    let all = reference(Some(&reflecting));
-    println!("noise {:.4} {:.4}", direct.noise(), all.noise());
-    let measure = |name: String, make: &dyn Fn() -> Baker| {
+    let reference = Reference::measured(scene, points, 3, towards, Some(&reflecting), PASSES);
+    println!(
+        "\n{}: {} triangles; reference of {} points, noise {:.2} %, bounces on {} vertices",
+        case.name,
+        scene.triangle_count(),
+        reference.points().len(),
+        100.0 * reference.noise(),
+        fine.scene().vertex_count()
+    );
+    let row = |name: String, mesh: &dyn Fn() -> Baker| {
         let cpu = ProcessTime::now();
-        let baker = make();
-        let t_mesh = cpu.elapsed().as_secs_f64();
-        let mut state = SolveState::new();
-        baker.run(&mut state, &Control::default(), &Silent).unwrap();
-        let light = baker.light_at_vertices(&state);
-        let t = cpu.elapsed().as_secs_f64();
-        let d = baker.light_reader(&state).at_vertices(&state.bounces[0]);
+        let baker = mesh();
+        let mesh_seconds = cpu.elapsed().as_secs_f64();
+        let values = baker.light_at_vertices(&solved(&baker));
+        let seconds = cpu.elapsed().as_secs_f64();
         let scene = baker.scene();
-        let error = |values: &[Vec3], reference: &Reference| {
-            let lighting = VertexLighting::new(scene, values).unwrap();
-            let light = |at: SurfacePoint, n: Vec3| lighting.irradiance(scene.refined_point(at), n);
-            reference.error_of(&light)
-        };
-        let (ed, ea) = (error(&d, &direct), error(&light, &all));
+        let lighting = VertexLighting::new(scene, &values).unwrap();
+        let error = reference
+            .error_of(&|at: SurfacePoint, normal: Vec3| lighting.irradiance(scene.refined_point(at), normal));
+        let [rms, trimmed, p99] = [error.rms, error.trimmed, error.percentile_99].map(|error| 100.0 * error);
         println!(
-            "{name:<18} {:>7} vertices {:6.2}+{:6.2} s; direct rms {:.4} trimmed {:.4} p95 {:.4} p99 {:.4}; all rms {:.4} trimmed {:.4} p95 {:.4} p99 {:.4}",
+            "  {name:<16} {:>7} vertices; CPU {mesh_seconds:6.2} of {seconds:6.2} s; error {rms:.2} %, trimmed {trimmed:.2} %, \
+             99 % below {p99:.2} %",
             scene.vertex_count(),
-            t_mesh,
-            t - t_mesh,
-            ed.rms,
-            ed.trimmed,
-            ed.percentile_95,
-            ed.percentile_99,
-            ea.rms,
-            ea.trimmed,
-            ea.percentile_95,
-            ea.percentile_99
         );
     };
-    let _ = baker.basis().node_count();
-    let coarse = Baker::new(Arc::clone(&scene), settings.clone());
-    for text in &args[1..] {
-        if let Some(e) = text.strip_prefix('a') {
-            let e: f64 = e.parse().unwrap();
-            measure(text.clone(), &|| {
-                let s = Settings {
-                    adaptive: lumel::Adaptive::At(lumel::Share::new(e as f32).unwrap()),
-                    ..settings.clone()
-                };
-                coarse
-                    .relit(Arc::clone(&scene), s)
-                    .adapted(&Control::default(), &mut |_| {})
-                    .unwrap()
-                    .unwrap()
-                    .baker
-            });
-        } else {
-            let n: f64 = text[1..].parse().unwrap();
-            measure(text.clone(), &|| {
-                let scene = uniform(&scene, 0.999 / n);
-                Baker::new(scene, settings.clone())
-            });
-        }
+    for &part in case.uniform {
+        row(format!("uniform 1/{part}"), &|| Baker::new(uniform(scene, part), settings.clone()));
+    }
+    for &error in case.adaptive {
+        let adaptive = Adaptive::At(Share::new(error).unwrap());
+        let given =
+            Baker::new(Arc::clone(scene), Settings { adaptive, max_vertices: 2_000_000, ..settings.clone() });
+        row(format!("adaptive {} %", 100.0 * error), &|| {
+            given.adapted(&Control::default(), &mut |_| {}).unwrap().unwrap().baker
+        });
     }
 }

@@ -21,8 +21,11 @@ pub(crate) struct Criterion {
 }
 
 /// Longer edges are split in any case, as a share of the diameter of the scene: between fewer probes, a small bright patch would
-/// be missed.
-pub(crate) const LONGEST: f64 = 1.0 / 16.0;
+/// be missed. A little more than a 16th, so that rounding does not split diagonals that were halved four times once again.
+pub(crate) const LONGEST: f64 = 1.0 / 15.9;
+
+/// Triangles with longer edges are probed within, too.
+pub(crate) const PROBED_WITHIN: f64 = 1.0 / 32.0;
 
 /// The error is meant for edges of this length. Longer ones may hide less and shorter ones more, so that all edges contribute
 /// alike to the mean square error over the surfaces.

@@ -1,14 +1,11 @@
 //! Splitting edges until light is linear between vertices.
 
-use super::criterion::{Criterion, LONGEST, Probe, SHORTEST};
+use super::criterion::{Criterion, LONGEST, PROBED_WITHIN, Probe, SHORTEST};
 use super::kinks;
 use lumel_scene::{Bisection, Part, SurfacePoint};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-/// Triangles with more than this share of all surfaces are probed within.
-const LARGE: f64 = 0.01;
-
-/// Where: strata of a triangle.
+/// Where large triangles are probed within: strata of them.
 const WITHIN: [[f32; 3]; 4] = [[0.6, 0.25, 0.15], [0.15, 0.6, 0.25], [0.25, 0.15, 0.6], [0.3, 0.37, 0.33]];
 
 /// How far probes at vertices and edges lie inside a triangle, as a share of the way to its middle: corners of a room lie in the
@@ -41,6 +38,15 @@ pub(crate) struct Refiner {
     within: HashMap<[u32; 3], [Probe; 4]>,
 }
 
+/// What became of edges that were to be split.
+enum Split {
+    All,
+    /// None can be.
+    Nothing,
+    /// Not all, as there would be too many vertices.
+    UpToLimit,
+}
+
 /// What is to be measured.
 enum Target {
     Vertex(u32),
@@ -58,17 +64,16 @@ impl Refiner {
     /// Splits edges that are too long whatever the light.
     pub(crate) fn split_long(&mut self) -> RefinementEnd {
         loop {
-            let long: Vec<[u32; 2]> = self
-                .mesh
-                .parts()
-                .flat_map(edges)
-                .filter(|&ends| self.mesh.relative_length(ends) > LONGEST)
-                .collect();
+            let lengths =
+                self.mesh.parts().flat_map(edges).map(|ends| (ends, self.mesh.relative_length(ends)));
+            let long: Vec<([u32; 2], f64)> = lengths.filter(|(_, length)| *length > LONGEST).collect();
             if long.is_empty() {
                 return RefinementEnd::Reached;
             }
-            if !self.split(long) {
-                return RefinementEnd::Vertices;
+            match self.split_worst(long) {
+                Split::All => {}
+                Split::Nothing => return RefinementEnd::Reached,
+                Split::UpToLimit => return RefinementEnd::Vertices,
             }
         }
     }
@@ -94,8 +99,10 @@ impl Refiner {
             if marked.is_empty() {
                 return Ok(RefinementEnd::Reached);
             }
-            if !self.split_worst(marked) {
-                return Ok(RefinementEnd::Vertices);
+            match self.split_worst(marked) {
+                Split::All => {}
+                Split::Nothing => return Ok(RefinementEnd::Reached),
+                Split::UpToLimit => return Ok(RefinementEnd::Vertices),
             }
         }
     }
@@ -126,8 +133,10 @@ impl Refiner {
             };
             let marked = doubtful.iter().zip(&middles).filter_map(excess).collect();
             let (n_vertices, n_splits) = (self.mesh.vertex_count() as u32, self.mesh.splits().len());
-            if !self.split_worst(marked) {
-                return Ok(RefinementEnd::Vertices);
+            match self.split_worst(marked) {
+                Split::All => {}
+                Split::Nothing => break,
+                Split::UpToLimit => return Ok(RefinementEnd::Vertices),
             }
             watch(&self.mesh);
             let measured: HashMap<[u32; 2], Probe> = doubtful.into_iter().zip(middles).collect();
@@ -171,16 +180,27 @@ impl Refiner {
         Ok(measured)
     }
 
-    /// Splits edges, the most urgent first; returns whether there is room for all.
-    fn split_worst(&mut self, mut marked: Vec<([u32; 2], f64)>) -> bool {
+    /// Splits edges, the most urgent first.
+    fn split_worst(&mut self, mut marked: Vec<([u32; 2], f64)>) -> Split {
+        let before = self.mesh.vertex_count();
         // The order of equals must not depend on how they were found.
         marked.sort_by(|(a, x), (b, y)| y.total_cmp(x).then(a.cmp(b)));
-        let mut edges: Vec<[u32; 2]> = marked.into_iter().map(|(ends, _)| ends).collect();
-        let all = edges.len();
-        while !edges.is_empty() && !self.split(edges.iter().copied()) {
-            edges.truncate(edges.len() / 2);
+        let edges: Vec<[u32; 2]> = marked.into_iter().map(|(ends, _)| ends).collect();
+        let (mut rest, mut portion) = (edges.as_slice(), edges.len());
+        while portion > 0 && !rest.is_empty() {
+            let (now, later) = rest.split_at(portion.min(rest.len()));
+            if self.split(now.iter().copied()) {
+                rest = later;
+            } else {
+                portion = now.len() / 2;
+            }
         }
-        edges.len() == all
+        match rest.is_empty() {
+            false => Split::UpToLimit,
+            // What is left is too short for a point between its ends.
+            true if self.mesh.vertex_count() == before => Split::Nothing,
+            true => Split::All,
+        }
     }
 
     fn split(&mut self, edges: impl IntoIterator<Item = [u32; 2]>) -> bool {
@@ -202,7 +222,6 @@ impl Refiner {
         probe: &mut impl FnMut(&[SurfacePoint]) -> Result<Vec<Probe>, E>,
     ) -> Result<(), E> {
         self.vertices.resize(self.mesh.vertex_count(), None);
-        let large = LARGE * self.mesh.parts().map(|part| self.area(part)).sum::<f64>();
         let (mut targets, mut points) = (Vec::new(), Vec::new());
         let mut known: HashSet<[u32; 2]> = HashSet::new();
         let mut seen = vec![false; self.vertices.len()];
@@ -225,7 +244,9 @@ impl Refiner {
                     add(Target::Middle(ends), on_edge(part, k));
                 }
             }
-            if self.area(part) > large && !self.within.contains_key(&part.vertices) {
+            let is_large =
+                edges(part).into_iter().any(|ends| self.mesh.relative_length(ends) > PROBED_WITHIN);
+            if is_large && !self.within.contains_key(&part.vertices) {
                 for (i, &weights) in WITHIN.iter().enumerate() {
                     add(Target::Within(part.vertices, i), part.at(weights));
                 }
@@ -320,3 +341,6 @@ fn on_edge(part: &Part, k: usize) -> SurfacePoint {
 fn inset(part: &Part, weights: [f32; 3]) -> SurfacePoint {
     part.at(weights.map(|weight| weight + INSET * (1.0 / 3.0 - weight)))
 }
+
+#[cfg(test)]
+mod tests;
