@@ -56,7 +56,7 @@ const CASES: [Case; 2] = [
         adaptive: &[0.08, 0.04, 0.02, 0.01],
         reference: 150.0,
     },
-    Case { name: "sponza", uniform: &[64.0, 128.0, 256.0], adaptive: &[0.16, 0.08, 0.04], reference: 200.0 },
+    Case { name: "sponza", uniform: &[16.0, 32.0, 48.0], adaptive: &[0.32, 0.16, 0.08], reference: 64.0 },
 ];
 
 fn main() {
