@@ -15,10 +15,11 @@ struct Benchmark {
     features: &'static [&'static str],
 }
 
-const BENCHMARKS: [Benchmark; 6] = [
+const BENCHMARKS: [Benchmark; 7] = [
     Benchmark { name: "rays", package: "lumel", features: &[] },
     Benchmark { name: "bake", package: "lumel", features: &[] },
     Benchmark { name: "surfaces", package: "lumel", features: &[] },
+    Benchmark { name: "adaptive", package: "lumel", features: &[] },
     Benchmark { name: "lightmap", package: "lumel", features: &[] },
     Benchmark { name: "frame", package: "lumel_render_gpu", features: &[] },
     Benchmark { name: "window", package: "lumel_view", features: &["--features", "inspection"] },

@@ -35,6 +35,7 @@ usage: cargo x COMMAND [ARGUMENTS]
   bench rays         measure ray tracing against Embree 4, which it fetches from PyPI
   bench bake         measure solves
   bench surfaces     measure the projections: power and error of light over all surfaces
+  bench adaptive     measure meshes that follow light beside uniform ones: time, and error over all surfaces
   bench lightmap     measure lightmaps beside light at vertices: time, and error over all surfaces
   bench instructions count instructions of the ray tracer's kernels (needs valgrind)
   bench peers        measure Mitsuba, Blender Cycles and Radiance beside lumel; fetches them from PyPI

@@ -62,6 +62,7 @@ impl Baker {
             standard_error: errors.map(|errors| self.carried_at_vertices(&errors.standard_error)),
             layers: self.layers(state, &reader),
             occlusion: None,
+            splits: self.splits().to_vec(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::file_format::FileFormat;
 use crate::settings::{
-    BounceLimit, Layers, Preset, Settings, SettingsError, SettingsPatch, Share, TargetError,
+    Adaptive, BounceLimit, Layers, Preset, Settings, SettingsError, SettingsPatch, Share, TargetError,
 };
 use crate::{Baker, PointMeasurement, measure_points};
 use glam::Vec3;
@@ -115,6 +115,12 @@ impl Bake {
         self.settings(SettingsPatch { target_error, ..SettingsPatch::default() })
     }
 
+    /// Splits edges where light differs from a linear function by more than this: `"2%".parse()?`. See [`Adaptive`].
+    pub fn adaptive(self, error: Share) -> Self {
+        let adaptive = Some(Adaptive::At(error));
+        self.settings(SettingsPatch { adaptive, ..SettingsPatch::default() })
+    }
+
     /// Also finds the light of each light by itself: see [`Solution::layers`] and [`Baker::mixed`].
     pub fn layers(self) -> Self {
         self.settings(SettingsPatch { layers: Some(Layers::Lights), ..SettingsPatch::default() })
@@ -147,6 +153,8 @@ impl Bake {
             Source::Scene(scene) => (scene, Warnings::default()),
         };
         let baker = Baker::new(scene, settings);
+        let adapted = baker.adapted(&self.control, &mut |_| {})?;
+        let baker = adapted.map_or(baker, |adapted| adapted.baker);
         Baked::solve(baker, warnings, &self.control, self.on_progress.as_ref())
     }
 }

@@ -12,7 +12,7 @@ use lumel_solve::{
     Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, solve,
     solve_layers, solve_to_error,
 };
-use lumel_transport::{Control, Order, Transport};
+use lumel_transport::{Control, Order, Stored, Transport};
 use std::sync::Arc;
 
 /// A scene made ready for baking.
@@ -35,8 +35,18 @@ impl Baker {
 
     /// Builds the basis for a scene that already has a ray tracer.
     pub fn with_tracer(scene: Arc<Scene>, tracer: Arc<dyn RayTracer>, settings: Settings) -> Self {
+        Self::with_stored(scene, tracer, settings, None)
+    }
+
+    /// The same, with what another baker has stored of the same triangles.
+    pub(crate) fn with_stored(
+        scene: Arc<Scene>,
+        tracer: Arc<dyn RayTracer>,
+        settings: Settings,
+        stored: Option<&Stored>,
+    ) -> Self {
         let surfaces = Surfaces::new(&scene, tracer);
-        let assembly = Assembly::new(&scene, &surfaces, &settings, None);
+        let assembly = Assembly::new(&scene, &surfaces, &settings, stored);
         let integrals = Arc::new(integrals(&scene, &surfaces.basis));
         Self { scene, surfaces, settings, assembly, integrals }
     }
@@ -110,6 +120,11 @@ impl Baker {
             Sampling::Point => &self.surfaces.at_vertices().order,
             Sampling::Area => &self.surfaces.over_areas().order,
         }
+    }
+
+    /// The rays that are stored.
+    pub(crate) fn stored(&self) -> Option<&Stored> {
+        self.assembly.stored.as_ref()
     }
 
     /// The surfaces, for what looks at them besides solving.

@@ -14,6 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adaptive;
 mod assembly;
 mod at_vertices;
 mod bake;
@@ -52,6 +53,7 @@ mod target;
 mod two_sided;
 mod workload;
 
+pub use adaptive::{Adapted, RefinementEnd, Refining};
 pub use bake::{Bake, BakeError, Baked};
 pub use baker::Baker;
 pub use decimal::decimal;
@@ -77,10 +79,10 @@ pub use lumel_import::PathPolicy;
 pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
-    AlphaMode, Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material, MaterialId,
-    ObjectId, ObjectMesh, PointLight, Radiance, RectLight, Scene, SceneBuilder, SceneError, Sides, Sky,
-    SkyGradient, SkyImage, Smoothing, SphereLight, SpotLight, SunLight, Texture, TextureId, TextureRef,
-    Transparency, Warnings,
+    AlphaMode, Bisection, Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material,
+    MaterialId, ObjectId, ObjectMesh, PointLight, Radiance, RectLight, Scene, SceneBuilder, SceneError,
+    Sides, Sky, SkyGradient, SkyImage, Smoothing, SphereLight, SpotLight, SunLight, Texture, TextureId,
+    TextureRef, Transparency, Warnings,
 };
 pub use lumel_solve::{Accuracy, CONFIDENCE_95, Ended, Errors, Target};
 pub use lumel_solve::{Observer, Silent, Snapshot, SolveError, SolveState, Step, mix};
@@ -98,7 +100,7 @@ pub use project::{CameraEntry, MaterialEntry, ObjectEntry, Project, ProjectError
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{
-    BounceLimit, Layers, Memory, Preset, Projection, Settings, SettingsError, SettingsPatch, Share,
+    Adaptive, BounceLimit, Layers, Memory, Preset, Projection, Settings, SettingsError, SettingsPatch, Share,
     SolverKind, Tail, TargetError,
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};

@@ -21,8 +21,8 @@ pub enum MaxEdge {
 
 impl MaxEdge {
     /// What is usual: built-in scenes are made as finely as they should be, files mostly not.
-    pub(crate) fn usual(is_builtin: bool) -> Self {
-        if is_builtin { Self::Off } else { Self::Auto }
+    pub(crate) fn usual(is_fine: bool) -> Self {
+        if is_fine { Self::Off } else { Self::Auto }
     }
 
     /// Splits the edges of a scene. Returns the longest edge that [`Auto`](Self::Auto) chose, if it split any.

@@ -2,7 +2,7 @@
 
 use crate::max_edge::MaxEdge;
 use crate::project::{MaterialEntry, ObjectEntry, Project, ProjectError};
-use crate::settings::SettingsPatch;
+use crate::settings::{Adaptive, SettingsPatch};
 use crate::two_sided::make_two_sided;
 use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy, TextureError};
 use lumel_scene::{Light, SceneBuilder, SceneError, Warnings};
@@ -14,8 +14,10 @@ pub struct OpenOptions {
     /// Whether files may refer to files outside their folder.
     pub paths: PathPolicy,
     /// Longest edge after tessellation; replaces the project's. Where neither says, files get [`MaxEdge::Auto`] and built-in
-    /// scenes stay as they are.
+    /// scenes stay as they are, and so do all whose mesh is to [follow light](Self::adaptive).
     pub max_edge: Option<MaxEdge>,
+    /// Whether edges are split later, where light needs it; replaces what the [setting](crate::Adaptive) of the project says.
+    pub adaptive: Option<bool>,
     /// How many vertices [`MaxEdge::Auto`] may add, about; replaces the [budget](crate::Preset::vertex_budget) of the
     /// project's preset. Where neither says, it is that of [`Preset::Medium`](crate::Preset::Medium).
     pub vertex_budget: Option<u32>,
@@ -118,7 +120,8 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
     opened.whole = options.keeps_whole.then(|| opened.builder.clone());
     let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
     let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
-    let max_edge = options.max_edge.or(of_project).unwrap_or(MaxEdge::usual(is_builtin));
+    let is_adaptive = options.adaptive.unwrap_or(opened.settings.settings().adaptive != Adaptive::Off);
+    let max_edge = options.max_edge.or(of_project).unwrap_or(MaxEdge::usual(is_builtin || is_adaptive));
     let preset = opened.settings.preset.unwrap_or_default();
     let vertex_budget = options.vertex_budget.unwrap_or(preset.vertex_budget());
     let (length, warnings) = max_edge.apply(&mut opened.builder, vertex_budget)?;

@@ -44,7 +44,13 @@ impl Baker {
             tail: state.tail.as_ref().map(values),
             standard_error: state.errors.as_ref().map(|errors| values(&errors.standard_error)),
             rounds: state.rounds.clone(),
+            splits: self.splits().to_vec(),
         }
+    }
+
+    /// The edges that were split where the scene was refined.
+    pub(crate) fn splits(&self) -> &[[u32; 2]] {
+        self.scene().refinement().map_or(&[], |refinement| refinement.splits())
     }
 
     /// The state from which to continue what was saved: a checkpoint, or a solution with its bounces.

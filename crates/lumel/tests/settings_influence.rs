@@ -23,6 +23,8 @@ fn usual() -> Settings {
 fn unusual() -> Settings {
     Settings {
         projection: Projection::Area,
+        adaptive: "3%".parse().unwrap(),
+        max_vertices: 1000,
         bounces: BounceLimit::Count(3),
         remainder: 0.25,
         tail: Tail::Geometric,

@@ -5,6 +5,7 @@
 
 use crate::bvh::Bvh;
 use crate::ray::{Bundle, Hit, Layer, Ray, RayTracer};
+use crate::refined::Refined;
 use crate::simd::InstructionSet;
 use crate::triangle::owns;
 use glam::Vec3;
@@ -18,8 +19,12 @@ const BLOCK: usize = 64;
 /// Weights of corners below this may be those of an edge: rounding errs by much less.
 const NEAR_EDGE: f32 = 1e-3;
 
-/// The tracer for a scene: [`SeeThrough`] if light passes through any of its surfaces, a [`Bvh`] if not.
+/// The tracer for a scene: [`SeeThrough`] if light passes through any of its surfaces, a [`Bvh`] if not, and [`Refined`] over
+/// either if the scene was refined.
 pub fn tracer_of(scene: &Scene) -> Arc<dyn RayTracer> {
+    if let Some(original) = scene.original() {
+        return Arc::new(Refined::new(tracer_of(&original), scene.clone()));
+    }
     if scene.has_transparent() { Arc::new(SeeThrough::build(scene)) } else { Arc::new(Bvh::build(scene)) }
 }
 

@@ -99,6 +99,12 @@ impl Receivers for AreaReceivers {
         self.doublings[element.index()]
     }
 
+    /// A part of a triangle keeps its own, whatever else is split.
+    fn stream(&self, element: ElementId) -> u32 {
+        let refinement = self.basis.scene().refinement();
+        refinement.map_or(element.0, |refinement| refinement.stream(TriId(element.0)))
+    }
+
     fn nodes_of(&self, element: ElementId, nodes: &mut Vec<NodeId>) {
         nodes.extend(self.basis.nodes_of(TriId(element.0)));
     }

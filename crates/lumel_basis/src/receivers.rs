@@ -71,6 +71,12 @@ pub trait Receivers: Send + Sync {
         0
     }
 
+    /// What chooses the sample points of an element: the same for an element that other receivers have, too, if these are to use
+    /// the rays that were stored of it.
+    fn stream(&self, element: ElementId) -> u32 {
+        element.0
+    }
+
     /// A place of an element, chosen by `u` in the unit square if elements have an area.
     ///
     /// An area is a triangle on which the place is the [uniform](lumel_sample::uniform_triangle) one; of other areas integrals

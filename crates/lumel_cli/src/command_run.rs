@@ -8,8 +8,12 @@ use crate::failure::with_hint;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use anyhow::Context;
-use lumel::{Baker, Observer, Reading, SolveError, SolveState, Step, Tracker, TransportError};
+use lumel::{
+    Adaptive, Baker, Observer, Reading, RefinementEnd, Refining, SolveError, SolveState, Step, Tracker,
+    TransportError,
+};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Serialize;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The threads that everything runs on.
@@ -32,6 +36,18 @@ pub(crate) struct CommandRun {
 
 /// Checkpoints take about this share of the time of a solve at most.
 pub(crate) const CHECKPOINT_SHARE: f64 = 0.1;
+
+/// How a mesh was refined.
+#[derive(Debug, Serialize)]
+pub(crate) struct AdaptiveReport {
+    /// What light may differ by from a linear function, relative.
+    pub(crate) error: f32,
+    /// Vertices before.
+    pub(crate) given_vertices: usize,
+    /// Whether it does not differ by more, as far as was measured, or edges are as short as they become.
+    pub(crate) reached: bool,
+    pub(crate) seconds: f64,
+}
 
 /// What a solve did.
 pub(crate) struct SolveLog {
@@ -58,6 +74,39 @@ impl CommandRun {
         let begun = self.clock.seconds();
         let result = run();
         (result, self.clock.seconds() - begun)
+    }
+
+    /// Splits edges where light needs it, if the settings say so. `Ok(None)` if cancelled.
+    pub(crate) fn adapt(&self, baker: Baker) -> anyhow::Result<Option<(Baker, Option<AdaptiveReport>)>> {
+        let Adaptive::At(error) = baker.settings().adaptive else { return Ok(Some((baker, None))) };
+        let (adapted, seconds) = self.timed("refine", || {
+            let _heeding = self.interrupt.heed();
+            let mut tell = |refining: &Refining<'_>| {
+                self.progress.phase(&format!("refine, {} vertices", refining.mesh.vertex_count()));
+            };
+            baker.adapted(self.interrupt.control(), &mut tell)
+        });
+        match adapted {
+            Ok(None) => Ok(Some((baker, None))),
+            Ok(Some(adapted)) => {
+                let (given, limit) = (baker.scene().vertex_count(), baker.settings().max_vertices);
+                if adapted.ended == RefinementEnd::Vertices {
+                    self.console.warning(&format!(
+                        "the mesh does not follow light to {error} everywhere: that takes more than {limit} vertices; raise \
+                         --max-vertices"
+                    ));
+                }
+                let report = AdaptiveReport {
+                    error: error.get(),
+                    given_vertices: given,
+                    reached: adapted.ended == RefinementEnd::Reached,
+                    seconds,
+                };
+                Ok(Some((adapted.baker, Some(report))))
+            }
+            Err(SolveError::Cancelled) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// Solves, resuming from `state`. `Ok(None)` if cancelled.

@@ -1,17 +1,18 @@
 //! Scenes and settings from the command line.
 
-use crate::args::{SceneArgs, SettingsArgs};
+use crate::args::{SceneArgs, SettingsArgs, Tessellation};
 use crate::console::{Console, MAX_WARNINGS};
 use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
 use glam::Vec3;
 use lumel::{
-    AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightFileError, LightmapEntry, MaxEdge, OpenError,
-    OpenOptions, Opened, Project, Scene, SceneBuilder, SceneError, Settings, SettingsError, SettingsPatch,
-    SolveState, Warnings, suggested_light,
+    Adaptive, AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightFileError, LightmapEntry, MaxEdge,
+    OpenError, OpenOptions, Opened, Project, Saved, Scene, SceneBuilder, SceneError, Settings, SettingsError,
+    SettingsPatch, SolveState, Warnings, suggested_light,
 };
 use lumel_export::SolutionMeta;
 use lumel_scene::TriId;
+use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -48,10 +49,19 @@ pub(crate) enum Meshes {
     SplitAndWhole,
 }
 
+/// The scene with the edges split that were split for light of it.
+pub(crate) fn refined(scene: Arc<Scene>, splits: &[[u32; 2]]) -> anyhow::Result<Arc<Scene>> {
+    if splits.is_empty() {
+        return Ok(scene);
+    }
+    scene.refined(splits).map(Arc::new).map_err(belongs_hint)
+}
+
 /// The scene as it is in its files, unless they or the command line give a length of edges; then that, and nothing else.
 pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<(Loaded, Option<Auto>)> {
     let given = args.max_edge.or_else(|| length_of_project(&args.scene));
-    let options = OpenOptions { max_edge: given.or(Some(MaxEdge::Off)), ..args.open_options(None) };
+    let options =
+        OpenOptions { max_edge: given.or(Some(MaxEdge::Off)), ..args.open_options(&Tessellation::default()) };
     let opened = open(args, &options)?;
     let auto = if given.is_none() { Some(auto(&opened).map_err(|e| in_scene(e, args))?) } else { None };
     Ok((build(args, opened)?, auto))
@@ -59,7 +69,7 @@ pub(crate) fn load_as_it_is(args: &SceneArgs) -> anyhow::Result<(Loaded, Option<
 
 /// The scene with no edge split at all, which a lightmap is for.
 pub(crate) fn load_whole(args: &SceneArgs) -> anyhow::Result<Loaded> {
-    let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..args.open_options(None) };
+    let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..args.open_options(&Tessellation::default()) };
     build(args, open(args, &options)?)
 }
 
@@ -108,23 +118,33 @@ fn built(args: &SceneArgs, mut builder: SceneBuilder, warnings: &mut Warnings) -
     Ok(Arc::new(scene))
 }
 
-/// What opening a scene for light that was baked needs: the number of vertices that tessellation might add, about.
-pub(crate) fn budget_of(solution: &Path) -> Option<u32> {
+/// What opening a scene for light that was baked needs.
+pub(crate) fn tessellation_of(solution: &Path) -> Tessellation {
     // What is wrong with the file is told when its light is read.
-    SolutionMeta::load(solution).ok()?.vertex_budget
+    let meta = SolutionMeta::load(solution).ok();
+    let settings = meta.as_ref().and_then(|meta| Settings::deserialize(&meta.settings).ok());
+    let splits = Saved::load_splits(solution).unwrap_or_default();
+    let follows_light = settings.is_some_and(|settings| settings.adaptive != Adaptive::Off);
+    Tessellation {
+        vertex_budget: meta.and_then(|meta| meta.vertex_budget),
+        adaptive: Some(follows_light || !splits.is_empty()),
+        splits,
+    }
 }
 
 /// Opens and builds the scene, with about so many more vertices at most where the lengths of edges suit the scene. Reports the
 /// warnings.
 pub(crate) fn load_and_warn(
     args: &SceneArgs,
-    vertex_budget: Option<u32>,
+    tessellation: &Tessellation,
     meshes: Meshes,
     console: &Console,
 ) -> anyhow::Result<Loaded> {
     let keeps_whole = meshes == Meshes::SplitAndWhole;
-    let options = OpenOptions { keeps_whole, ..args.open_options(vertex_budget) };
+    let options = OpenOptions { keeps_whole, ..args.open_options(tessellation) };
     let loaded = build(args, open(args, &options)?)?;
+    let scene = refined(loaded.scene, &tessellation.splits)?;
+    let loaded = Loaded { scene, ..loaded };
     warn(&loaded.warnings, args, console);
     Ok(loaded)
 }

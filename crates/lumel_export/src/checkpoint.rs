@@ -2,8 +2,8 @@
 
 use crate::lumel_state::{LumelMeta, LumelState};
 use crate::members::{
-    Kind, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_stacked,
-    stacked,
+    Kind, SPLITS, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_splits,
+    read_stacked, stacked, write_splits,
 };
 use crate::solution::is_lighting_of;
 use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
@@ -26,7 +26,7 @@ const KIND: Kind = Kind {
 ///
 /// For lumel alone, unlike a [`Solution`], which is light at vertices for any reader. As a file it is a NumPy archive of
 /// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail` and `standard_error` (nodes, 3) and `rounds`
-/// (rounds, nodes), of what is known of the light at the lumels of an atlas if that is measured, and of `meta.json`.
+/// (rounds, nodes), `splits` (edges, 2) if the scene was refined, of what is known of the light at the lumels of an atlas if that is measured, and of `meta.json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Where it comes from.
@@ -41,6 +41,8 @@ pub struct Checkpoint {
     pub standard_error: Option<Vec<Vec3>>,
     /// The nodes that each round of a target error measures.
     pub rounds: Vec<Vec<bool>>,
+    /// The edges that were split where the scene was [refined](Scene::refined).
+    pub splits: Vec<[u32; 2]>,
 }
 
 /// Where a checkpoint comes from: the member `meta.json` of its file.
@@ -137,6 +139,7 @@ impl Checkpoint {
         let vectors = self.vector_arrays();
         let names = ["valid", "bounces"].into_iter().chain(vectors.iter().map(|(name, _)| *name));
         let names = names.chain((!self.rounds.is_empty()).then_some("rounds"));
+        let names = names.chain((!self.splits.is_empty()).then_some(SPLITS));
         let arrays = names.map(str::to_owned).collect();
         let meta = CheckpointMeta { arrays, lumels: lumels.map(|lumels| lumels.meta()), ..self.meta.clone() };
         write_npz(path, |npz| {
@@ -151,6 +154,7 @@ impl Checkpoint {
                 let data = ArrayData::Bool(self.rounds.concat());
                 npz.array("rounds", &Array { shape, data })?;
             }
+            write_splits(npz, &self.splits)?;
             lumels.map_or(Ok(()), |lumels| lumels.write(npz))
         })?;
         Ok(())
@@ -211,6 +215,7 @@ impl Checkpoint {
             bounces: read_stacked(npz, "bounces", valid.len())?,
             tail: read_optional(npz, "tail")?,
             standard_error: read_optional(npz, "standard_error")?,
+            splits: read_splits(npz)?,
             rounds: if npz.has_array("rounds") { read_rounds(npz, valid.len())? } else { Vec::new() },
             valid,
         };
@@ -239,6 +244,14 @@ impl Saved {
             return Ok(Self::Checkpoint(Box::new(Checkpoint::read(&mut npz)?)));
         }
         Ok(Self::Solution(Box::new(Solution::load(path)?)))
+    }
+
+    /// The edges that a scene needs to be [refined](Scene::refined) by for this light; none if it was not refined.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is damaged.
+    pub fn load_splits(path: &Path) -> Result<Vec<[u32; 2]>, SolutionError> {
+        read_splits(&mut NpzReader::open(path)?)
     }
 
     /// Settings of the bake.
@@ -305,6 +318,7 @@ mod tests {
             tail: Some(field(0.25)),
             standard_error: Some(field(0.0)),
             rounds: vec![vec![true; 4], vec![false, true, false, false]],
+            splits: vec![[0, 2], [4, 1]],
         }
     }
 
@@ -312,7 +326,13 @@ mod tests {
     fn what_is_saved_is_what_is_loaded() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.checkpoint.npz");
-        let bare = Checkpoint { tail: None, standard_error: None, rounds: Vec::new(), ..checkpoint() };
+        let bare = Checkpoint {
+            tail: None,
+            standard_error: None,
+            rounds: Vec::new(),
+            splits: Vec::new(),
+            ..checkpoint()
+        };
         for saved in [checkpoint(), bare] {
             saved.save(&path).unwrap();
             let mut loaded = Checkpoint::load(&path).unwrap();

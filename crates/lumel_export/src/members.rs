@@ -1,9 +1,10 @@
 //! What saved light is made of: members of archives that must be well formed.
 
-use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError};
+use crate::{Array, ArrayData, NpzReader, NpzWriter, ReadError, SolutionError};
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use std::io;
 
 /// A kind of archive, as its `meta.json` names it.
 pub(crate) struct Kind {
@@ -110,6 +111,30 @@ pub(crate) fn read_stacked(
         }
         ([0, ..], _) => Ok(Vec::new()),
         _ => Err(wrong_shape(npz, name, &format!("({name}, {n}, 3) of <f4"), &array)),
+    }
+}
+
+/// The member of the edges that were split where a scene was refined.
+pub(crate) const SPLITS: &str = "splits";
+
+/// Writes the edges that were split, if there are any.
+pub(crate) fn write_splits(npz: &mut NpzWriter<'_>, splits: &[[u32; 2]]) -> io::Result<()> {
+    if splits.is_empty() {
+        return Ok(());
+    }
+    let (shape, data) = (vec![splits.len(), 2], ArrayData::U32(splits.as_flattened().to_vec()));
+    npz.array(SPLITS, &Array { shape, data })
+}
+
+/// Reads the edges that were split, if there are any.
+pub(crate) fn read_splits(npz: &mut NpzReader) -> Result<Vec<[u32; 2]>, SolutionError> {
+    if !npz.has_array(SPLITS) {
+        return Ok(Vec::new());
+    }
+    let array = npz.array(SPLITS)?;
+    match (array.shape.as_slice(), &array.data) {
+        ([_, 2], ArrayData::U32(ends)) => Ok(ends.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect()),
+        _ => Err(wrong_shape(npz, SPLITS, "(n, 2) of <u4", &array)),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::error::SceneLabel;
 use crate::members::{
-    Kind, check_members, read_flags, read_meta, read_numbers, read_optional, read_positions, read_stacked,
-    read_vectors, stacked,
+    Kind, SPLITS, check_members, read_flags, read_meta, read_numbers, read_optional, read_positions,
+    read_splits, read_stacked, read_vectors, stacked, write_splits,
 };
 use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
 use glam::{DVec3, Vec3};
@@ -22,7 +22,7 @@ pub(crate) const KIND: Kind =
 ///
 /// As a file it is a NumPy archive of the arrays `positions`, `normals`, `irradiance`, `tail` and `standard_error`
 /// (n, 3), `bounces` (bounces, n, 3), `layers` (layers, n, 3) and `valid` (n), and of `meta.json`, which has the names of
-/// the layers. `tail`, `standard_error`, `layers` and `occlusion` (n) may be absent.
+/// the layers. `tail`, `standard_error`, `layers`, `occlusion` (n) and `splits` (edges, 2) may be absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Where it comes from.
@@ -45,6 +45,9 @@ pub struct Solution {
     pub layers: Vec<SolutionLayer>,
     /// Share of an even sky that each vertex sees past what is near, from 0 to 1, if it was asked for.
     pub occlusion: Option<Vec<f32>>,
+    /// Where the scene was [refined](Scene::refined): the edges in whose middles the last vertices lie. What opens the scene for
+    /// this light needs them.
+    pub splits: Vec<[u32; 2]>,
 }
 
 /// The part of a solution's light that a light, or all that share a name, cause.
@@ -282,6 +285,7 @@ impl Solution {
             if let Some(occlusion) = &self.occlusion {
                 npz.array("occlusion", &Array::list(ArrayData::F32(occlusion.clone())))?;
             }
+            write_splits(npz, &self.splits)?;
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))
         })?;
         Ok(())
@@ -309,6 +313,12 @@ impl Solution {
         }
         if self.occlusion.is_some() {
             all.push(("occlusion", "(vertex) share of an even sky that is seen past what is near, 0 to 1"));
+        }
+        if !self.splits.is_empty() {
+            all.push((
+                SPLITS,
+                "(edge, end) the vertices between which, in the middle, one of the last vertices lies",
+            ));
         }
         if !self.layers.is_empty() {
             all.push((
@@ -345,6 +355,7 @@ impl Solution {
             } else {
                 None
             },
+            splits: read_splits(&mut npz)?,
             positions,
         };
         solution.validate()?;

@@ -2,7 +2,7 @@
 
 use crate::mesh::ObjectMesh;
 use crate::triangle::angle;
-use crate::{Face, SceneBuilder};
+use crate::{Face, Scene, SceneBuilder, TriId};
 use glam::{DVec3, Vec3};
 
 /// Edges per diameter of what they lie in: the shadows of a room show, and it takes seconds to bake.
@@ -49,8 +49,18 @@ impl EdgeLength {
     /// The core is where most of its triangles are: a room on a plane of a kilometre, not the plane. For a box, it is the
     /// ball around it.
     pub(crate) fn for_scene(builder: &SceneBuilder) -> Option<Self> {
-        let corners: Vec<Corner> = builder.objects.iter().flat_map(corners).collect();
-        let core = core(&corners);
+        Self::for_corners(&builder.objects.iter().flat_map(corners).collect::<Vec<_>>())
+    }
+
+    /// The same for a scene that has been built.
+    pub(crate) fn for_built(scene: &Scene) -> Option<Self> {
+        let fronts = (0..scene.traced_count() as u32).map(TriId).filter(|&tri| scene.traced(tri) == tri);
+        let of_triangle = |tri| corners_of(scene.triangle_positions(tri));
+        Self::for_corners(&fronts.flat_map(of_triangle).collect::<Vec<_>>())
+    }
+
+    fn for_corners(corners: &[Corner]) -> Option<Self> {
+        let core = core(corners);
         let longest = 2.0 * core.reach(corners.iter()) / PER_DIAMETER;
         // Most corners may lie on one point, which is no core.
         let shortest = (2.0 * core.radius / PER_DIAMETER).max(longest * 1e-6);
@@ -103,12 +113,12 @@ type Corner = (DVec3, f64);
 /// The sound corners of an object.
 fn corners(object: &ObjectMesh) -> impl Iterator<Item = Corner> + '_ {
     let exists = |face: &&Face| face.vertices.iter().all(|&v| (v as usize) < object.positions.len());
-    let of_face = |face: &Face| {
-        let corners: [Vec3; 3] = object.corners(face);
-        [0, 1, 2].map(|k| (corners[k].as_dvec3(), angle(corners, k)))
-    };
-    let all = object.faces.iter().filter(exists).flat_map(of_face);
+    let all = object.faces.iter().filter(exists).flat_map(|face| corners_of(object.corners(face)));
     all.filter(|(p, angle)| p.is_finite() && angle.is_finite())
+}
+
+fn corners_of(corners: [Vec3; 3]) -> [Corner; 3] {
+    [0, 1, 2].map(|k| (corners[k].as_dvec3(), angle(corners, k)))
 }
 
 /// The ball that most corners lie in: what is far beyond their mean distance from their middle is left out until nothing is.

@@ -103,6 +103,14 @@ pub enum SceneError {
         /// How many are allowed.
         limit: u64,
     },
+    /// Splits of edges that the scene does not have.
+    #[error("the refinement of {splits} split edges does not belong to scene \"{scene}\"")]
+    BadSplits {
+        /// The scene's name.
+        scene: String,
+        /// How many edges are split.
+        splits: usize,
+    },
     /// A length for tessellation that is not a positive number.
     #[error("the longest edge must be a positive length, not {0}")]
     BadEdgeLength(f32),

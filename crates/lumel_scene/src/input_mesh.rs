@@ -1,6 +1,6 @@
 //! From the vertices and faces that a scene was built from to those of the scene.
 
-use crate::face_list::Origin;
+use crate::face_list::{FaceList, Origin};
 use crate::vertex_map::{Standing, VertexMap};
 use crate::{FaceSide, ObjectId, Scene, TriId, triangle};
 
@@ -13,6 +13,9 @@ use crate::{FaceSide, ObjectId, Scene, TriId, triangle};
 /// [`SceneBuilder::tessellate`](crate::SceneBuilder::tessellate) keeps the indices of existing vertices and appends new
 /// vertices; where it splits a vertex without a normal at a crease, the index stays with the first part, and the others
 /// are among the appended ones. It does not keep the indices of faces.
+///
+/// A [refined](Scene::refined) scene has the vertices of the one it was made from, under the same indices, so that light is
+/// read there; a face that was split is no triangle of it any more.
 ///
 /// The scene stores 8 bytes for each gap in the order: a dropped face, an unused vertex, a vertex split at a crease. A
 /// map is computed when it is requested, and nothing of it is kept.
@@ -41,6 +44,8 @@ use crate::{FaceSide, ObjectId, Scene, TriId, triangle};
 #[derive(Clone, Copy, Debug)]
 pub struct InputMesh<'a> {
     scene: &'a Scene,
+    /// Those of the scene before it was refined.
+    faces: &'a FaceList,
     origin: &'a Origin,
 }
 
@@ -50,7 +55,8 @@ impl Scene {
     /// # Panics
     /// If the scene has no such object.
     pub fn input_mesh(&self, object: ObjectId) -> InputMesh<'_> {
-        InputMesh { scene: self, origin: &self.faces().origins[object.index()] }
+        let faces = self.refinement().map_or(self.faces(), |refinement| &**refinement.given());
+        InputMesh { scene: self, faces, origin: &faces.origins[object.index()] }
     }
 }
 
@@ -65,9 +71,10 @@ impl<'a> InputMesh<'a> {
         self.origin.face_count as usize
     }
 
-    /// The scene's triangle for one side of a face; `None` if the face was dropped or has no such side.
+    /// The scene's triangle for one side of a face; `None` if the face was dropped, was split or has no such side.
     pub fn triangle(&self, face: usize, side: FaceSide) -> Option<TriId> {
-        self.side_of(self.front(face)?, side)
+        let tri = self.side_of(self.front(face)?, side)?;
+        self.scene.refinement().map_or(Some(tri), |refinement| refinement.unsplit(tri))
     }
 
     fn front(&self, face: usize) -> Option<TriId> {
@@ -82,7 +89,7 @@ impl<'a> InputMesh<'a> {
     pub fn corners(&self, face: usize, side: FaceSide) -> Option<[u32; 3]> {
         let front = self.front(face)?;
         let mut corners = self.vertices_of(self.side_of(front, side)?, side);
-        corners.rotate_right(self.scene.faces().turns.get(&front).map_or(0, |&turns| usize::from(turns)));
+        corners.rotate_right(self.faces.turns.get(&front).map_or(0, |&turns| usize::from(turns)));
         Some(corners)
     }
 
@@ -95,8 +102,8 @@ impl<'a> InputMesh<'a> {
         let mut on_side = vec![u32::MAX; angle.len()];
         for front in (0..self.origin.faces.len() as u32).map(|i| TriId(self.origin.first_triangle + i)) {
             let Some(tri) = self.side_of(front, side) else { continue };
-            let corners = self.scene.triangle_positions(front);
-            let vertices = self.scene.triangle(front).into_iter().zip(self.vertices_of(tri, side));
+            let corners = self.faces.triangles[front.index()].map(|v| self.faces.positions[v as usize]);
+            let vertices = self.faces.triangles[front.index()].into_iter().zip(self.vertices_of(tri, side));
             for (k, (vertex, standing)) in vertices.enumerate() {
                 let local = (vertex - self.origin.first_vertex) as usize;
                 angle[local] += triangle::angle(corners, k);
@@ -112,15 +119,13 @@ impl<'a> InputMesh<'a> {
     fn side_of(&self, front: TriId, side: FaceSide) -> Option<TriId> {
         match side {
             FaceSide::Front => Some(front),
-            FaceSide::Back => {
-                Some(self.scene.faces().other_side[front.index()]).filter(|&back| back != front)
-            }
+            FaceSide::Back => Some(self.faces.other_side[front.index()]).filter(|&back| back != front),
         }
     }
 
     /// Vertices of a triangle in the order of its front.
     fn vertices_of(&self, tri: TriId, side: FaceSide) -> [u32; 3] {
-        let [a, b, c] = self.scene.triangle(tri);
+        let [a, b, c] = self.faces.triangles[tri.index()];
         match side {
             FaceSide::Front => [a, b, c],
             FaceSide::Back => [b, a, c],

@@ -6,6 +6,7 @@ use crate::face_list::FaceList;
 use crate::hash::{self, SurfacesHash};
 use crate::light_names;
 use crate::material::sound;
+use crate::refine::Refinement;
 use crate::shells::Shells;
 use crate::transparency::mean;
 use crate::{
@@ -39,6 +40,7 @@ struct Unlit {
     origin: DVec3,
     /// Shared, as are the textures, by scenes that differ in the albedos of their materials.
     faces: Arc<FaceList>,
+    refinement: Option<Arc<Refinement>>,
     object_names: Vec<String>,
     materials: Vec<Material>,
     textures: Arc<[Texture]>,
@@ -65,6 +67,7 @@ impl Scene {
             bounds: Bounds::around(faces.positions.iter().copied()),
             object_names: std::mem::take(&mut faces.object_names),
             faces: Arc::new(faces),
+            refinement: None,
             materials: builder.materials,
             textures: builder.textures.into(),
             cameras: builder.cameras,
@@ -116,6 +119,45 @@ impl Scene {
         }
         let (lights, light_names) = (self.lights.clone(), Arc::clone(&self.light_names));
         Self { unlit: Arc::new(unlit), lights, light_names, hash: OnceLock::new() }
+    }
+
+    /// The same scene with these triangles in place of those that they are parts of.
+    pub(crate) fn with_refined(&self, faces: FaceList, refinement: Refinement) -> Self {
+        self.with_faces(Arc::new(faces), Some(Arc::new(refinement)))
+    }
+
+    fn with_faces(&self, faces: Arc<FaceList>, refinement: Option<Arc<Refinement>>) -> Self {
+        let unlit = Unlit {
+            faces,
+            refinement,
+            usual_size: OnceLock::new(),
+            shells: OnceLock::new(),
+            geometry_hash: OnceLock::new(),
+            surfaces_hash: OnceLock::new(),
+            ..(*self.unlit).clone()
+        };
+        Self { unlit: Arc::new(unlit), hash: OnceLock::new(), ..self.clone() }
+    }
+
+    /// Whether both are [refined](Self::refined) from the same triangles, or are these.
+    pub fn has_originals_of(&self, other: &Self) -> bool {
+        let of = |scene: &Self| scene.refinement().map_or(scene.shared_faces(), Refinement::given).clone();
+        Arc::ptr_eq(&of(self), &of(other))
+    }
+
+    /// The scene that this one was [refined](Self::refined) from, under the same lights.
+    pub fn original(&self) -> Option<Self> {
+        Some(self.with_faces(Arc::clone(self.refinement()?.given()), None))
+    }
+
+    /// Triangles and vertices, shared.
+    pub(crate) fn shared_faces(&self) -> &Arc<FaceList> {
+        &self.unlit.faces
+    }
+
+    /// How it was [refined](Self::refined), if it was.
+    pub fn refinement(&self) -> Option<&Refinement> {
+        self.unlit.refinement.as_deref()
     }
 
     /// Triangles and vertices, and where they come from.

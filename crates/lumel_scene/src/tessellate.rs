@@ -179,13 +179,7 @@ impl Rule {
             let longest = self.length.at(middle.as_dvec3());
             length_squared(a, b) > longest * longest && middle != a && middle != b
         });
-        too_long.max_by(|&i, &j| {
-            let ((a, b, opposite), (p, q, other)) = (edge(i), edge(j));
-            let by_position = || other.to_array().partial_cmp(&opposite.to_array());
-            length_squared(a, b)
-                .total_cmp(&length_squared(p, q))
-                .then_with(|| by_position().unwrap_or(Ordering::Equal))
-        })
+        longest(corners, too_long)
     }
 
     /// A lower bound for the triangles an object will have with edges of at most `h`.
@@ -209,28 +203,46 @@ impl Rule {
     }
 }
 
+/// The longest of some edges of a triangle, each by the corner that it begins at; of equally long ones that opposite the
+/// smallest position, so that the order of the corners does not matter.
+pub(crate) fn longest(corners: [Vec3; 3], edges: impl Iterator<Item = usize>) -> Option<usize> {
+    let edge = |k: usize| (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+    edges.max_by(|&i, &j| {
+        let ((a, b, opposite), (p, q, other)) = (edge(i), edge(j));
+        let by_position = || other.to_array().partial_cmp(&opposite.to_array());
+        length_squared(a, b)
+            .total_cmp(&length_squared(p, q))
+            .then_with(|| by_position().unwrap_or(Ordering::Equal))
+    })
+}
+
 /// Squared length; the same bits from both ends. In f64, where squares of f32 neither overflow nor vanish.
-fn length_squared(a: Vec3, b: Vec3) -> f64 {
+pub(crate) fn length_squared(a: Vec3, b: Vec3) -> f64 {
     (b.as_dvec3() - a.as_dvec3()).length_squared()
 }
 
 /// The midpoint; the same bits from both ends.
-fn middle(a: Vec3, b: Vec3) -> Vec3 {
+pub(crate) fn middle(a: Vec3, b: Vec3) -> Vec3 {
     (0.5 * (a.as_dvec3() + b.as_dvec3())).as_vec3()
 }
 
 /// A needle is this many times as long as it is wide.
 const NEEDLE: f64 = 8.0;
 
-/// The vertices of a needle beginning with the corner between its shorter edges, from which its plane is known best: the
-/// cross product of two long edges that are nearly parallel is mostly rounding. Other triangles stay as they are.
-fn from_widest_corner(vertices: [u32; 3], corners: [Vec3; 3]) -> [u32; 3] {
+/// The vertices of a needle beginning with the corner between its shorter edges. Other triangles stay as they are.
+fn from_widest_corner(mut vertices: [u32; 3], corners: [Vec3; 3]) -> [u32; 3] {
+    vertices.rotate_left(widest_corner(corners));
+    vertices
+}
+
+/// The corner of a needle between its shorter edges, from which its plane is known best: the cross product of two long edges
+/// that are nearly parallel is mostly rounding. The first corner of other triangles.
+pub(crate) fn widest_corner(corners: [Vec3; 3]) -> usize {
     if longest_edge(corners) < NEEDLE * least_height(corners) {
-        return vertices;
+        return 0;
     }
     let opposite = |k: usize| length_squared(corners[(k + 1) % 3], corners[(k + 2) % 3]);
-    let widest = (1..3).fold(0, |widest, k| if opposite(k) > opposite(widest) { k } else { widest });
-    [vertices[widest], vertices[(widest + 1) % 3], vertices[(widest + 2) % 3]]
+    (1..3).fold(0, |widest, k| if opposite(k) > opposite(widest) { k } else { widest })
 }
 
 /// Adds the vertex in the middle of two others.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// Numbers places: the same one for all vertices that are there.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Weld(HashMap<[u32; 3], u32, BuildHasherDefault<PlaceHasher>>);
 
 impl Weld {

@@ -22,7 +22,7 @@ pub(crate) struct StoredPasses<B, R> {
     pub(crate) stored: Mutex<BTreeMap<u32, Stored>>,
 }
 
-impl<B: Basis, R: Receivers> StoredPasses<B, R> {
+impl<B: Basis, R: Receivers + 'static> StoredPasses<B, R> {
     fn pass(&self, pass: u32) -> CachedTransport<B, R> {
         // The golden ratio in 64 bits: seeds of different passes have nothing in common.
         let seed = self.plan.seed ^ u64::from(pass).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -36,7 +36,7 @@ impl<B: Basis, R: Receivers> StoredPasses<B, R> {
     }
 }
 
-impl<B: Basis, R: Receivers> Transport for StoredPasses<B, R> {
+impl<B: Basis, R: Receivers + 'static> Transport for StoredPasses<B, R> {
     fn shape(&self) -> Shape {
         self.pass(0).shape()
     }

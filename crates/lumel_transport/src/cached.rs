@@ -8,7 +8,7 @@ use crate::hidden;
 use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
 use crate::measure::{self, Reader, VALIDITY_RAYS};
 use crate::operator::CpuTransport;
-use crate::order::CHUNK;
+use crate::order::{CHUNK, Order};
 use crate::plan::Plan;
 use crate::reflectance::{Reflectance, Reflected, unpacked};
 use crate::rows::{Rows, RowsKey};
@@ -54,9 +54,11 @@ struct AreaRows {
 /// What an operator has stored and others of the same surfaces may share.
 #[derive(Clone)]
 pub struct Stored {
-    rows: Arc<Rows>,
+    pub(crate) rows: Arc<Rows>,
     reflectance: Arc<Reflectance>,
-    scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) receivers: Arc<dyn Receivers>,
+    pub(crate) order: Order,
 }
 
 impl Stored {
@@ -86,7 +88,7 @@ impl ChunkRows<'_> {
     }
 }
 
-impl<B: Basis, R: Receivers> CachedTransport<B, R> {
+impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
     /// Stores the rays of an operator, or takes those that another one has stored where they are the same.
     pub fn new(inner: CpuTransport<B, R>, shared: Option<&Stored>) -> Self {
         let new = |inner: &CpuTransport<B, R>, chunks| Reflectance::new(&inner.scene, &*inner.basis, chunks);
@@ -101,7 +103,13 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     ) -> Self {
         let key = key_of(&inner);
         let same_rows = shared.filter(|stored| stored.rows.key == key);
-        let new_rows = || Arc::new(Rows::new(key, inner.order.chunk_count()));
+        let new_rows = || {
+            let rows = Rows::new(key, inner.order.chunk_count());
+            Arc::new(match shared {
+                Some(stored) => rows.carried_from(stored, &inner),
+                None => rows,
+            })
+        };
         let rows = same_rows.map_or_else(new_rows, |stored| Arc::clone(&stored.rows));
         // Other materials need other albedos at the ends of the same rays.
         let same_reflectance = same_rows.filter(|stored| {
@@ -153,7 +161,9 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     /// What it stores, to be shared.
     pub fn stored(&self) -> Stored {
         let (rows, reflectance) = (Arc::clone(&self.rows), Arc::clone(&self.reflectance));
-        Stored { rows, reflectance, scene: Arc::clone(&self.inner.scene) }
+        let (scene, order) = (Arc::clone(&self.inner.scene), self.inner.order.clone());
+        let receivers: Arc<dyn Receivers> = Arc::<R>::clone(&self.inner.receivers);
+        Stored { rows, reflectance, scene, receivers, order }
     }
 
     /// The rows.
@@ -207,6 +217,11 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         Ok(sums)
     }
 
+    /// The sample points of the rays that are stored of an element.
+    pub(crate) fn row_key(&self, element: ElementId) -> StreamKey {
+        self.rows.key.of(self.inner.receivers.stream(element))
+    }
+
     /// The places of the elements that a job measures among those of a chunk, and where they are measured.
     fn active(&self, job: &Job<'_>, elements: &[ElementId]) -> (Vec<usize>, Group) {
         let places: Vec<usize> = (0..elements.len()).filter(|&i| job.measures(elements[i])).collect();
@@ -252,7 +267,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         let mut arrivals = Arrivals::new(&self.inner, job.source);
         if let Some(arrivals) = &mut arrivals {
             let rays = Rays { per_element: per_element as u32, dim: Dim::Hemisphere };
-            arrivals.set_points(&self.inner, &group, rays, |element| self.rows.key.of(element));
+            arrivals.set_points(&self.inner, &group, rays, |element| self.row_key(element));
         }
         for (i, (value, lane)) in values.iter_mut().zip(active).enumerate() {
             let row = rows.ends.iter().skip(lane).step_by(lanes);
@@ -301,18 +316,37 @@ impl RowsKey {
         StreamKey::new(self.seed).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
     }
 
-    /// The sample points of an element.
-    pub(crate) fn of(&self, element: ElementId) -> StreamKey {
-        StreamKey::new(self.seed).element(element.0).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+    /// The sample points of an element with this [stream](Receivers::stream).
+    pub(crate) fn of(&self, stream: u32) -> StreamKey {
+        StreamKey::new(self.seed).element(stream).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
     }
 }
 
-impl<B: Basis, R: Receivers> CachedTransport<B, R> {
-    /// Traces the rays of a chunk.
+impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
+    /// Traces the rays of a chunk, but for those of elements that were carried over.
     fn trace_rows(&self, chunk: u32, control: &Control) -> Result<Box<[StoredEnd]>, TransportError> {
-        let (inner, elements) = (&self.inner, self.inner.elements(chunk));
+        let elements = self.inner.elements(chunk);
+        let Some(mut carried) = self.rows.take_carried(chunk) else {
+            return self.trace_rows_of(chunk, elements, control);
+        };
+        let missing: Vec<usize> = (0..elements.len()).filter(|&lane| !carried.has(lane)).collect();
+        let new: Vec<ElementId> = missing.iter().map(|&lane| elements[lane]).collect();
+        if !new.is_empty() {
+            carried.fill(&missing, &self.trace_rows_of(chunk, &new, control)?);
+        }
+        Ok(carried.ends)
+    }
+
+    /// Traces the rays of some elements of a chunk.
+    fn trace_rows_of(
+        &self,
+        chunk: u32,
+        elements: &[ElementId],
+        control: &Control,
+    ) -> Result<Box<[StoredEnd]>, TransportError> {
+        let inner = &self.inner;
         if let Some(areas) = &self.areas {
-            return self.trace_area_rows(&areas.rays, chunk, control);
+            return self.trace_area_rows(&areas.rays, chunk, elements, control);
         }
         let (lanes, requested) = (elements.len(), self.rows.key.requested);
         let per_element = inner.plan.samples(requested, Sampling::Point, inner.order.doublings_of(chunk));
@@ -324,7 +358,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
             inner,
             &group,
             rays,
-            |element| self.rows.key.of(element),
+            |element| self.row_key(element),
             control,
             |i, end, _| {
                 ends[next[i] * lanes + i] = StoredEnd::new(&end);
@@ -359,7 +393,7 @@ fn means(lanes: usize, ends: &[StoredEnd], mut value: impl FnMut(StoredEnd, usiz
     sums[..lanes].iter().map(|sum| *sum / strata).collect()
 }
 
-impl<B: Basis, R: Receivers> Transport for CachedTransport<B, R> {
+impl<B: Basis, R: Receivers + 'static> Transport for CachedTransport<B, R> {
     fn shape(&self) -> Shape {
         self.inner.sizes()
     }

@@ -9,20 +9,21 @@ use crate::order::CHUNK;
 use crate::reflectance::Reflected;
 use crate::sums::ElementSums;
 use crate::{EmitterMask, Sums, trace};
-use lumel_basis::{Basis, NodeWeights, Receivers};
+use lumel_basis::{Basis, ElementId, NodeWeights, Receivers};
 
-impl<B: Basis, R: Receivers> CachedTransport<B, R> {
-    /// Traces the rays of a chunk of areas, part by part.
+impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
+    /// Traces the rays of some elements of a chunk of areas, part by part.
     pub(crate) fn trace_area_rows(
         &self,
         patterns: &AreaPatterns,
         chunk: u32,
+        elements: &[ElementId],
         control: &Control,
     ) -> Result<Box<[StoredEnd]>, TransportError> {
         let mut rows =
             Vec::with_capacity(self.inner.elements(chunk).len() * patterns.samples(&self.inner.order, chunk));
         for part in patterns.parts(&self.inner.order, chunk) {
-            let ends = trace::over_areas(&self.inner, &self.area_chunk(&part, chunk), control)?;
+            let ends = trace::over_areas(&self.inner, &self.area_chunk(&part, elements), control)?;
             let stored = |end: Option<RayEnd>| end.map_or(StoredEnd::INSIDE, |end| StoredEnd::new(&end));
             rows.extend(ends.into_iter().map(stored));
         }
@@ -30,8 +31,8 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
     }
 
     /// A part of the samples that rays are stored of.
-    fn area_chunk<'a>(&'a self, part: &'a AreaPart<'_>, chunk: u32) -> AreaChunk<'a> {
-        AreaChunk::new(self.inner.elements(chunk), part, |element| self.rows.key.of(element))
+    fn area_chunk<'a>(&self, part: &'a AreaPart<'_>, elements: &'a [ElementId]) -> AreaChunk<'a> {
+        AreaChunk::new(elements, part, |element| self.row_key(element))
     }
 
     /// One bounce of the elements of a chunk, at the sites that their rays started from.
@@ -49,7 +50,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         let (measured, mut weights) = (measured(job, rows), NodeWeights::default());
         for part in patterns.parts(&inner.order, chunk) {
             control.check()?;
-            let area = self.area_chunk(&part, chunk);
+            let area = self.area_chunk(&part, rows.elements);
             measure::add_samples::<CHUNK, _, _>(inner, &area, &measured, &mut sums, |i, slot| {
                 let at = rows.at(area.first + slot, i);
                 let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
@@ -77,7 +78,7 @@ impl<B: Basis, R: Receivers> CachedTransport<B, R> {
         let (measured, mut by_rays) = (measured(job, rows), sums.clone());
         let mut lights = lights.parts(&inner.order, chunk);
         for part in patterns.parts(&inner.order, chunk) {
-            let rays = self.area_chunk(&part, chunk);
+            let rays = self.area_chunk(&part, rows.elements);
             let lights = lights.next();
             let lights = lights
                 .as_ref()

@@ -17,6 +17,7 @@ mod balance;
 mod cached;
 mod cached_area;
 mod cap;
+mod carried;
 mod cpu;
 mod direct;
 mod direct_area;

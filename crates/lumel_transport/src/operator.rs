@@ -89,7 +89,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
 
     /// The sample points of an element in a job.
     pub(crate) fn key(&self, job: &Job<'_>, element: ElementId) -> StreamKey {
-        Self::key_in(job, StreamKey::new(self.plan.seed).element(element.0))
+        Self::key_in(job, StreamKey::new(self.plan.seed).element(self.receivers.stream(element)))
     }
 
     /// The sample points that all elements share in a job.

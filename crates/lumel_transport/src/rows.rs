@@ -3,17 +3,20 @@
 //! Directions do not depend on the bounce, nor on lights or materials: what is stored here serves every bounce, and a
 //! scene under other lights.
 
+use crate::carried::Carried;
 use crate::ends::StoredEnd;
 use lumel_basis::Identity;
 use lumel_sample::SamplerKind;
 use std::mem::size_of;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 /// The ends of all hemisphere rays of an operator, chunk by chunk, traced when they are first asked for.
 #[derive(Debug)]
 pub struct Rows {
     pub(crate) key: RowsKey,
     pub(crate) chunks: Vec<OnceLock<Box<[StoredEnd]>>>,
+    /// What is known of each chunk before it is traced, if anything is.
+    pub(crate) carried: Vec<Mutex<Option<Carried>>>,
 }
 
 /// What the ends of rays depend on.
@@ -28,9 +31,16 @@ pub(crate) struct RowsKey {
     pub(crate) portion: u32,
 }
 
+impl RowsKey {
+    /// Whether the same rays are stored of elements that both have.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        Self { elements: other.elements, ..*self } == *other
+    }
+}
+
 impl Rows {
     pub(crate) fn new(key: RowsKey, chunks: u32) -> Self {
-        Self { key, chunks: (0..chunks).map(|_| OnceLock::new()).collect() }
+        Self { key, chunks: (0..chunks).map(|_| OnceLock::new()).collect(), carried: Vec::new() }
     }
 
     /// Bytes of rows with so many rays in all, once all are traced.

@@ -32,7 +32,7 @@ pub(crate) fn measure(case: &Case) -> Result<(), String> {
         let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
         let Lumels { scene, atlas, coverage } = &lumels;
         [false, true].map(|denoises| {
-            let map = Lightmap::finished(scene, atlas, coverage, &light, denoises, &[]);
+            let map = Lightmap::finished(scene, atlas, coverage, &light, denoises, None);
             let valid = coverage.lumels().iter().enumerate().filter(|(place, _)| light.is_valid(*place));
             valid.map(|(_, &lumel)| map.layers[0].values[lumel as usize]).collect::<Vec<_>>()
         })

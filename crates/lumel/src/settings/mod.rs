@@ -1,6 +1,7 @@
 //! What users choose. The table of all settings is in `table.rs`; their types have files of their own.
 
 mod about;
+mod adaptive;
 mod bounce_limit;
 mod compare;
 mod error;
@@ -20,6 +21,7 @@ mod validate;
 mod value;
 
 pub use about::{About, Bounds, Influence};
+pub use adaptive::Adaptive;
 pub use bounce_limit::BounceLimit;
 pub use error::SettingsError;
 pub use layers::Layers;

@@ -1,5 +1,6 @@
 //! Named settings.
 
+use super::share::Share;
 use super::value::choices;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,15 @@ impl Preset {
             Self::Draft => 50_000,
             Self::Medium => 200_000,
             Self::Production => 500_000,
+        }
+    }
+
+    /// How far light may be from a linear function along edges where [`Adaptive`](crate::Adaptive) meshes do not say.
+    pub fn adaptive_error(self) -> Share {
+        match self {
+            Self::Draft => Share::PERCENT_4,
+            Self::Medium => Share::PERCENT_2,
+            Self::Production => Share::PERCENT_1,
         }
     }
 

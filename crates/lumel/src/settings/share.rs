@@ -19,6 +19,11 @@ impl Share {
     /// 95 %.
     pub const MOST: Self = Self(0.95);
 
+    /// 4 %, 2 % and 1 %.
+    pub(super) const PERCENT_4: Self = Self(0.04);
+    pub(super) const PERCENT_2: Self = Self(0.02);
+    pub(super) const PERCENT_1: Self = Self(0.01);
+
     /// The share, if it lies between 0 and 1.
     pub fn new(share: f32) -> Option<Self> {
         (share > 0.0 && share < 1.0).then_some(Self(share))

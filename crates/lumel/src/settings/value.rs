@@ -1,6 +1,7 @@
 //! Types of settings: how their values are written and read, and what they can be.
 
 use super::about::{Bounds, Influence};
+use super::adaptive::Adaptive;
 use super::bounce_limit::BounceLimit;
 use super::memory::Memory;
 use super::share::Share;
@@ -25,6 +26,11 @@ pub trait Value: Copy + PartialEq + Send + Sync + 'static {
     /// The values by name, of types that have only a few.
     fn choices() -> &'static [Choice] {
         &[]
+    }
+
+    /// The value that naming the setting alone means, if it means one.
+    fn implied() -> Option<&'static str> {
+        None
     }
 
     /// What a change from this value to another one influences, where a change of its setting usually has an influence.
@@ -66,6 +72,8 @@ pub enum Slot<'a> {
     Memory(&'a mut Memory),
     /// A share.
     Share(&'a mut Share),
+    /// A share that can be switched off, or left to the preset.
+    Adaptive(&'a mut Adaptive),
     /// A share that can be switched off.
     TargetError(&'a mut TargetError),
 }
@@ -237,6 +245,28 @@ impl Value for Share {
 
     fn slot(&mut self) -> Slot<'_> {
         Slot::Share(self)
+    }
+}
+
+impl Value for Adaptive {
+    fn text(&self) -> String {
+        self.to_string()
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        text.trim().parse().ok()
+    }
+
+    fn expected(bounds: Bounds) -> String {
+        format!("{}, auto or off", Share::expected(bounds))
+    }
+
+    fn implied() -> Option<&'static str> {
+        Some("auto")
+    }
+
+    fn slot(&mut self) -> Slot<'_> {
+        Slot::Adaptive(self)
     }
 }
 

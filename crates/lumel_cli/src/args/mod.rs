@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3};
 use lumel::{LightBasis, LightmapEntry, LightmapTarget, OcclusionEntry, SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
-pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, ThreadArgs};
+pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, Tessellation, ThreadArgs};
 use std::ffi::OsString;
 use std::path::PathBuf;
 pub(crate) use unwrap::UnwrapArgs;

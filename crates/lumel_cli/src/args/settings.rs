@@ -1,9 +1,10 @@
 //! Settings of the solve, as the table of all settings has them.
 
+use super::shared::Tessellation;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lumel::setting::{self, Choice, EMITTERS, Setting, Value as _};
-use lumel::{EmitterSampling, Preset, SettingsPatch};
+use lumel::{Adaptive, EmitterSampling, Preset, SettingsPatch};
 
 /// What the help lists them under.
 const HEADING: &str = "Settings";
@@ -25,9 +26,13 @@ pub(crate) struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    /// How many vertices `--max-edge auto` may add, about, if a preset is given.
-    pub(crate) fn vertex_budget(&self) -> Option<u32> {
-        self.patch.preset.map(Preset::vertex_budget)
+    /// What these settings say of how finely scenes are tessellated.
+    pub(crate) fn tessellation(&self) -> Tessellation {
+        Tessellation {
+            vertex_budget: self.patch.preset.map(Preset::vertex_budget),
+            adaptive: self.patch.adaptive.map(|adaptive| adaptive != Adaptive::Off),
+            splits: Vec::new(),
+        }
     }
 }
 
@@ -88,6 +93,10 @@ fn option(setting: &'static dyn Setting) -> Arg {
         .value_parser(parser)
         .allow_negative_numbers(true)
         .help_heading(HEADING);
+    let option = match setting.implied() {
+        Some(value) => option.num_args(0..=1).default_missing_value(value),
+        None => option,
+    };
     match about.details() {
         Some(details) => option.long_help(format!("{help}\n\n{details}")).help(help),
         None => option.help(help),
@@ -140,6 +149,8 @@ mod tests {
     fn unusual() -> Settings {
         Settings {
             projection: Projection::Area,
+            adaptive: "3%".parse().unwrap(),
+            max_vertices: 1000,
             bounces: BounceLimit::Count(7),
             remainder: 0.25,
             tail: Tail::Geometric,

@@ -44,7 +44,7 @@ pub(crate) struct SceneArgs {
 
     /// Split edges longer than this: a length in metres, auto or off.
     ///
-    /// Light is stored at vertices: fine shadows need short edges. auto, the default for files, suits the scene: a 64th of
+    /// Light is stored at vertices: fine shadows need short edges. auto, the default for files without --adaptive, suits the scene: a 64th of
     /// its diameter, longer around the part where most of the triangles are, and longer where it would add more vertices
     /// than the preset allows: about 50,000 for draft, 200,000 for medium, 500,000 for production. A solution says how
     /// many it was baked with. Built-in scenes stay as they are. `lumel info` says what auto would choose.
@@ -89,14 +89,26 @@ fn scene_help() -> String {
     help
 }
 
+/// What decides how finely a scene is tessellated, beside what its own options say.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tessellation {
+    /// How many vertices lengths that suit the scene may add, about; otherwise those of the preset.
+    pub(crate) vertex_budget: Option<u32>,
+    /// Whether the mesh is to follow light; otherwise what a project says.
+    pub(crate) adaptive: Option<bool>,
+    /// The edges that were split to follow light.
+    pub(crate) splits: Vec<[u32; 2]>,
+}
+
 impl SceneArgs {
-    /// How to open the scene. The budget is that of the preset unless it is given.
-    pub(crate) fn open_options(&self, vertex_budget: Option<u32>) -> OpenOptions {
+    /// How to open the scene.
+    pub(crate) fn open_options(&self, tessellation: &Tessellation) -> OpenOptions {
         let paths = if self.allow_outside_paths { PathPolicy::Anywhere } else { PathPolicy::WithinFolder };
         OpenOptions {
             paths,
             max_edge: self.max_edge,
-            vertex_budget,
+            vertex_budget: tessellation.vertex_budget,
+            adaptive: tessellation.adaptive,
             subdivide: self.subdivide,
             two_sided: self.two_sided.clone(),
             keeps_whole: false,

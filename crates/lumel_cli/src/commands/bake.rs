@@ -92,8 +92,8 @@ impl Wanted {
 /// The bake on the threads of the pool.
 fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Baked> {
     let meshes = if wanted.basis == Basis::Lightmap { Meshes::SplitAndWhole } else { Meshes::Split };
-    let budget = args.settings.vertex_budget();
-    let load = || load::load_and_warn(&args.scene, budget, meshes, &run.console);
+    let tessellation = args.settings.tessellation();
+    let load = || load::load_and_warn(&args.scene, &tessellation, meshes, &run.console);
     let (loaded, load_seconds) = run.timed("load", load);
     let Loaded { scene, whole, patch, auto_edge, .. } = loaded?;
     let preset = args.settings.patch.preset.or(patch.preset).unwrap_or_default();
@@ -109,8 +109,21 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     // What lumels gather is a mean over many vertices: the target is theirs.
     let of_lumels = prepared.is_some().then(|| settings.clone());
     let settings = of_lumels.as_ref().map_or(settings, Settings::carrying);
+    let splits = args.resume.as_deref().map(Saved::load_splits).transpose()?.unwrap_or_default();
+    let scene = load::refined(scene, &splits)?;
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
     let has_lost_light = load::warn_of_lost_light(&baker, &run.console);
+    let (baker, adaptive) = match args.resume {
+        Some(_) => (baker, None),
+        None => match run.adapt(baker)? {
+            Some(adapted) => adapted,
+            None => {
+                return Ok(Baked::Stopped(
+                    "stopped before the mesh was fine enough; the same command starts again".to_owned(),
+                ));
+            }
+        },
+    };
     let mut state = match &args.resume {
         Some(file) => resume(&baker, file)?,
         None => SolveState::new(),
@@ -182,6 +195,7 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     };
     checkpoint.remove();
     let mut summary = Summary::new(&baker, &state, &solution, run.interrupt.control().rays(), &log);
+    summary.adaptive = adaptive;
     summary.auto_edge = auto_edge.and_then(|auto| auto.length);
     summary.resumed_bounces = first_bounce;
     summary.files = written;

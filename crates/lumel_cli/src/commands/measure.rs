@@ -62,12 +62,12 @@ fn measure(
     points: &Points,
     run: &CommandRun,
 ) -> anyhow::Result<Option<PointMeasurement>> {
-    let budget = match &args.solution {
-        Some(file) => load::budget_of(file),
-        None => args.settings.vertex_budget(),
+    let tessellation = match &args.solution {
+        Some(file) => load::tessellation_of(file),
+        None => args.settings.tessellation(),
     };
-    let (loaded, _) =
-        run.timed("load", || load::load_and_warn(&args.scene, budget, Meshes::Split, &run.console));
+    let load = || load::load_and_warn(&args.scene, &tessellation, Meshes::Split, &run.console);
+    let (loaded, _) = run.timed("load", load);
     let Loaded { scene, patch, .. } = loaded?;
     let receivers = points.receivers(&scene)?;
     let light = match &args.solution {
@@ -91,6 +91,7 @@ fn solve(
     load::check_shines(&scene, settings.emitters)?;
     let (baker, _) = run.timed("build", || Baker::new(scene, settings));
     load::warn_of_lost_light(&baker, &run.console);
+    let Some((baker, _)) = run.adapt(baker)? else { return Ok(None) };
     let mut state = SolveState::new();
     Ok(run.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
 }

@@ -69,8 +69,8 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
         let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
         return draw(args, display, &scene, &solution.lightmap.lighting(layer), run);
     }
-    let budget = args.solution.as_deref().and_then(load::budget_of);
-    let Loaded { scene, .. } = load::load_and_warn(&args.scene, budget, Meshes::Split, &run.console)?;
+    let tessellation = args.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
+    let Loaded { scene, .. } = load::load_and_warn(&args.scene, &tessellation, Meshes::Split, &run.console)?;
     let light = light(args, &scene, &run.console)?;
     draw(args, display, &scene, &VertexLighting::new(&scene, &light)?, run)
 }

@@ -1,8 +1,11 @@
 //! What a bake reports.
 
-use crate::command_run::SolveLog;
+use crate::command_run::{AdaptiveReport, SolveLog};
 use crate::report::{self, counted};
-use lumel::{Accuracy, Baker, Ended, ErrorCause, ErrorEstimate, LumelAccuracy, Memory, Solution, SolveState};
+use lumel::{
+    Accuracy, Adaptive, Baker, Ended, ErrorCause, ErrorEstimate, LumelAccuracy, Memory, Settings, Solution,
+    SolveState,
+};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -14,6 +17,8 @@ pub(crate) struct Summary {
     triangles: usize,
     /// The longest edge that `--max-edge auto` chose, if it split any, metres.
     pub(crate) auto_edge: Option<f32>,
+    /// How the mesh was refined, if it follows light.
+    pub(crate) adaptive: Option<AdaptiveReport>,
     /// Vertices that could not be measured.
     invalid_vertices: usize,
     /// How the bounces were solved.
@@ -246,11 +251,14 @@ struct EstimateReport {
     remedy: &'static str,
 }
 
-impl From<ErrorEstimate> for EstimateReport {
-    fn from(ErrorEstimate { error, cause }: ErrorEstimate) -> Self {
+impl EstimateReport {
+    fn new(ErrorEstimate { error, cause }: ErrorEstimate, settings: &Settings) -> Self {
         let (cause, remedy) = match cause {
             ErrorCause::DirectNoise => ("noise of direct light", "--direct-samples"),
             ErrorCause::IndirectNoise => ("noise of bounces", "--indirect-samples"),
+            ErrorCause::CoarseMesh if settings.adaptive != Adaptive::Off => {
+                ("edges of light between vertices", "--adaptive")
+            }
             ErrorCause::CoarseMesh => ("edges of light between vertices", "--max-edge"),
         };
         Self { error, cause, remedy }
@@ -259,7 +267,11 @@ impl From<ErrorEstimate> for EstimateReport {
 
 impl EstimateReport {
     fn text(&self) -> String {
-        let more = if self.remedy == "--max-edge" { "a shorter" } else { "more" };
+        let more = match self.remedy {
+            "--max-edge" => "a shorter",
+            "--adaptive" => "a smaller",
+            _ => "more",
+        };
         let error = report::percent(self.error);
         format!(
             "error about {error} of the light, most of it {}: {more} {} lowers it",
@@ -323,13 +335,14 @@ impl Summary {
             vertices: scene.vertex_count(),
             triangles: scene.triangle_count(),
             auto_edge: None,
+            adaptive: None,
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
             method: baker.method().to_string(),
             steps: validity.into_iter().chain(bounces).chain(gather).chain(rounds).chain(layers).collect(),
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),
-            estimate: estimate.map(EstimateReport::from),
+            estimate: estimate.map(|estimate| EstimateReport::new(estimate, baker.settings())),
             error: state.errors.as_ref().map(|errors| ErrorReport::new(&errors.accuracy)),
             rays,
             mrays_per_second: 1e-6 * rays as f64 / log.seconds.max(1e-9),
@@ -366,6 +379,14 @@ impl Summary {
             format!("; edges split to at most {} m (--max-edge auto)", report::significant(f64::from(edge)))
         });
         let mut lines = vec![format!("scene {}: {vertices}, {triangles}{edges}", self.scene)];
+        lines.extend(self.adaptive.as_ref().map(
+            |AdaptiveReport { error, given_vertices, reached, seconds }| {
+                let given = counted(*given_vertices, "vertex", "vertices");
+                let error = report::percent(f64::from(*error));
+                let end = if *reached { "" } else { ", as far as --max-vertices allows" };
+                format!("mesh of {given} refined to follow light to {error}{end}\nrefine {seconds:.2} s")
+            },
+        ));
         match self.invalid_vertices {
             0 => {}
             1 => lines.push("1 vertex lies inside geometry".to_owned()),

@@ -30,6 +30,7 @@ fn solution(scene: &Scene) -> Solution {
         standard_error: Some(irradiance.iter().map(|e| 0.01 * *e).collect()),
         layers,
         occlusion: Some((0..irradiance.len()).map(|v| 0.01 * v as f32).collect()),
+        splits: vec![[0, 1], [1, 7]],
         irradiance,
     }
 }

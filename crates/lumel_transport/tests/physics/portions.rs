@@ -21,7 +21,7 @@ fn room() -> (Arc<Scene>, Arc<VertexBasis>, Field) {
     (scene, basis, field)
 }
 
-fn transport<R: Receivers>(
+fn transport<R: Receivers + 'static>(
     basis: &Arc<VertexBasis>,
     receivers: R,
     plan: Plan,
@@ -76,7 +76,7 @@ fn two_halves_of_the_samples_are_the_whole() {
 
 #[test]
 fn some_nodes_are_measured_as_they_are_among_all() {
-    fn check<R: Receivers>(basis: &Arc<VertexBasis>, receivers: R, field: &Field) {
+    fn check<R: Receivers + 'static>(basis: &Arc<VertexBasis>, receivers: R, field: &Field) {
         let n_elements = receivers.element_count();
         let some: Vec<bool> = (0..field.node_count()).map(|node| node % 17 == 3).collect();
         let plain = transport(basis, receivers, PLAN);

@@ -4,8 +4,8 @@ use crate::theme;
 use crate::widgets::{check, choice, number, row, slider};
 use eframe::egui::{DragValue, RichText, Slider, Ui};
 use lumel::setting::{
-    self, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, INDIRECT_SAMPLES, REMAINDER, SAMPLER, Setting,
-    Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
+    self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, INDIRECT_SAMPLES, MAX_VERTICES,
+    REMAINDER, SAMPLER, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
 };
 use lumel::{BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
 use std::ops::RangeInclusive;
@@ -23,6 +23,9 @@ const PRESETS_WIDTH: f32 = 240.0;
 static PLACED: [&dyn Setting; 8] =
     [&DIRECT_SAMPLES, &INDIRECT_SAMPLES, &SAMPLER, &BOUNCES, &REMAINDER, &TAIL, &TARGET_ERROR, &TARGET_SHARE];
 
+/// Settings of bakes from the command line: the window shows the mesh that it has opened.
+static OF_BAKES: [&dyn Setting; 2] = [&ADAPTIVE, &MAX_VERTICES];
+
 pub(super) fn show(ui: &mut Ui, settings: &mut Settings) {
     presets(ui, settings);
     for setting in PLACED {
@@ -33,8 +36,10 @@ pub(super) fn show(ui: &mut Ui, settings: &mut Settings) {
         }
     }
     ui.collapsing("More", |ui| {
-        let is_placed = |setting: &dyn Setting| PLACED.iter().any(|s| s.about().name == setting.about().name);
-        for setting in setting::ALL.iter().filter(|setting| !is_placed(**setting)) {
+        let is_elsewhere = |setting: &dyn Setting| {
+            PLACED.iter().chain(&OF_BAKES).any(|s| s.about().name == setting.about().name)
+        };
+        for setting in setting::ALL.iter().filter(|setting| !is_elsewhere(**setting)) {
             control(ui, *setting, settings);
         }
     });
@@ -90,6 +95,8 @@ fn control(ui: &mut Ui, setting: &dyn Setting, settings: &mut Settings) {
         Slot::Memory(memory) => size(ui, about, &hint, memory),
         Slot::Share(share) => percent_of(ui, about, &hint, share),
         Slot::TargetError(error) => target(ui, about, &hint, error),
+        // Of bakes alone.
+        Slot::Adaptive(_) => {}
     }
 }
 

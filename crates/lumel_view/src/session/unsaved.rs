@@ -176,6 +176,7 @@ impl Session {
             standard_error: light.standard_error.as_ref().map(|e| e.to_vec()),
             layers,
             occlusion: None,
+            splits: scene.refinement().map_or(Vec::new(), |refinement| refinement.splits().to_vec()),
         })
     }
 }
