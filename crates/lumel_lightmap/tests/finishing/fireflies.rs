@@ -38,8 +38,7 @@ fn what_halves_of_the_samples_found_by_chance_is_spread_and_keeps_its_power() {
     let stage = fine();
     let rare = |half: usize, place: usize| half == 0 && noise(7 * place + 3) < 0.01;
     let dense = |half: usize, place: usize| noise(7 * place + 3 + 100_003 * half) < 0.1;
-    let finds: [(&str, &dyn Fn(usize, usize) -> bool); 2] = [("rare", &rare), ("dense", &dense)];
-    for (name, finds) in finds {
+    for (name, finds) in [("rare", &rare as &dyn Fn(usize, usize) -> bool), ("dense", &dense)] {
         let light = light(&stage, finds);
         let [noisy, clean] = [false, true].map(|denoises| finished(&stage, &light, denoises));
         let [before, after] =
