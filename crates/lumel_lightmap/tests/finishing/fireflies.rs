@@ -9,8 +9,11 @@ const USUAL: f32 = 2.0;
 /// What some have more.
 const MORE: f32 = 60.0;
 
+/// Whether a half of the samples finds more at a place.
+type Finds<'a> = &'a dyn Fn(usize, usize) -> bool;
+
 /// Light from two sources with a little noise, and more of the second where a half of the samples finds it, by place.
-fn light(stage: &Stage, finds: impl Fn(usize, usize) -> bool) -> LumelLight {
+fn light(stage: &Stage, finds: Finds<'_>) -> LumelLight {
     let n = stage.coverage.len();
     let half = |half: usize| {
         let noisy = |place: usize| Vec3::splat(0.5 * USUAL + 0.02 * normal(2 * place + half));
@@ -38,7 +41,8 @@ fn what_halves_of_the_samples_found_by_chance_is_spread_and_keeps_its_power() {
     let stage = fine();
     let rare = |half: usize, place: usize| half == 0 && noise(7 * place + 3) < 0.01;
     let dense = |half: usize, place: usize| noise(7 * place + 3 + 100_003 * half) < 0.1;
-    for (name, finds) in [("rare", &rare as &dyn Fn(usize, usize) -> bool), ("dense", &dense)] {
+    let finds: [(&str, Finds<'_>); 2] = [("rare", &rare), ("dense", &dense)];
+    for (name, finds) in finds {
         let light = light(&stage, finds);
         let [noisy, clean] = [false, true].map(|denoises| finished(&stage, &light, denoises));
         let [before, after] =
@@ -69,7 +73,7 @@ fn what_halves_of_the_samples_found_by_chance_is_spread_and_keeps_its_power() {
 fn small_spots_that_both_halves_see_stay() {
     let stage = fine();
     let is_bright = |place: usize| noise(7 * place + 3) < 0.01;
-    let lightmap = finished(&stage, &light(&stage, |_, place| is_bright(place)), true);
+    let lightmap = finished(&stage, &light(&stage, &|_, place| is_bright(place)), true);
     let expected = USUAL + luminance(Vec3::new(1.0, 0.5, 0.0)) * MORE;
     let spots = all_light(&stage, &lightmap).enumerate().filter(|(place, _)| is_bright(*place));
     let mut off: Vec<f32> = spots.map(|(_, found)| (found / expected - 1.0).abs()).collect();
