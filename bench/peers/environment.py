@@ -17,12 +17,12 @@ PACKAGES = {"mitsuba": "mitsuba", "cycles": "bpy", "radiance": "pyradiance"}
 OLDEST_LLVM = 17
 
 
-def set_up():
+def set_up(peers=tuple(PACKAGES)):
     """Makes the environment; returns why a peer cannot run, by its name."""
     if not PYTHON.exists():
         subprocess.run([sys.executable, "-m", "venv", HOME / "venv"], check=True)
     missing = {}
-    for peer, package in {"numpy": "numpy", **PACKAGES}.items():
+    for peer, package in {"numpy": "numpy", **{peer: PACKAGES[peer] for peer in peers}}.items():
         if not succeeds([PYTHON, "-c", f"import {package}"]):
             print(f"installing {package} into {HOME / 'venv'}", flush=True)
             install = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", package]
@@ -31,7 +31,7 @@ def set_up():
                 missing[peer] = f"pip install {package}: {last_line(result.stderr)}"
     if "numpy" in missing:
         sys.exit(f"error: {missing['numpy']}")
-    if "mitsuba" not in missing and "DRJIT_LIBLLVM_PATH" not in os.environ:
+    if "mitsuba" in peers and "mitsuba" not in missing and "DRJIT_LIBLLVM_PATH" not in os.environ:
         library = find_llvm() or fetch_llvm()
         if library:
             os.environ["DRJIT_LIBLLVM_PATH"] = str(library)

@@ -140,7 +140,7 @@ def lumel(*words):
     if not program:
         sys.exit("error: LUMEL_PEERS names no program; start this by `cargo x bench peers`")
     command = [program, *map(str, words)]
-    threads = {} if words[0] == "long" else {"RAYON_NUM_THREADS": "1"}
+    threads = {} if words[0] in ("long", "export-lumels") else {"RAYON_NUM_THREADS": "1"}
     result = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, env={**os.environ, **threads})
     line = last_line(result.stdout)
     return json.loads(line) if line.startswith("{") else None

@@ -19,6 +19,11 @@ class World:
         self.triangles = self._read("triangles.u32", 3)
         # The material of each triangle.
         self.materials = self._read("materials.u32")
+        self.size = float(np.ptp(self.positions, axis=0).max())
+        if (self.folder / "receivers.f32").exists():
+            self._read_receivers()
+
+    def _read_receivers(self):
         receivers = self._read("receivers.f32", 6)
         self.all_origins, self.all_normals = receivers[:, :3], receivers[:, 3:]
         # Receivers that are compared, in random order, and all vertices that can be measured, for which times are. At
@@ -26,7 +31,10 @@ class World:
         self.sample = self._read("sample.u32")
         self.valid = self._read("valid.u32")
         self.origins, self.normals = self.all_origins[self.sample], self.all_normals[self.sample]
-        self.size = float(np.ptp(self.positions, axis=0).max())
+
+    def corners(self):
+        """Lightmap coordinates of the corners of all triangles."""
+        return self._read("corners.f32", 2)
 
     def light_axes(self):
         """Centre, half edges and the direction it shines in."""

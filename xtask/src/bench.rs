@@ -25,6 +25,9 @@ const BENCHMARKS: [Benchmark; 7] = [
     Benchmark { name: "window", package: "lumel_view", features: &["--features", "inspection"] },
 ];
 
+/// Compares lightmaps with those of another renderer.
+const CYCLES: &str = "--cycles";
+
 /// What runs when no name is given.
 const USUAL: [&str; 2] = ["rays", "bake"];
 
@@ -38,7 +41,11 @@ pub(crate) fn bench(arguments: &[String]) -> Result<()> {
     let Some(name) = name else { return usual(&rest) };
     match name {
         "instructions" => return instructions(&rest),
-        "peers" => return peers(&rest),
+        "peers" => return peers("run.py", &rest),
+        "lightmap" if rest.iter().any(|argument| argument == CYCLES) => {
+            let rest: Vec<String> = rest.into_iter().filter(|argument| argument != CYCLES).collect();
+            return peers("run_lightmaps.py", &rest);
+        }
         _ => {}
     }
     match BENCHMARKS.iter().find(|benchmark| benchmark.name == name) {
@@ -103,8 +110,8 @@ impl Benchmark {
 }
 
 /// Compares lumel with other renderers, by a script that sets up an environment for them.
-fn peers(arguments: &[String]) -> Result<()> {
+fn peers(script: &str, arguments: &[String]) -> Result<()> {
     let mut command = Command::new("python3");
-    command.arg(root().join("bench/peers/run.py")).args(arguments).env("LUMEL_PEERS", executable("peers")?);
-    run(&mut command)
+    command.arg(root().join("bench/peers").join(script)).args(arguments);
+    run(command.env("LUMEL_PEERS", executable("peers")?))
 }

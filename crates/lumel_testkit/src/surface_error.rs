@@ -104,6 +104,11 @@ impl<'a> Reference<'a> {
         &self.points
     }
 
+    /// Irradiance at the points, W·m⁻².
+    pub fn values(&self) -> &[DVec3] {
+        &self.values
+    }
+
     /// How noisy the reference itself is: root mean square of its standard errors over that of its values.
     pub fn noise(&self) -> f64 {
         let power: f64 = self.values.iter().map(|value| value.length_squared()).sum();

@@ -1,6 +1,7 @@
 //! What the denoiser makes of the samples of each preset, and of many.
 
 use crate::{Case, lumels_of, settings, solved};
+use glam::Vec3;
 use lumel::{Control, Lightmap, Lumels, MaxEdge, Preset, Settings};
 use lumel_scene::luminance;
 use lumel_uv::Density;
@@ -33,29 +34,34 @@ pub(crate) fn measure(case: &Case) -> Result<(), String> {
         let Lumels { scene, atlas, coverage } = &lumels;
         [false, true].map(|denoises| {
             let map = Lightmap::finished(scene, atlas, coverage, &light, denoises, None);
-            let valid = coverage.lumels().iter().enumerate().filter(|(place, _)| light.is_valid(*place));
-            valid.map(|(_, &lumel)| map.layers[0].values[lumel as usize]).collect::<Vec<_>>()
+            let value = |(place, &lumel): (usize, &u32)| {
+                if light.is_valid(place) { map.layers[0].values[lumel as usize] } else { Vec3::NAN }
+            };
+            coverage.lumels().iter().enumerate().map(value).collect::<Vec<Vec3>>()
         })
     };
     let [known, _] = bake(&many, 99);
-    let mean = known.iter().map(|&value| f64::from(luminance(value))).sum::<f64>() / known.len() as f64;
+    let valid = || known.iter().filter(|value| value.is_finite());
+    let n = valid().count() as f64;
+    let mean = valid().map(|&value| f64::from(luminance(value))).sum::<f64>() / n;
+    let power = valid().map(|value| f64::from(value.length_squared())).sum::<f64>() / n;
     let presets = [Preset::Draft, Preset::Medium, Preset::Production];
     let rungs = presets.map(|preset| (format!("{preset:?}"), settings(preset)));
     for (name, samples) in rungs.into_iter().chain([(format!("{MANY} x Medium"), many)]) {
         let [noisy, denoised] = bake(&samples, 7);
-        let error = |values: &[glam::Vec3]| {
+        let error = |values: &[Vec3]| {
             let squares = values.iter().zip(&known).map(|(a, b)| f64::from(a.distance_squared(*b)));
-            let mut squares: Vec<f64> = squares.collect();
+            let mut squares: Vec<f64> = squares.filter(|square| square.is_finite()).collect();
             squares.sort_by(f64::total_cmp);
             squares.truncate(squares.len() * 98 / 100);
-            let power = known.iter().map(|value| f64::from(value.length_squared())).sum::<f64>();
-            100.0 * (squares.iter().sum::<f64>() / squares.len() as f64 / power * known.len() as f64).sqrt()
+            100.0 * (squares.iter().sum::<f64>() / squares.len() as f64 / power).sqrt()
         };
-        let change = |(a, b): (&glam::Vec3, &glam::Vec3)| {
+        let change = |(a, b): (&Vec3, &Vec3)| {
             let (a, b) = (f64::from(luminance(*a)), f64::from(luminance(*b)));
             100.0 * (b - a).abs() / a.max(DARK * mean)
         };
-        let mut changes: Vec<f64> = noisy.iter().zip(&denoised).map(change).collect();
+        let changes = noisy.iter().zip(&denoised).map(change);
+        let mut changes: Vec<f64> = changes.filter(|change| change.is_finite()).collect();
         changes.sort_by(f64::total_cmp);
         let [before, after] = [&noisy, &denoised].map(|values| error(values));
         let [half, most] = [50, 95].map(|percent| changes[changes.len() * percent / 100]);

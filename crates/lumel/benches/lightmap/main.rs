@@ -22,7 +22,7 @@ mod denoising;
 mod sponza;
 
 const HELP: &str = "\
-usage: cargo x bench lightmap [--quick | --denoising] [SCENE]...
+usage: cargo x bench lightmap [--quick | --denoising | --cycles] [SCENE]...
 
 Bakes files as they are given, at vertices and at lumels, with the defaults of the presets draft and medium and two bounces, and
 compares the light with many samples at random points, uniform by area over all surfaces.
@@ -34,6 +34,7 @@ compares the light with many samples at random points, uniform by area over all 
 Scenes: cornell-box (44 triangles), bevy-cornell, cornell-built-in, atrium, sponza, house; files are read from LUMEL_TEST_SHARED.
 
   --quick       few points, and the preset draft alone
+  --cycles      the time to equal error, beside Blender Cycles on the same lumels; see bench/peers/run_lightmaps.py
   --denoising   what the denoiser makes of 16,384 lumels with the samples of each preset, and of 16 times those of medium
 ";
 

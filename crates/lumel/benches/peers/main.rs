@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
 
+mod lumels;
 mod places;
 mod scenes;
 
@@ -18,7 +19,7 @@ use lumel_sample::{Dim, Sampler, StreamKey};
 use lumel_scene::{Light, TriId};
 use places::Places;
 use scenes::Detail;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,6 +30,12 @@ usage: peers export SCENE PLACES FOLDER
            write the irradiance of those that are compared, from a long solve on a finer mesh, and its standard error
        peers solve SCENE PLACES FOLDER DIRECT INDIRECT SEED
            write lumel's irradiance of all receivers and print the time it took
+       peers export-lumels SCENE FOLDER
+           write the scene as it is given, its lightmap coordinates, and random points of its surfaces with their light
+       peers bake-lumels SCENE FOLDER DIRECT INDIRECT SEED
+           write the light at these points from lumel's lightmap, noisy and denoised, and print the time it took
+       peers read-lumels SCENE FOLDER PAGE ANSWER
+           write the light at these points from a page of irradiance, row by row
 Scenes: cornell-box, sponza. Places: nodes (all nodes are receivers, some are compared) or surfaces (random points of
 the surfaces, all of which are compared). Arrays are of little-endian numbers of four bytes without a header.
 ";
@@ -49,15 +56,23 @@ fn main() {
         ["long", scene, places, folder] => long(scene, Places::named(places), Path::new(folder)),
         ["solve", scene, places, folder, direct, indirect, seed] => {
             let places = Places::named(places);
-            let settings = Settings {
-                direct_samples: direct.parse().unwrap(),
-                indirect_samples: indirect.parse().unwrap(),
-                seed: seed.parse().unwrap(),
-                ..places.settings()
-            };
-            solve(scene, places, Path::new(folder), settings);
+            solve(scene, places, Path::new(folder), settings(places, [direct, indirect, seed]));
         }
+        ["export-lumels", scene, folder] => lumels::export(scene, Path::new(folder)),
+        ["bake-lumels", scene, folder, direct, indirect, seed] => {
+            lumels::bake(scene, Path::new(folder), settings(Places::Surfaces, [direct, indirect, seed]));
+        }
+        ["read-lumels", scene, folder, page, answer] => lumels::read(scene, Path::new(folder), page, answer),
         _ => println!("{HELP}"),
+    }
+}
+
+fn settings(places: Places, [direct, indirect, seed]: [&str; 3]) -> Settings {
+    Settings {
+        direct_samples: direct.parse().unwrap(),
+        indirect_samples: indirect.parse().unwrap(),
+        seed: seed.parse().unwrap(),
+        ..places.settings()
     }
 }
 
@@ -73,26 +88,36 @@ fn export(name: &str, places: Places, folder: &Path) {
     };
     let seen = |i: &u32| !is_behind(light, receivers[*i as usize][0], gap);
     let sample = sample(to_compare.into_iter().filter(seen).collect());
-    let triangles = &scene.triangles()[..scene.traced_count()];
-    let materials = (0..triangles.len() as u32).map(|tri| scene.material_id(TriId(tri)).0);
-    let albedos: Vec<[f32; 3]> =
-        scene.materials().iter().map(|material| material.albedo.to_array()).collect();
     std::fs::create_dir_all(folder).unwrap();
-    write(folder, "positions.f32", scene.positions().iter().flat_map(|p| p.to_array()).map(f32::to_le_bytes));
-    write(folder, "triangles.u32", triangles.iter().flatten().map(|i| i.to_le_bytes()));
-    write(folder, "materials.u32", materials.map(u32::to_le_bytes));
     let numbers = receivers.iter().flatten().flat_map(|v| v.to_array());
     write(folder, "receivers.f32", numbers.map(f32::to_le_bytes));
     write(folder, "valid.u32", valid.iter().map(|i| i.to_le_bytes()));
     write(folder, "sample.u32", sample.iter().map(|i| i.to_le_bytes()));
-    let description = json!({
+    let description = json!({ "valid": valid.len(), "sample": sample.len() });
+    describe(name, &scene, description, folder);
+}
+
+/// Writes geometry, materials and light, and a description of the scene to which more is added; prints the latter.
+fn describe(name: &str, scene: &Scene, mut more: Value, folder: &Path) {
+    let [Light::Rect(light)] = scene.lights() else { panic!("{name} has other lights than one rectangle") };
+    let triangles = &scene.triangles()[..scene.traced_count()];
+    let materials = (0..triangles.len() as u32).map(|tri| scene.material_id(TriId(tri)).0);
+    let albedos: Vec<[f32; 3]> =
+        scene.materials().iter().map(|material| material.albedo.to_array()).collect();
+    write(folder, "positions.f32", scene.positions().iter().flat_map(|p| p.to_array()).map(f32::to_le_bytes));
+    write(folder, "triangles.u32", triangles.iter().flatten().map(|i| i.to_le_bytes()));
+    write(folder, "materials.u32", materials.map(u32::to_le_bytes));
+    let mut description = json!({
         "scene": name, "vertices": scene.vertex_count(), "triangles": triangles.len(), "bounces": BOUNCES,
-        "valid": valid.len(), "sample": sample.len(), "albedos": albedos,
+        "albedos": albedos,
         "light": {
             "center": light.center, "u": light.u, "v": light.v, "radiance": light.radiance.0,
-            "normal": light.normal(), "backing": backing(&scene, light),
+            "normal": light.normal(), "backing": backing(scene, light),
         },
     });
+    if let (Some(all), Some(more)) = (description.as_object_mut(), more.as_object_mut()) {
+        all.append(more);
+    }
     std::fs::write(folder.join("scene.json"), description.to_string()).unwrap();
     println!("{description}");
 }

@@ -3,7 +3,7 @@
 use crate::places::Places;
 use glam::Vec3;
 use lumel::{Light, MaxEdge, OpenOptions, Scene};
-use lumel_scene::Sides;
+use lumel_scene::{Sides, Smoothing};
 
 #[path = "../common/sponza.rs"]
 mod sponza;
@@ -11,6 +11,8 @@ mod sponza;
 /// How finely a scene is tessellated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Detail {
+    /// As it is in its file, but without smooth normals, whose shadows renderers treat in ways of their own.
+    Given,
     /// As it is baked.
     Usual,
     /// Edges much shorter.
@@ -28,23 +30,24 @@ pub(crate) fn open(name: &str, places: Places, detail: Detail) -> Scene {
         }
         "sponza" => {
             let max_edge = Some(match (places, detail) {
-                (Places::Nodes, Detail::Usual) => 3.0,
-                (Places::Nodes, Detail::Fine) => 0.25,
+                (_, Detail::Given) => MaxEdge::Off,
+                (Places::Nodes, Detail::Usual) => MaxEdge::Length(3.0),
+                (Places::Nodes, Detail::Fine) => MaxEdge::Length(0.25),
                 // What lies between vertices counts.
-                (Places::Surfaces, Detail::Usual) => 1.0,
-                (Places::Surfaces, Detail::Fine) => 0.5,
+                (Places::Surfaces, Detail::Usual) => MaxEdge::Length(1.0),
+                (Places::Surfaces, Detail::Fine) => MaxEdge::Length(0.5),
             });
-            (
-                sponza::file().unwrap(),
-                OpenOptions {
-                    max_edge: Some(max_edge.map_or(MaxEdge::Off, MaxEdge::Length)),
-                    ..OpenOptions::default()
-                },
-            )
+            (sponza::file().unwrap(), OpenOptions { max_edge, ..OpenOptions::default() })
         }
         _ => panic!("there is no scene {name} to compare renderers in"),
     };
     let mut scene = lumel::open(&file.to_string_lossy(), &options).unwrap().builder;
+    if matches!(detail, Detail::Given) {
+        for object in &mut scene.objects {
+            object.normals.clear();
+            object.faces.iter_mut().for_each(|face| face.smoothing = Smoothing::Flat);
+        }
+    }
     let textures = &scene.textures;
     for material in &mut scene.materials {
         if let Some(texture) = material.albedo_texture.take() {
