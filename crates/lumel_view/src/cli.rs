@@ -85,8 +85,7 @@ impl Cli {
             paths,
             max_edge: self.max_edge,
             vertex_budget: solution.and_then(|file| SolutionMeta::load(file).ok()?.vertex_budget),
-            // The window solves on the mesh that it shows.
-            adaptive: Some(false),
+            adaptive: None,
             subdivide: self.subdivide,
             two_sided: self.two_sided.clone(),
             keeps_whole: false,

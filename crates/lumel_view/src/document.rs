@@ -5,7 +5,8 @@ use crate::lights::{EditLight, default_name, shining};
 use crate::slots::Slots;
 use glam::Vec3;
 use lumel::{
-    Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch, tracer_of,
+    Adaptive, Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch,
+    tracer_of,
 };
 use lumel_render_cpu::camera_for;
 use lumel_scene::{Light, TextureId, TriId};
@@ -75,7 +76,9 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         let text = error_text(error);
         if text.contains(&request.name) { text } else { format!("{text}: {}", request.name) }
     };
-    let opened = lumel::open(&request.name, &request.options).map_err(|e| named(&e))?;
+    // The window solves on the mesh that it shows.
+    let options = OpenOptions { adaptive: Some(false), ..request.options.clone() };
+    let opened = lumel::open(&request.name, &options).map_err(|e| named(&e))?;
     let (scene, more) = opened.builder.build().map_err(|e| named(&e))?;
     let mut warnings = opened.warnings;
     warnings.append(more);
@@ -90,7 +93,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
             .as_ref()
             .map(|p| p.bake.clone())
             .filter(|p| *p != SettingsPatch::default())
-            .map(|p| p.settings()),
+            .map(|p| Settings { adaptive: Adaptive::Off, ..p.settings() }),
         slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
     };
     let document = Document {

@@ -156,7 +156,7 @@ impl Note {
                 paths,
                 max_edge: self.max_edge,
                 vertex_budget: None,
-                adaptive: Some(false),
+                adaptive: None,
                 subdivide: self.subdivide,
                 two_sided: self.two_sided.clone(),
                 keeps_whole: false,

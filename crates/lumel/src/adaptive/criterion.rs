@@ -34,6 +34,10 @@ const USUAL: f64 = 1.0 / 64.0;
 /// Edges that a light appears or disappears along are split until they are this short.
 const SHADOW: f64 = 1.0 / 32.0;
 
+/// Edges of the given mesh that are shorter are split only with others: there are many where a mesh has small parts, and hardly any
+/// hides much.
+pub(crate) const PROBED: f64 = 1.0 / 128.0;
+
 /// Edges up to this length are not split at all.
 pub(crate) const SHORTEST: f64 = 1.0 / 512.0;
 

@@ -1,6 +1,6 @@
 //! Splitting edges until light is linear between vertices.
 
-use super::criterion::{Criterion, LONGEST, PROBED_WITHIN, Probe, SHORTEST};
+use super::criterion::{Criterion, LONGEST, PROBED, PROBED_WITHIN, Probe, SHORTEST};
 use super::kinks;
 use lumel_scene::{Bisection, Part, SurfacePoint};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -92,7 +92,9 @@ impl Refiner {
         }
         loop {
             self.measure(&mut probe)?;
-            let floor = self.floor.unwrap_or_else(|| FLOOR * self.mean(|vertex| self.at(vertex).light));
+            let floor = self.floor.unwrap_or_else(|| {
+                FLOOR * self.mean(|vertex| self.vertices[vertex as usize].map(|probe| probe.light))
+            });
             self.floor = Some(floor);
             let marked = self.marked(&Criterion { error: self.error, floor });
             watch(&self.mesh);
@@ -120,7 +122,7 @@ impl Refiner {
         mut probe: impl FnMut(&[SurfacePoint]) -> Result<Vec<Probe>, E>,
         watch: &mut dyn FnMut(&Bisection),
     ) -> Result<RefinementEnd, E> {
-        let floor = FLOOR * self.mean(|vertex| light[vertex as usize]);
+        let floor = FLOOR * self.mean(|vertex| Some(light[vertex as usize]));
         let criterion = Criterion { error, floor };
         let mut doubtful = kinks::doubtful(&self.mesh, light, &criterion);
         let mut vertices: HashMap<u32, Probe> = HashMap::new();
@@ -229,26 +231,31 @@ impl Refiner {
             targets.push(target);
             points.push(at);
         };
+        let given = self.mesh.scene().vertex_count() as u32;
         for part in self.mesh.parts() {
-            for (k, &vertex) in part.vertices.iter().enumerate() {
-                let is_new = self.vertices[vertex as usize].is_none();
-                if is_new && !std::mem::replace(&mut seen[vertex as usize], true) {
-                    add(Target::Vertex(vertex), at_corner(part, k));
-                }
-            }
+            let mut is_needed = [false; 3];
             for (k, ends) in edges(part).into_iter().enumerate() {
-                if self.mesh.relative_length(ends) > SHORTEST
-                    && !self.middles.contains_key(&ends)
-                    && known.insert(ends)
-                {
+                let shortest = if ends[1] < given { PROBED } else { SHORTEST };
+                if self.mesh.relative_length(ends) <= shortest {
+                    continue;
+                }
+                (is_needed[k], is_needed[(k + 1) % 3]) = (true, true);
+                if !self.middles.contains_key(&ends) && known.insert(ends) {
                     add(Target::Middle(ends), on_edge(part, k));
                 }
             }
             let is_large =
                 edges(part).into_iter().any(|ends| self.mesh.relative_length(ends) > PROBED_WITHIN);
             if is_large && !self.within.contains_key(&part.vertices) {
+                is_needed = [true; 3];
                 for (i, &weights) in WITHIN.iter().enumerate() {
                     add(Target::Within(part.vertices, i), part.at(weights));
+                }
+            }
+            for (k, &vertex) in part.vertices.iter().enumerate().filter(|(k, _)| is_needed[*k]) {
+                let is_new = self.vertices[vertex as usize].is_none();
+                if is_new && !std::mem::replace(&mut seen[vertex as usize], true) {
+                    add(Target::Vertex(vertex), at_corner(part, k));
                 }
             }
         }
@@ -303,13 +310,15 @@ impl Refiner {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// The mean over all surfaces of something at vertices.
-    fn mean(&self, at: impl Fn(u32) -> f64) -> f64 {
+    /// The mean over all surfaces of something at vertices, as far as it is known.
+    fn mean(&self, at: impl Fn(u32) -> Option<f64>) -> f64 {
         let (mut light, mut area) = (0.0, 0.0);
         for part in self.mesh.parts() {
-            let of_part = self.area(part);
-            light += of_part * part.vertices.iter().map(|&vertex| at(vertex)).sum::<f64>() / 3.0;
-            area += of_part;
+            let of_part = self.area(part) / 3.0;
+            for of_vertex in part.vertices.into_iter().filter_map(&at) {
+                light += of_part * of_vertex;
+                area += of_part;
+            }
         }
         if area > 0.0 { light / area } else { 0.0 }
     }

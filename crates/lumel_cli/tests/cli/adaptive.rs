@@ -7,7 +7,8 @@ f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 const LAMP: [&str; 2] = ["--light", "rect center=1,1.9,1 direction=0,-1,0 size=0.3,0.3 radiance=30,30,30"];
 
-const SMALL: &str = "--preset draft --direct-samples 8 --indirect-samples 16 --bounces 1";
+/// What is carried is what is read: a solution is resumed bit by bit.
+const SMALL: &str = "--projection area --preset draft --direct-samples 8 --indirect-samples 16 --bounces 1";
 
 #[test]
 fn a_mesh_follows_light_and_its_solution_is_drawn_resumed_and_measured() {
