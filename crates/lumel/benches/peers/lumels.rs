@@ -90,7 +90,7 @@ pub(crate) fn bake(name: &str, folder: &Path, settings: Settings) {
     let Lumels { scene, atlas, coverage } = &lumels;
     let finished = |denoises, name: &str| {
         let start = ProcessTime::now();
-        let map = Lightmap::finished(scene, atlas, coverage, &light, denoises, &[]);
+        let map = Lightmap::finished(scene, atlas, coverage, &light, denoises, None);
         let seconds = start.elapsed().as_secs_f64();
         write_light(&map.lighting(0), folder, name);
         measured + seconds
