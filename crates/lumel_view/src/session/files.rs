@@ -164,7 +164,9 @@ impl Session {
             project.materials.push(entry);
         }
         project.slots = self.slots.entries();
-        project.bake = SettingsPatch::complete(&self.settings);
+        // The window does not refine meshes: what a bake is told about it stays.
+        let SettingsPatch { adaptive, max_vertices, .. } = project.bake;
+        project.bake = SettingsPatch { adaptive, max_vertices, ..SettingsPatch::complete(&self.settings) };
         let view = CameraEntry::from(&self.camera.camera());
         project.cameras.retain(|camera| camera.name != view.name);
         project.cameras.insert(0, view);

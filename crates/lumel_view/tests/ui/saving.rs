@@ -108,6 +108,23 @@ fn projects_are_saved_where_one_says_and_then_silently() {
     assert_eq!(lights_in(&other), 2);
 }
 
+#[test]
+fn what_a_project_says_about_meshes_that_follow_light_stays() {
+    let Some(mut window) = Window::empty() else { return };
+    let file = window.file("follows.toml");
+    let given = "builtin = \"cornell-box\"\n[bake]\nadaptive = 0.03\nmax_vertices = 9000\n";
+    std::fs::write(&file, given).unwrap();
+    let bake = |file: &Path| std::fs::read_to_string(file).unwrap().parse::<Project>().unwrap().bake;
+    let before = bake(&file);
+    window.session().open(OpenRequest::new(file.to_string_lossy()));
+    window.wait_for_files();
+    window.press(Key::Insert);
+    window.session().save_project(&file).unwrap();
+    let after = bake(&file);
+    assert_eq!((after.adaptive, after.max_vertices), (before.adaptive, before.max_vertices));
+    assert!(after.adaptive.is_some() && lights_in(&file) == 2);
+}
+
 fn lights_in(file: &Path) -> usize {
     std::fs::read_to_string(file).unwrap().parse::<Project>().unwrap().lights.len()
 }
