@@ -31,7 +31,11 @@ fn the_summary_says_what_happened() {
     let place = Place::new();
     let run = place.bake_furnace("--bounces 1").done();
     assert_eq!(place.files(), ["furnace.npz"], "the default output, and no checkpoint");
-    assert_eq!(run.stderr, "");
+    assert!(
+        run.stderr.starts_with("note: needs about ") && run.stderr.lines().count() == 1,
+        "{}",
+        run.stderr
+    );
     let solve = run.stdout.lines().find_map(|line| line.strip_prefix("solve ")).unwrap();
     let (seconds, unit) = solve.split_once(' ').unwrap();
     assert!(seconds.parse::<f64>().unwrap() >= 0.0 && unit == "s", "{solve}");
@@ -121,7 +125,7 @@ fn progress_as_json_is_one_object_a_line() {
 fn a_checkpoint_that_cannot_be_written_is_told_once_and_costs_nothing_else() {
     let place = Place::new();
     let full = place.bake_furnace("-o full.npz").done();
-    assert_eq!(full.stderr, "");
+    assert!(!full.stderr.contains("warning"), "{}", full.stderr);
     // Large enough for the .rad file, too small for any checkpoint.
     let size = std::fs::metadata(place.path("full.npz")).unwrap().len();
     let vertices = place.solution("full.npz").vertex_count() as u64;
