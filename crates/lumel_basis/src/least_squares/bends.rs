@@ -9,7 +9,7 @@ use rayon::prelude::*;
 ///
 /// Triangles of usual shape stay below 20. Without a bound, slivers would stiffen all around them, and iterations would
 /// not end.
-const MAX_STIFFNESS: f64 = 20.0;
+const MAX_STIFFNESS: f64 = 40.0;
 
 /// An edge between two triangles, and what a function costs that bends there: the square of the sum of its values at the
 /// four nodes times `jumps`.

@@ -5,8 +5,8 @@ use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 /// Iterations end when no residual, over the diagonal of its row, is larger than this share of the largest mean of its
-/// colour: coefficients are then off by 1e-7 to 2e-6 of it, more where the regulariser is stiff.
-pub(super) const TOLERANCE: f64 = 4e-7;
+/// colour: coefficients are then off by about 1e-7 of it, which single precision rounds away.
+const TOLERANCE: f64 = 4e-7;
 
 /// More iterations than usual meshes need: twelve without a regulariser, some thirty with it.
 const MAX_ITERATIONS: usize = 60;
@@ -15,24 +15,15 @@ const MAX_ITERATIONS: usize = 60;
 const BLOCK: usize = 1024;
 
 impl LeastSquares {
-    /// The coefficients of means, and how many iterations it took.
-    pub(super) fn solve(&self, means: &[DVec3]) -> (Vec<DVec3>, usize) {
-        self.solve_from(means.to_vec(), means, TOLERANCE)
-    }
-
-    /// Conjugate gradients with Jacobi's preconditioner from a first guess, one system for each colour.
+    /// Conjugate gradients with Jacobi's preconditioner from the means, one system for each colour.
     ///
     /// The eigenvalues of the mass matrix lumped to its row sums, which are twice its diagonal, lie from 1/4 to 1 on any
     /// mesh (Wathen 1987), so that each iteration leaves a third of the error at most without a regulariser.
-    pub(super) fn solve_from(
-        &self,
-        mut u: Vec<DVec3>,
-        means: &[DVec3],
-        tolerance: f64,
-    ) -> (Vec<DVec3>, usize) {
+    pub(super) fn solve(&self, means: &[DVec3]) -> (Vec<DVec3>, usize) {
         let n = means.len();
         let block = |i: usize| i * BLOCK..((i + 1) * BLOCK).min(n);
         let largest = means.iter().fold(DVec3::ZERO, |max, mean| max.max(mean.abs()));
+        let mut u = means.to_vec();
         let residual = |u: &[DVec3], i: usize| means[i] * self.areas[i] - self.matrix.times(i, u);
         let mut r: Vec<DVec3> = (0..n).into_par_iter().map(|i| residual(&u, i)).collect();
         let conditioned = |r: DVec3, row: usize| r * self.inverse_diagonal[row];
@@ -43,7 +34,7 @@ impl LeastSquares {
             sum(r.par_chunks(BLOCK).zip(p.par_chunks(BLOCK)).map(|(r, z)| dot(z, r.iter().copied())));
         let mut change = p.iter().fold(Vec3A::ZERO, |max, z| max.max(z.abs())).as_dvec3();
         let (mut ap, mut n_iterations) = (vec![Vec3A::ZERO; n], 0);
-        while change.cmpgt(tolerance * largest).any() && n_iterations < MAX_ITERATIONS {
+        while change.cmpgt(TOLERANCE * largest).any() && n_iterations < MAX_ITERATIONS {
             n_iterations += 1;
             let of_block = |(i, ap): (usize, &mut [Vec3A])| {
                 ap.iter_mut().zip(block(i)).for_each(|(ap, row)| *ap = self.matrix.times_single(row, &p));

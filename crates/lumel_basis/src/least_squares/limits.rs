@@ -1,7 +1,6 @@
 //! Taking back what overshoots beside the edges of light.
 
 use super::LeastSquares;
-use super::conjugate_gradients::TOLERANCE;
 use crate::Field;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,9 +15,6 @@ const ROOM_AT_BORDERS: f64 = 2.0;
 
 /// What is taken back at one node may bring its neighbours out of range. More rounds change nothing that can be seen.
 const ROUNDS: usize = 3;
-
-/// [`TOLERANCE`] of the coefficients that limits are found from: an eye sees a thousand times this.
-const TOLERANCE_OF_LIMITS: f64 = 1e-4;
 
 /// How much nodes take of what least squares move between them: where light has an edge, less than all.
 ///
@@ -42,20 +38,6 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Coefficients near those of some means. Light that has the light of these limits in it, which all light has whose edges
-    /// take the most iterations, differs from it by the smooth light of bounces.
-    fn first_guess(&self, means: &[DVec3]) -> Vec<DVec3> {
-        let pairs = || means.iter().zip(&self.means);
-        let from_here: f64 = pairs().map(|(mean, here)| (*mean - *here).length_squared()).sum();
-        if from_here >= pairs().map(|(mean, _)| mean.length_squared()).sum() {
-            return means.to_vec();
-        }
-        pairs()
-            .zip(&self.coefficients)
-            .map(|((mean, here), coefficient)| *coefficient + (*mean - *here))
-            .collect()
-    }
-
     /// The share of what moves from node `j` to node `i` for a coefficient `value` of the matrix.
     fn between(&self, i: usize, j: usize, value: f64) -> DVec3 {
         let ([i_gives, i_takes], [j_gives, j_takes]) = (self.shares[i], self.shares[j]);
@@ -75,7 +57,7 @@ impl LeastSquares {
         assert_eq!(means.node_count(), n, "the field is one over other nodes");
         let first_channel = means.values().iter().step_by(means.channels());
         let means: Vec<DVec3> = first_channel.map(|mean| mean.as_dvec3()).collect();
-        let (coefficients, _) = self.solve_from(means.clone(), &means, TOLERANCE_OF_LIMITS);
+        let (coefficients, _) = self.solve(&means);
         let room: Vec<[DVec3; 2]> = (0..n).into_par_iter().map(|i| self.room(i, &means)).collect();
         let mut limits = Limits { shares: vec![[1.0; 2]; n], free: vec![true; n], coefficients, means };
         for _ in 0..ROUNDS {
@@ -116,12 +98,13 @@ impl LeastSquares {
     pub fn project_within(&self, limits: &Limits, means: &mut Field) {
         assert_eq!(limits.shares.len(), self.areas.len(), "the limits are those of other nodes");
         self.in_each_channel(means, |means| {
-            let (coefficients, _) = self.solve_from(limits.first_guess(means), means, TOLERANCE);
+            let solved = if *means == limits.means { None } else { Some(self.solve(means).0) };
+            let coefficients = solved.as_ref().unwrap_or(&limits.coefficients);
             let limited = |i: usize| {
                 if self.areas[i] == 0.0 || limits.free[i] {
                     return coefficients[i];
                 }
-                means[i] + self.moved(i, limits, &coefficients).sum::<DVec3>() / self.areas[i]
+                means[i] + self.moved(i, limits, coefficients).sum::<DVec3>() / self.areas[i]
             };
             ((0..means.len()).into_par_iter().map(limited).collect(), ())
         });
