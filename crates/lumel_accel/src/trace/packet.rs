@@ -328,15 +328,20 @@ impl<'a, S: Simd, const TOGETHER: bool, const ANY: bool> Traversal<'a, S, TOGETH
     /// Tests the triangles that were in the way of other rays last. Whether any ray is still free.
     #[inline(always)]
     fn meet_what_was_in_the_way(&self, packet: &mut Packet, stack: &mut Stack) -> bool {
+        let mut any = false;
         for guess in stack.guesses() {
             if let Some(block) = self.bvh.blocks.get(guess)
                 && self.meet(block, packet.active, packet)
             {
+                any = true;
                 stack.is_in_the_way(guess);
                 if packet.active == 0 {
                     return false;
                 }
             }
+        }
+        if !any {
+            stack.forget_guesses();
         }
         true
     }

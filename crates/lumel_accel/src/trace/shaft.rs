@@ -136,15 +136,20 @@ impl Kernel for Walk<'_, '_> {
         let limit = shaft.t_max.next_down();
         let mut budget = BUDGET;
         stack.clear();
+        let mut any = false;
         for guess in stack.guesses() {
             if let Some(block) = bvh.blocks.get(guess)
                 && shaft.meet(isa, block, &beam)
             {
+                any = true;
                 stack.is_in_the_way(guess);
                 if shaft.is_blocked() {
                     return true;
                 }
             }
+        }
+        if !any {
+            stack.forget_guesses();
         }
         let mut current = shaft.root;
         loop {

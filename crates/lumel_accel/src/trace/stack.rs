@@ -67,6 +67,12 @@ impl Stack {
         self.in_the_way[0] = block;
     }
 
+    /// None of them is: they are not tried again.
+    #[inline(always)]
+    pub(super) fn forget_guesses(&mut self) {
+        self.in_the_way = [usize::MAX; GUESSES];
+    }
+
     pub(super) fn clear(&mut self) {
         self.len = 0;
     }
