@@ -7,7 +7,7 @@ use lumel_basis::PointReceivers;
 use lumel_sample::{
     Dim, Frame, Sampler, Stream, StreamKey, concentric_disk, uniform_sphere, uniform_triangle,
 };
-use lumel_scene::{Light, Scene, SpotLight, SurfacePoint, TriId, luminance};
+use lumel_scene::{Bounds, Light, Scene, SpotLight, SurfacePoint, TriId, luminance};
 use lumel_transport::{
     Control, CpuTransport, Emitter, EmitterMask, Job, LightSampling, Plan, Source, TransportError, accumulate,
 };
@@ -231,12 +231,9 @@ impl Baker {
         shells.retain(|_, tris| tris.iter().all(|&tri| emits(tri)) && enclosed_volume(scene, tris) < 0.0);
         let mut objects: Vec<String> = Vec::new();
         for (shell, tris) in shells.iter().take(MAX_SHELLS) {
-            let corners = || tris.iter().flat_map(|&tri| scene.triangle_positions(tri));
-            let (min, max) = corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| {
-                (min.min(corner), max.max(corner))
-            });
+            let bounds = Bounds::around(tris.iter().flat_map(|&tri| scene.triangle_positions(tri)));
             let others = || traced().filter(|&tri| scene.shell(tri) != *shell);
-            let is_inside = |p: Vec3| p.cmpge(min).all() && p.cmple(max).all();
+            let is_inside = |p: Vec3| p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
             let is_empty = !others().any(|tri| scene.triangle_positions(tri).into_iter().any(is_inside));
             let name = &scene.object_names()[scene.object_id(tris[0]).index()];
             if is_empty && others().next().is_some() && !objects.contains(name) {

@@ -60,11 +60,13 @@ impl SceneBuilder {
         let Some(mut length) = EdgeLength::for_scene(self) else { return (None, Warnings::default()) };
         let given = self.face_count();
         let limit = given.saturating_add(TRIANGLES_PER_VERTEX * u64::from(vertex_budget));
-        let mut triangles = self.count(&self.rule(length), limit);
-        while triangles > limit {
+        let triangles = loop {
+            let triangles = self.count(&self.rule(length), limit);
+            if triangles <= limit {
+                break triangles;
+            }
             length = length.scaled(COARSER);
-            triangles = self.count(&self.rule(length), limit);
-        }
+        };
         if triangles == given {
             return (None, Warnings::default());
         }

@@ -8,6 +8,7 @@ use crate::order::CHUNK;
 use glam::{DVec3, Vec3};
 use lumel_accel::{Ray, RayTracer};
 use lumel_basis::Site;
+use lumel_scene::Bounds;
 
 /// Shadow rays of samples, to be traced together; kept between elements, so that nothing is allocated for each.
 #[derive(Default)]
@@ -86,7 +87,7 @@ impl Batch {
         if elements.len() < 2 {
             return;
         }
-        let ends = elements.clone().into_iter().skip(1).chain([rays.len()]);
+        let ends = elements.iter().copied().skip(1).chain([rays.len()]);
         let mut rows: Vec<_> = elements.iter().zip(ends).map(|(begin, end)| *begin..end).collect();
         let mut slot = 0;
         while transposed.len() < rays.len() {
@@ -115,12 +116,8 @@ impl Batch {
 }
 
 /// How far the ends of rays are apart, on both sides.
-fn spread<'a>(rays: impl Iterator<Item = &'a Ray>) -> f32 {
-    let mut bounds = [(Vec3::INFINITY, Vec3::NEG_INFINITY); 2];
-    for ray in rays {
-        for ((low, high), end) in bounds.iter_mut().zip([ray.origin, ray.origin + ray.direction]) {
-            (*low, *high) = (low.min(end), high.max(end));
-        }
-    }
-    bounds.map(|(low, high)| low.distance(high)).iter().sum()
+fn spread<'a>(rays: impl Iterator<Item = &'a Ray> + Clone) -> f32 {
+    let origins = Bounds::around(rays.clone().map(|ray| ray.origin));
+    let targets = Bounds::around(rays.map(|ray| ray.origin + ray.direction));
+    origins.diagonal() + targets.diagonal()
 }
