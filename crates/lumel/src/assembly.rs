@@ -1,18 +1,19 @@
 //! The operators that settings ask for.
 
 use crate::method::Method;
-use crate::settings::{Memory, Settings, SolverKind, TargetError};
+use crate::settings::{Memory, ScheduleKind, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
 use lumel_basis::{Receivers, Sampling};
 use lumel_scene::Scene;
-use lumel_solve::{REPLICATES, Replicates, Target};
+use lumel_solve::{REPLICATES, Replicates, Schedule, Target};
 use lumel_transport::{CachedTransport, CpuTransport, Order, Plan, Rows, Stored, Transport};
 use std::sync::Arc;
 
 /// What solves a scene with certain settings.
 pub(crate) struct Assembly {
     pub(crate) method: Method,
+    pub(crate) schedule: Box<dyn Schedule>,
     /// Measures direct light and bounces.
     pub(crate) transport: Box<dyn Transport>,
     /// The rays that it stores.
@@ -66,13 +67,19 @@ pub(crate) fn method(scene: &Scene, order: &Order, settings: &Settings) -> Metho
     let textured = scene.has_varying_albedo();
     let bytes = |rays: u32| {
         let plan = Plan { indirect_samples: rays, ..settings.plan() };
-        Rows::bytes_for(order.rays(&plan), textured)
+        let rays = order.rays(&plan);
+        Rows::bytes_for(rays, textured) + column_bytes(settings, rays)
     };
     if let Some(target) = target::target(settings) {
         let rays = target::first_rays(settings, bytes);
         return Method::Replicates { target, rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
     }
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
+}
+
+/// What shooting takes besides so many stored rays.
+pub(crate) fn column_bytes(settings: &Settings, rays: u64) -> u64 {
+    if settings.schedule == ScheduleKind::Shoot { Rows::column_bytes_for(rays) } else { 0 }
 }
 
 /// What operators are made of.
@@ -100,10 +107,14 @@ impl<R: Receivers + 'static> Parts<'_, R> {
             Method::Replicates { target, rays, .. } => {
                 let first = target::first_plan(self.settings, rays);
                 let like = CachedTransport::new(self.traced(first), None);
-                ((traced(), None), Rest::Replicates(target, Box::new(StoredReplicates { like, first })))
+                let shoots = self.settings.schedule == ScheduleKind::Shoot;
+                (
+                    (traced(), None),
+                    Rest::Replicates(target, Box::new(StoredReplicates { like, first, shoots })),
+                )
             }
         };
-        Assembly { method, transport, stored, rest }
+        Assembly { method, schedule: self.settings.schedule(), transport, stored, rest }
     }
 
     fn traced(&self, plan: Plan) -> CpuTransport<lumel_basis::VertexBasis, R> {

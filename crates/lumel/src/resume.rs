@@ -3,8 +3,8 @@
 use crate::{Baker, Method, Projection, Settings, assembly};
 use glam::Vec3;
 use lumel_basis::{Basis, Field};
-use lumel_export::{Checkpoint, CheckpointMeta, Saved, Solution, SolutionError};
-use lumel_solve::{Accuracy, Errors, PowerLog, SolveState};
+use lumel_export::{Checkpoint, CheckpointMeta, Saved, SavedShots, Solution, SolutionError};
+use lumel_solve::{Accuracy, Errors, PowerLog, ShotLight, SolveState};
 use serde_json::Value;
 
 /// Why saved light cannot be continued.
@@ -41,6 +41,11 @@ impl Baker {
             meta: CheckpointMeta::new(self.scene(), self.basis().identity().to_string(), settings, accuracy),
             valid: state.valid.clone(),
             bounces: state.bounces.iter().map(values).collect(),
+            shot: state.shot.as_ref().map(|shot| SavedShots {
+                reflected: values(&shot.reflected),
+                unshot: values(&shot.unshot),
+                shots: shot.shots,
+            }),
             tail: state.tail.as_ref().map(values),
             standard_error: state.errors.as_ref().map(|errors| values(&errors.standard_error)),
             rounds: state.rounds.clone(),
@@ -86,6 +91,11 @@ impl Baker {
         let errors = checkpoint.standard_error.as_ref().map(field).zip(accuracy);
         let bounces = checkpoint.bounces.iter().map(field).collect();
         Ok(self.continued(SolveState {
+            shot: checkpoint.shot.as_ref().map(|shot| ShotLight {
+                reflected: field(&shot.reflected),
+                unshot: field(&shot.unshot),
+                shots: shot.shots,
+            }),
             tail: checkpoint.tail.as_ref().map(field),
             errors: errors.map(|(standard_error, accuracy)| Errors { standard_error, accuracy }),
             rounds: checkpoint.rounds.clone(),
@@ -121,7 +131,8 @@ impl Baker {
     /// The state from which a solve with these settings continues a solve of the same bounces, of which it may ask for
     /// more or fewer.
     ///
-    /// Bounces beyond those that an uninterrupted solve computes are left out, and so is what is made of all of them. With
+    /// Bounces beyond those that an uninterrupted solve computes are left out, and so is what is made of all of them. Shots stay,
+    /// even if they went further than is asked for: what was sent cannot be taken back. With
     /// a target error, the rounds stay, too; their errors and the tail only if they are those of the bounces asked for.
     pub fn continued(&self, state: SolveState) -> SolveState {
         if let Method::Replicates { .. } = self.method() {
@@ -129,12 +140,10 @@ impl Baker {
             self.problem().reopen(&mut state);
             return state;
         }
-        let SolveState { basis, valid, mut bounces, .. } = state;
-        let powers = PowerLog::of(self.integrals(), &bounces);
-        if let Some(wanted) = self.settings().stop().wanted(&powers) {
-            bounces.truncate(wanted);
-        }
-        SolveState { basis, valid, bounces, ..SolveState::new() }
+        let wanted = self.problem().schedule.wanted(&state, &PowerLog::of(self.integrals(), &state.bounces));
+        let SolveState { basis, valid, mut bounces, shot, .. } = state;
+        bounces.truncate(wanted.unwrap_or(usize::MAX));
+        SolveState { basis, valid, bounces, shot, ..SolveState::new() }
     }
 
     /// A state of these bounces.

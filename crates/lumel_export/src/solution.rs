@@ -31,7 +31,8 @@ pub struct Solution {
     pub positions: Vec<DVec3>,
     /// Unit normals of the vertices, on the lit side.
     pub normals: Vec<Vec3>,
-    /// All light that arrives: the sum of the bounces and the tail.
+    /// All light that arrives: the sum of the bounces and the tail; if it was [shot](SolutionMeta::is_shot), of direct light and
+    /// what shots have brought.
     pub irradiance: Vec<Vec3>,
     /// `bounces[k][vertex]`: light that arrives after `k` reflections; `bounces[0]` is direct light.
     pub bounces: Vec<Vec<Vec3>>,
@@ -129,6 +130,20 @@ impl SolutionMeta {
         }
     }
 
+    /// Whether its light was shot: then there is direct light, and all light, but no further bounces.
+    pub fn is_shot(&self) -> bool {
+        self.settings.get("schedule").and_then(Value::as_str) == Some("shoot")
+    }
+
+    /// Why there is no such bounce, where there are `count`.
+    pub(crate) fn no_bounce(&self, wanted: usize, count: usize) -> SolutionError {
+        if self.is_shot() {
+            SolutionError::Shot { wanted }
+        } else {
+            SolutionError::NoSuchBounce { wanted, count }
+        }
+    }
+
     /// Reads where a solution comes from and leaves its light.
     ///
     /// # Errors
@@ -167,7 +182,7 @@ impl Solution {
         match *selection {
             SolutionSelection::Sum => Ok(self.sum()),
             SolutionSelection::Bounce(wanted) => {
-                self.bounce(wanted).ok_or(SolutionError::NoSuchBounce { wanted, count: self.bounces.len() })
+                self.bounce(wanted).ok_or_else(|| self.meta.no_bounce(wanted, self.bounces.len()))
             }
             SolutionSelection::Layer(ref wanted) => self.layer(wanted).ok_or_else(|| {
                 let names = self.layers.iter().map(|layer| layer.name.clone()).collect();

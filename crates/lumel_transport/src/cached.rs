@@ -1,6 +1,6 @@
 //! The operator on stored rows: rays are traced once, and every bounce after that is a sparse product.
 
-use crate::area_pattern::AreaPatterns;
+use crate::area_pattern::{AreaPatterns, WholePatterns};
 use crate::arrivals::Arrivals;
 use crate::ends::StoredEnd;
 use crate::group::Group;
@@ -21,7 +21,7 @@ use lumel_sample::{Dim, StreamKey};
 use lumel_scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The bounce and the pass whose sample points all bounces share.
 const SHARED_BOUNCE: u32 = 1;
@@ -39,14 +39,16 @@ const BLOCK: usize = 16;
 pub struct CachedTransport<B, R> {
     pub(crate) inner: CpuTransport<B, R>,
     pub(crate) rows: Arc<Rows>,
-    reflectance: Arc<Reflectance>,
-    areas: Option<AreaRows>,
+    pub(crate) reflectance: Arc<Reflectance>,
+    pub(crate) areas: Option<AreaRows>,
 }
 
 /// How areas are sampled.
-struct AreaRows {
+pub(crate) struct AreaRows {
     /// By the stored rays.
-    rays: AreaPatterns,
+    pub(crate) rays: AreaPatterns,
+    /// The same patterns whole, made when light is shot for the first time.
+    pub(crate) whole: OnceLock<WholePatterns>,
     /// By shadow rays, if from some of the same places.
     lights: Option<AreaPatterns>,
 }
@@ -77,7 +79,7 @@ pub(crate) struct ChunkRows<'a> {
 }
 
 impl ChunkRows<'_> {
-    fn per_element(&self) -> usize {
+    pub(crate) fn per_element(&self) -> usize {
         self.ends.len() / self.elements.len().max(1)
     }
 
@@ -129,7 +131,8 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
             let plan = &new.inner.plan;
             let rays =
                 AreaPatterns::new(plan, &new.inner.order, plan.indirect_samples, new.rows.key.shared());
-            new.areas = Some(AreaRows { lights: new.light_patterns(&rays), rays });
+            let lights = new.light_patterns(&rays);
+            new.areas = Some(AreaRows { lights, rays, whole: OnceLock::new() });
         }
         new
     }
@@ -152,10 +155,14 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
         self.inner.order.towards(&*self.inner.receivers, nodes).elements().len()
     }
 
+    /// How many rays it would store [with other samples](Self::with_samples).
+    pub fn rays_with(&self, plan: &Plan, nodes: &[bool]) -> u64 {
+        self.inner.order.towards(&*self.inner.receivers, nodes).rays(plan)
+    }
+
     /// What [`memory`](Self::memory) would be [with other samples](Self::with_samples).
     pub fn memory_with(&self, plan: &Plan, nodes: &[bool]) -> u64 {
-        let rays = self.inner.order.towards(&*self.inner.receivers, nodes).rays(plan);
-        Rows::bytes_for(rays, self.reflectance.varies())
+        Rows::bytes_for(self.rays_with(plan, nodes), self.reflectance.varies())
     }
 
     /// What it stores, to be shared.
@@ -176,13 +183,19 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
         Rows::bytes_for(self.inner.order.rays(&self.inner.plan), self.reflectance.varies())
     }
 
-    fn chunk_rows(&self, chunk: u32, control: &Control) -> Result<ChunkRows<'_>, TransportError> {
+    pub(crate) fn chunk_rows(&self, chunk: u32, control: &Control) -> Result<ChunkRows<'_>, TransportError> {
         let (slot, elements) = (&self.rows.chunks[chunk as usize], self.inner.elements(chunk));
         if let Some(ends) = slot.get() {
             return Ok(ChunkRows { elements, ends });
         }
         let ends = self.trace_rows(chunk, control)?;
         Ok(ChunkRows { elements, ends: slot.get_or_init(|| ends) })
+    }
+
+    /// The rows of a chunk that have been traced; of others none.
+    pub(crate) fn rows_there(&self, chunk: u32) -> ChunkRows<'_> {
+        let ends = self.rows.chunks[chunk as usize].get().map_or(&[][..], |ends| ends);
+        ChunkRows { elements: self.inner.elements(chunk), ends }
     }
 
     fn measure_chunk(
@@ -206,7 +219,7 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
                 }
             }
             (None, Source::Emitters(mask)) => match &self.areas {
-                Some(AreaRows { rays, lights: Some(lights) }) => {
+                Some(AreaRows { rays, lights: Some(lights), .. }) => {
                     self.direct_over_areas(job, mask, (rays, lights, chunk), rows, control)?
                 }
                 _ => self.direct_at_points(job, mask, rows, control)?,
@@ -411,7 +424,12 @@ impl<B: Basis, R: Receivers + 'static> Transport for CachedTransport<B, R> {
         let lights_on_rows = self.areas.as_ref().is_some_and(|areas| areas.lights.is_some());
         let reflected = match job.source {
             _ if job.pass != SHARED_PASS => return self.inner.measure(job, chunks, control, sink),
-            Source::Field(field) => Some(self.reflectance.of(&*self.inner.basis, field)),
+            Source::Shot(field, nodes) if self.can_shoot() => {
+                return self.shoot(job, (field, nodes), chunks, control, sink);
+            }
+            Source::Field(field) | Source::Shot(field, _) => {
+                Some(self.reflectance.of(&*self.inner.basis, field))
+            }
             Source::Nothing if at_points && self.rows.key.requested >= VALIDITY_RAYS => None,
             Source::Emitters(_) if lights_on_rows => None,
             Source::Emitters(_) if at_points && self.inner.lights.needs_hemisphere() => None,

@@ -5,7 +5,7 @@ mod kinks;
 mod probes;
 mod refiner;
 
-use crate::settings::{BounceLimit, Layers, Settings, TargetError};
+use crate::settings::{BounceLimit, Layers, ScheduleKind, Settings, TargetError};
 use crate::{Baker, Tail};
 use lumel_accel::Refined;
 use lumel_basis::Field;
@@ -131,6 +131,7 @@ impl Settings {
     fn quick(&self, bounces: u32) -> Self {
         let (bounces, target_error, layers) = (BounceLimit::Count(bounces), TargetError::Off, Layers::Off);
         let direct_samples = self.direct_samples.div_ceil(DIRECT_PART);
-        Self { bounces, target_error, layers, direct_samples, tail: Tail::Off, ..self.clone() }
+        let (schedule, tail) = (ScheduleKind::Gather, Tail::Off);
+        Self { schedule, bounces, target_error, layers, direct_samples, tail, ..self.clone() }
     }
 }

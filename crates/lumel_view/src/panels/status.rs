@@ -91,6 +91,7 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
             Some(last) => format!("Bounce {k} of {last}"),
             None => format!("Bounce {k}"),
         },
+        Phase::Shot(shot) => format!("Shot {}", shot + 1),
         Phase::FinalGather => "Final gather".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::Layer(layer) => format!("Layer {} of {}", layer + 1, progress.layers),

@@ -139,6 +139,7 @@ impl<'a> Publisher<'a> {
             Step::Bounce(bounce) => bounce,
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
+            Step::Shot(_) => return self.publish_shots(snapshot),
             Step::Round(_) | Step::Validity | Step::FinalGather | Step::Layer(_) => return,
         };
         // A guess for looking at, where nothing is measured yet. It is not read as the nearest function, which would
@@ -152,6 +153,14 @@ impl<'a> Publisher<'a> {
                 p.light.current = current;
             }
         });
+        (self.shared.wakes.glimpse)();
+    }
+
+    /// What shots have brought so far stands beyond direct light, as a tail does.
+    fn publish_shots(&self, snapshot: &Snapshot) {
+        let Some(reader) = self.reader.get() else { return };
+        let tail = Some(Arc::new(reader.at_vertices(&snapshot.current)));
+        self.shared.change_light(|p| p.light.tail = tail);
         (self.shared.wakes.glimpse)();
     }
 
@@ -194,6 +203,7 @@ impl Observer for Publisher<'_> {
         self.shared.publish_phase(match step {
             Step::Validity => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
+            Step::Shot(shot) => Phase::Shot(shot),
             Step::FinalGather => Phase::FinalGather,
             Step::Round(round) => Phase::Round(round),
             Step::Layer(layer) => Phase::Layer(layer),
@@ -207,6 +217,8 @@ impl Observer for Publisher<'_> {
         match step {
             Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
             Step::Round(_) => self.publish_round(state),
+            // Snapshots show what they have brought.
+            Step::Shot(_) => {}
             Step::Validity | Step::FinalGather | Step::Layer(_) => return,
         }
         if self.keep.is_some() {

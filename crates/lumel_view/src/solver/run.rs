@@ -92,9 +92,9 @@ fn layers(reader: &LightReader<'_>, state: &SolveState) -> Vec<Layer> {
     names.zip(&state.layers).map(layer).collect()
 }
 
-/// What the sum of the bounces lacks of all light: the tail, or what a final gather has made different.
+/// What the sum of the bounces lacks of all light: the tail, what was shot, or what a final gather has made different.
 fn beyond_bounces(state: &SolveState) -> Option<Field> {
-    if state.gathered.is_none() {
+    if state.gathered.is_none() && state.shot.is_none() {
         return state.tail.clone();
     }
     let bounces = Field::sum(state.valid.len(), &state.bounces);
