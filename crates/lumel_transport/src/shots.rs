@@ -22,10 +22,9 @@ use crate::supports::{Lamp, Side, Supports};
 use crate::{Sums, measure, polygon, trace};
 use glam::{DVec3, Vec3, Vec4};
 use lumel_basis::{Basis, CENTER, ElementId, Field, NodeId, NodeWeights, Receivers, Sampling, Site};
-use lumel_sample::{Dim, SphericalTriangle, StreamKey, uniform_triangle, unit_hash};
+use lumel_sample::{Dim, SphericalTriangle, StreamKey, cosine_hemisphere_pdf, uniform_triangle, unit_hash};
 use lumel_scene::{Barycentrics, Scene};
 use rayon::prelude::*;
-use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -255,9 +254,11 @@ impl Shot<'_> {
         Ok(())
     }
 
-    /// How often a receiver connects to a node at this distance on average.
+    /// How often a receiver connects to a node at this distance on average: as often as the rays of a bounce would meet it,
+    /// if it were seen straight ahead.
     fn connections(&self, lamp: &Lamp, distance: f32) -> f32 {
-        self.plan.indirect_samples as f32 * lamp.area * FRAC_1_PI / (distance * distance)
+        let rays_per_steradian = self.plan.indirect_samples as f32 * cosine_hemisphere_pdf(1.0);
+        rays_per_steradian * lamp.area / (distance * distance)
     }
 
     #[inline]
@@ -316,7 +317,7 @@ impl Shot<'_> {
                 (point, bary, cosines * self.scene.area(side.tri) / (squared * squared))
             }
         };
-        let value = lamp.radiosity(self.scene, side, bary) * (projected * FRAC_1_PI);
+        let value = lamp.radiance_on(self.scene, side, bary) * projected;
         (projected > 0.0 && value.is_finite()).then(|| (side.target(point), value))
     }
 }

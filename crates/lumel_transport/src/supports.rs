@@ -5,9 +5,8 @@ use crate::plan::Plan;
 use glam::Vec3;
 use lumel_basis::{Basis, Field, NodeId};
 use lumel_sample::{Dim, StreamKey};
-use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use lumel_scene::{Barycentrics, Irradiance, Radiance, Scene, SurfacePoint, TriId};
 use rayon::prelude::*;
-use std::f32::consts::FRAC_1_PI;
 
 /// The triangles around every node of a basis that is linear over triangles.
 #[derive(Debug)]
@@ -100,7 +99,7 @@ struct LampPoint {
     /// Where shadow rays to it end.
     target: Vec3,
     normal: Vec3,
-    /// What the lamp as a whole would send if all of it sent what is sent here, W per π.
+    /// What the lamp as a whole would send straight ahead if all of it sent what is sent here, W·sr⁻¹.
     intensity: Vec3,
 }
 
@@ -146,7 +145,7 @@ impl Lamp {
             let bary = hat_triangle([x, y], side.corner);
             let at = SurfacePoint { tri: side.tri, bary };
             let position = scene.position(at);
-            let intensity = self.light * reflected_share(scene, at) * (self.area * FRAC_1_PI);
+            let intensity = self.radiance(scene, at).0 * self.area;
             LampPoint { position, target: side.target(position), normal: side.normal, intensity }
         };
         (0..points).map(point).collect()
@@ -165,17 +164,17 @@ impl Lamp {
         is_seen.then(|| (point.target, point.intensity * (cos * cos_lamp / (squared * squared))))
     }
 
-    /// The radiosity at a point of a triangle of the lamp.
-    pub(crate) fn radiosity(&self, scene: &Scene, side: &Side, bary: Barycentrics) -> Vec3 {
-        let at = SurfacePoint { tri: side.tri, bary };
-        self.light * reflected_share(scene, at) * bary.weights()[side.corner]
+    /// The radiance at a point of the lamp, before the basis function.
+    fn radiance(&self, scene: &Scene, at: SurfacePoint) -> Radiance {
+        // Of what is there at all.
+        let opacity = if scene.is_transparent(at.tri) { scene.opacity(at) } else { 1.0 };
+        Irradiance(self.light * opacity).reflected(scene.albedo(at)).radiance()
     }
-}
 
-/// The albedo at a point, of what is there at all.
-fn reflected_share(scene: &Scene, at: SurfacePoint) -> Vec3 {
-    let opacity = if scene.is_transparent(at.tri) { scene.opacity(at) } else { 1.0 };
-    scene.albedo(at).0 * opacity
+    /// The radiance at a point of a triangle of the lamp.
+    pub(crate) fn radiance_on(&self, scene: &Scene, side: &Side, bary: Barycentrics) -> Vec3 {
+        self.radiance(scene, SurfacePoint { tri: side.tri, bary }).0 * bary.weights()[side.corner]
+    }
 }
 
 /// A point of a triangle with a density in proportion to the barycentric coordinate λ of one corner.
