@@ -2,7 +2,7 @@
 
 use crate::{Baker, Method, Projection, Settings, assembly};
 use glam::Vec3;
-use lumel_basis::{Basis, Field};
+use lumel_basis::{Basis, Field, LeastSquares};
 use lumel_export::{Checkpoint, CheckpointMeta, Saved, SavedShots, Solution, SolutionError};
 use lumel_solve::{Accuracy, Errors, PowerLog, ShotLight, SolveState};
 use serde_json::Value;
@@ -63,7 +63,8 @@ impl Baker {
     /// Bounces beyond those that these settings ask for are left out, so that the result does not depend on how far
     /// the saved solve went. A solve with a target error measures the samples of its rounds once more; only checkpoints
     /// tell them. If it is to have other bounces or another tail, the samples of all finished rounds are used for these,
-    /// and it has the bits of a solve with the same rounds. One from the start may choose other nodes for its rounds.
+    /// and it has the bits of a solve with the same rounds. One from the start may choose other nodes for its rounds. Where light
+    /// is shot, only checkpoints tell what is unshot; a solution is continued from its direct light.
     ///
     /// # Errors
     /// When it is of a different scene, other lights or other settings.
@@ -119,13 +120,32 @@ impl Baker {
         let first_vertices = self.basis().first_vertices();
         // What was read as the nearest function is carried as means.
         let unread = (found.projection == Projection::LeastSquares).then(|| self.surfaces().least_squares());
-        let at_nodes = |values: &Vec<Vec3>| {
-            let mut field = Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect());
-            unread.inspect(|least_squares| least_squares.unproject(&mut field));
-            field
-        };
+        let at_nodes = |values: &Vec<Vec3>| self.at_nodes(values, unread);
         let valid = first_vertices.iter().map(|&v| solution.valid[v as usize]).collect();
         Ok(self.continued(self.state(valid, solution.bounces.iter().map(at_nodes).collect())))
+    }
+
+    /// The light of a file of a solve that was shot, which is done: to be measured, not to be continued.
+    ///
+    /// # Errors
+    /// As [`resume`](Self::resume).
+    pub fn shot_light(&self, saved: &Saved) -> Result<SolveState, ResumeError> {
+        let state = self.resume(saved)?;
+        let Saved::Solution(solution) = saved else { return Ok(state) };
+        let mut reflected = Field::zeros(state.node_count());
+        if let Some(tail) = &solution.tail {
+            reflected = self.at_nodes(tail, self.least_squares());
+        }
+        let unshot = Field::zeros(state.node_count());
+        Ok(SolveState { shot: Some(ShotLight { reflected, unshot, shots: 0 }), ..state })
+    }
+
+    /// Light at vertices that was read as the nearest function, as it is carried.
+    fn at_nodes(&self, values: &[Vec3], unread: Option<&LeastSquares>) -> Field {
+        let first_vertices = self.basis().first_vertices();
+        let mut field = Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect());
+        unread.inspect(|least_squares| least_squares.unproject(&mut field));
+        field
     }
 
     /// The state from which a solve with these settings continues a solve of the same bounces, of which it may ask for

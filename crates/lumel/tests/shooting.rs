@@ -248,13 +248,16 @@ fn lumels_gather_light_that_was_shot() {
 
 #[test]
 fn a_solution_that_was_shot_says_that_it_has_no_single_bounces() {
-    let (baker, state) = solved(&room(), &settings(Projection::LeastSquares));
+    let (baker, state) = solved(&room(), &settings(Projection::Area));
     let solution = baker.solution(&state);
     assert!(solution.meta.is_shot() && solution.bounces.len() == 1);
     assert!(solution.select(&SolutionSelection::Bounce(0)).is_ok());
     let error = solution.select(&SolutionSelection::Bounce(1)).unwrap_err();
     assert!(matches!(error, SolutionError::Shot { wanted: 1 }));
     assert!(error.to_string().contains("schedule gather"), "{error}");
+    // Bounces and tail add up to all light, and a file is read as the light that it holds.
+    let light = baker.shot_light(&Saved::Solution(Box::new(solution.clone()))).unwrap();
+    assert!(difference(&light.total(), &state.total()) < 1e-4);
     let all = baker.light_reader(&state).at_vertices(&state.total());
     assert!(solution.irradiance.iter().zip(all).all(|(a, b)| (*a - b).abs().max_element() < 1e-5));
 }

@@ -31,12 +31,12 @@ pub struct Solution {
     pub positions: Vec<DVec3>,
     /// Unit normals of the vertices, on the lit side.
     pub normals: Vec<Vec3>,
-    /// All light that arrives: the sum of the bounces and the tail; if it was [shot](SolutionMeta::is_shot), of direct light and
-    /// what shots have brought.
+    /// All light that arrives: the sum of the bounces and the tail.
     pub irradiance: Vec<Vec3>,
     /// `bounces[k][vertex]`: light that arrives after `k` reflections; `bounces[0]` is direct light.
     pub bounces: Vec<Vec<Vec3>>,
-    /// Estimate of all bounces that were not computed; part of `irradiance`.
+    /// What no bounce contains: an estimate of those that were not computed, or if light was [shot](SolutionMeta::is_shot), all but
+    /// the direct. Part of `irradiance`.
     pub tail: Option<Vec<Vec3>>,
     /// Whether the vertex was measured itself. Others, such as those inside a wall, were filled in from neighbours.
     pub valid: Vec<bool>,
@@ -318,7 +318,12 @@ impl Solution {
             ("valid", "(vertex) true where light was measured, false where it was filled in from neighbours"),
         ];
         if self.tail.is_some() {
-            all.push(("tail", "(vertex, rgb) estimated part of the irradiance of all further bounces"));
+            let tail = if self.meta.is_shot() {
+                "(vertex, rgb) all light but the direct: it was shot, which tells no bounces apart"
+            } else {
+                "(vertex, rgb) estimated part of the irradiance of all further bounces"
+            };
+            all.push(("tail", tail));
         }
         if self.standard_error.is_some() {
             all.push((

@@ -52,7 +52,7 @@ impl Schedule for Gather {
 /// Each batch of nodes that shoots together has this share of the unshot power.
 ///
 /// Fewer would be picked more carefully, but each step looks at all nodes.
-const BATCH: f64 = 0.2;
+const BATCH: f64 = 0.3;
 
 /// The brightest first: direct light, then again and again the nodes with the largest unshot power, until what is missing is
 /// less than a share of all light.

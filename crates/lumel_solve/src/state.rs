@@ -104,6 +104,16 @@ impl SolveState {
         self.bounces.iter().chain(self.shot.iter().map(|shot| &shot.reflected))
     }
 
+    /// The part of the light found that no bounce contains: what shots have brought, and the tail.
+    pub fn beyond_bounces(&self) -> Option<Field> {
+        match &self.shot {
+            Some(shot) => {
+                Some(Field::sum(self.node_count(), [&shot.reflected].into_iter().chain(&self.tail)))
+            }
+            None => self.tail.clone(),
+        }
+    }
+
     /// The light that surfaces reflect once more into all bounces but the direct light, and into the tail; of what was shot, what
     /// is unshot too.
     pub fn reflecting(&self) -> Field {

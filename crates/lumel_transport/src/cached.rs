@@ -425,7 +425,11 @@ impl<B: Basis, R: Receivers + 'static> Transport for CachedTransport<B, R> {
         let reflected = match job.source {
             _ if job.pass != SHARED_PASS => return self.inner.measure(job, chunks, control, sink),
             Source::Shot(field, nodes) if self.can_shoot() => {
-                return self.shoot(job, (field, nodes), chunks, control, sink);
+                let shot = self.shot_of((field, nodes), control)?;
+                if shot.is_small() {
+                    return self.shoot(job, &shot, chunks, control, sink);
+                }
+                Some(self.reflectance.of(&*self.inner.basis, field))
             }
             Source::Field(field) | Source::Shot(field, _) => {
                 Some(self.reflectance.of(&*self.inner.basis, field))

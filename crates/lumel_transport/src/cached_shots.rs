@@ -1,12 +1,12 @@
 //! Shots on stored rows: the columns of the same operator.
 
+use crate::Sums;
 use crate::area_pattern::WholePatterns;
 use crate::cached::CachedTransport;
 use crate::columns::{AreaRays, Block, Columns};
 use crate::job::{ChunkSink, Control, Job, TransportError};
 use crate::reflectance::{ShotTriangle, unpacked};
 use crate::scatter::scattered;
-use crate::sums::{ElementSums, Sums};
 use glam::DVec3;
 use lumel_basis::{Basis, CENTER, ElementId, Field, NodeId, NodeWeights, Receivers};
 use rayon::prelude::*;
@@ -15,8 +15,29 @@ use std::ops::Range;
 /// Triangles between two looks at the cancel flag.
 const TRIANGLES_PER_CHECK: u32 = 1024;
 
+/// A ray of a column takes about as long as so many of a row, which follow each other in memory.
+const COST_OF_COLUMNS: usize = 4;
+
 /// What arrives at each element of a block; of areas what counts towards each corner, of points in the first place alone.
 type Arrived = Vec<[DVec3; 3]>;
+
+/// What some nodes send, by triangles.
+pub(crate) struct ColumnShot<'a> {
+    columns: &'a Columns,
+    patterns: Option<&'a WholePatterns>,
+    triangles: Vec<ShotTriangle>,
+}
+
+impl ColumnShot<'_> {
+    /// Whether few enough rays end on these triangles that it takes less time to read them here and there than all rows in
+    /// their order.
+    pub(crate) fn is_small(&self) -> bool {
+        let blocks = || self.columns.blocks.iter();
+        let reached: usize =
+            blocks().map(|block| self.triangles.iter().map(|t| block.count_to(t.tri)).sum::<usize>()).sum();
+        COST_OF_COLUMNS * reached < blocks().map(Block::ray_count).sum()
+    }
+}
 
 impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
     /// Whether there are columns: the basis is linear over triangles, and receivers are points or triangles.
@@ -26,24 +47,33 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
         self.reflectance.triangle_count() > 0 && (self.areas.is_none() || has_corners)
     }
 
+    /// What some nodes send, and the columns that say where it arrives.
+    pub(crate) fn shot_of(
+        &self,
+        (field, nodes): (&Field, &[NodeId]),
+        control: &Control,
+    ) -> Result<ColumnShot<'_>, TransportError> {
+        let patterns = self.areas.as_ref().map(|areas| areas.whole.get_or_init(|| areas.rays.whole()));
+        let columns = self.columns(patterns, control)?;
+        let triangles = self.reflectance.of_shot(&*self.inner.basis, field, nodes);
+        Ok(ColumnShot { columns, patterns, triangles })
+    }
+
     /// Measures what some nodes send: the rays alone are read that end on triangles around them.
     pub(crate) fn shoot(
         &self,
         job: &Job<'_>,
-        (field, nodes): (&Field, &[NodeId]),
+        shot: &ColumnShot<'_>,
         chunks: Range<u32>,
         control: &Control,
         sink: &dyn ChunkSink,
     ) -> Result<(), TransportError> {
-        let patterns = self.areas.as_ref().map(|areas| areas.whole.get_or_init(|| areas.rays.whole()));
-        let columns = self.columns(patterns, control)?;
-        let shot = self.reflectance.of_shot(&*self.inner.basis, field, nodes);
         let within = |block: &&Block| block.chunks.start < chunks.end && chunks.start < block.chunks.end;
-        columns.blocks.par_iter().filter(within).try_for_each(|block| {
-            let arrived = self.arrived(block, &shot, patterns, control)?;
+        shot.columns.blocks.par_iter().filter(within).try_for_each(|block| {
+            let arrived = self.arrived(block, shot, control)?;
             for chunk in block.chunks.clone().filter(|chunk| chunks.contains(chunk)) {
                 let first = block.first_elements[(chunk - block.chunks.start) as usize] as usize;
-                let sums = match patterns {
+                let sums = match shot.patterns {
                     None => self.sums_at_points(job, chunk, &arrived[first..]),
                     Some(patterns) => self.sums_over_areas(job, chunk, (block, first), &arrived, patterns),
                 };
@@ -88,16 +118,15 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
     fn arrived(
         &self,
         block: &Block,
-        shot: &[ShotTriangle],
-        patterns: Option<&WholePatterns>,
+        shot: &ColumnShot<'_>,
         control: &Control,
     ) -> Result<Arrived, TransportError> {
         let inner = &self.inner;
         let mut arrived = vec![[DVec3::ZERO; 3]; block.element_count()];
         let rows: Vec<_> = block.chunks.clone().map(|chunk| self.rows_there(chunk)).collect();
-        let of_chunk = |chunk| Some(patterns?.of_chunk(&inner.order, chunk));
+        let of_chunk = |chunk| Some(shot.patterns?.of_chunk(&inner.order, chunk));
         let patterns: Vec<_> = block.chunks.clone().map(of_chunk).collect();
-        for (i, triangle) in (0..).zip(shot) {
+        for (i, triangle) in (0..).zip(&shot.triangles) {
             if i % TRIANGLES_PER_CHECK == 0 {
                 control.check()?;
             }
@@ -148,17 +177,17 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
         patterns: &WholePatterns,
     ) -> Sums {
         let (elements, share) = (self.inner.elements(chunk), patterns.share(&self.inner.order, chunk));
-        let mut all = ElementSums::some(elements.len());
-        for (place, (&element, sums)) in (first..).zip(elements.iter().zip(&mut all)) {
+        let mut sums = Sums::with_capacity(3 * elements.len());
+        for (place, &element) in (first..).zip(elements).filter(|(_, element)| job.measures(**element)) {
             let Some((nodes, area)) = self.inner.receivers.corners(element) else { continue };
             let share = share * f64::from(area);
-            for k in (0..3).filter(|_| job.measures(element)) {
-                let weight = block.areas[place].weights[k];
-                if weight > 0.0 {
-                    sums.add(k, nodes[k], share * weight, arrived[place][k] / weight);
-                }
+            let of_corners = nodes.into_iter().zip(block.areas[place].weights).zip(arrived[place]);
+            for ((node, weight), value) in of_corners.filter(|((_, weight), _)| *weight > 0.0) {
+                sums.nodes.push(node);
+                sums.weights.push(share * weight);
+                sums.values.push(value * share);
             }
         }
-        Sums::of_elements(&all, false)
+        sums
     }
 }

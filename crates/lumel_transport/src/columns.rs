@@ -145,6 +145,16 @@ impl Block {
         })
     }
 
+    /// How many rays end on a triangle.
+    pub(crate) fn count_to(&self, tri: u32) -> usize {
+        (self.starts[tri as usize + 1] - self.starts[tri as usize]) as usize
+    }
+
+    /// How many rays it has.
+    pub(crate) fn ray_count(&self) -> usize {
+        self.firsts.last().copied().unwrap_or(0) as usize
+    }
+
     /// How many elements it has.
     pub(crate) fn element_count(&self) -> usize {
         self.first_elements.last().copied().unwrap_or(0) as usize

@@ -290,9 +290,10 @@ settings! {
 
     /// In which order light is transported.
     ///
-    /// Shooting is the sooner close to the whole: it ends when less than the remainder of all light is missing. It sends light by
-    /// the columns of the stored rays, or where rays are not stored, by shadow rays to points of the surfaces that send it. Both
-    /// orders reach the same light. Shots tell no bounces apart: a solution then has direct light and all light.
+    /// Shooting sends the light of the brightest vertices first and ends when less than the remainder of all light is missing. It
+    /// sends it along the stored rays, backwards, or where rays are not stored, by shadow rays to points of the surfaces that send it,
+    /// which takes longer than gathering. Both orders reach the same light. Shots tell no bounces apart: a solution then has direct
+    /// light and all light.
     SCHEDULE = schedule: ScheduleKind {
         presets: always(ScheduleKind::Gather),
         label: "Order",

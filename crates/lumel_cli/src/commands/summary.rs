@@ -357,7 +357,7 @@ impl Summary {
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             remainder_in: if state.shot.is_some() { "what is unshot" } else { "further bounces" },
-            tail: solution.tail.is_some(),
+            tail: state.tail.is_some(),
             estimate: estimate.map(|estimate| EstimateReport::new(estimate, baker.settings())),
             error: state.errors.as_ref().map(|errors| ErrorReport::new(&errors.accuracy)),
             rays,

@@ -5,7 +5,7 @@ use lumel_basis::{Field, NodeId};
 use lumel_scene::SceneBuilder;
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{grey, scene, two_sided, varying_sphere};
-use lumel_testkit::{Method, ROUNDING, Stage, assert_nodes_near, measure, replicates};
+use lumel_testkit::{Estimate, Method, ROUNDING, Stage, assert_nodes_near, measure, replicates};
 use lumel_testkit::{fitted_slope, rms};
 use lumel_transport::{Plan, Source};
 
@@ -122,5 +122,38 @@ fn connected_points_bring_what_a_bounce_brings() {
         println!("{method}: {errors:?}");
         let slope = fitted_slope(&errors);
         assert!(slope < -0.45, "{method}: {slope}, {errors:?}");
+    }
+}
+
+#[test]
+fn in_built_in_scenes_connections_and_rays_differ_by_their_noise_alone() {
+    for name in ["cornell-box", "atrium"] {
+        let stage = Stage::new(lumel_builtin::scene(name, 0).expect("it is built in"));
+        let field = stage.field(|p, n| 2.0 + (3.0 * p.x).sin() - 0.5 * n.y);
+        let nodes: Vec<NodeId> = all_nodes(&field).into_iter().filter(|node| node.0 % 31 == 0).collect();
+        let part = only(&field, &nodes);
+        let method = Method::VERTEX.traced();
+        let shots: Vec<Field> = (0..4)
+            .map(|seed| {
+                let operator = stage.operator(method, plan(32, seed));
+                measure(&*operator.transport, Source::Shot(&part, &nodes), 0).field
+            })
+            .collect();
+        let bounces = replicates(&*stage.operator(method, plan(16, 99)).transport, Source::Field(&part), 4);
+        let estimate = |fields: &[Field], node| Estimate::of_node(fields, node);
+        let (mut squares, mut variances, mut sums) = (0.0, 0.0, [0.0; 2]);
+        for node in 0..field.node_count() {
+            let [a, b] = [estimate(&shots, node), estimate(&bounces, node)];
+            squares += (a.mean - b.mean).powi(2);
+            variances += a.error.powi(2) + b.error.powi(2);
+            sums[0] += a.mean;
+            sums[1] += b.mean;
+        }
+        let (ratio, off) = (squares / variances, sums[0] / sums[1] - 1.0);
+        // Neighbours have samples of their own, so that the sums over all nodes know the mean light well.
+        let error = variances.sqrt() / sums[1];
+        println!("{name}: {ratio:.3} of the variance, means {off:+.5} apart, standard error {error:.5}");
+        assert!((0.8..1.2).contains(&ratio), "{name}: {ratio}");
+        assert!(off.abs() < 4.0 * error, "{name}: {off} with a standard error of {error}");
     }
 }

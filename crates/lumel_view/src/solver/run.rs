@@ -94,8 +94,8 @@ fn layers(reader: &LightReader<'_>, state: &SolveState) -> Vec<Layer> {
 
 /// What the sum of the bounces lacks of all light: the tail, what was shot, or what a final gather has made different.
 fn beyond_bounces(state: &SolveState) -> Option<Field> {
-    if state.gathered.is_none() && state.shot.is_none() {
-        return state.tail.clone();
+    if state.gathered.is_none() {
+        return state.beyond_bounces();
     }
     let bounces = Field::sum(state.valid.len(), &state.bounces);
     let total = state.total();
