@@ -1,6 +1,6 @@
 //! Light that is stored at the vertices of a scene.
 
-use crate::Lighting;
+use crate::{Directional, HARMONICS, IncidentRadiance, Lighting};
 use glam::Vec3;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 
@@ -9,6 +9,9 @@ use lumel_scene::{Irradiance, Scene, SurfacePoint};
 pub struct VertexLighting<'a> {
     scene: &'a Scene,
     values: &'a [Vec3],
+    kind: Directional,
+    /// Of all vertices, those of each side by side.
+    coefficients: &'a [Vec3],
 }
 
 /// Light at the vertices of a different scene.
@@ -38,7 +41,24 @@ impl<'a> VertexLighting<'a> {
     /// [`VertexCountError`] unless there are as many values as vertices.
     pub fn new(scene: &'a Scene, values: &'a [Vec3]) -> Result<Self, VertexCountError> {
         VertexCountError::check(values.len(), scene.vertex_count())?;
-        Ok(Self { scene, values })
+        Ok(Self { scene, values, kind: Directional::Off, coefficients: &[] })
+    }
+
+    /// The same light with the coefficients of [`IncidentRadiance`] at every vertex, those of a vertex side by side.
+    ///
+    /// # Errors
+    /// [`VertexCountError`] unless there are as many as `kind` has for each vertex.
+    pub fn with_incident(
+        self,
+        kind: Directional,
+        coefficients: &'a [Vec3],
+    ) -> Result<Self, VertexCountError> {
+        let each = kind.harmonics();
+        if coefficients.len() != each * self.values.len() {
+            let values = coefficients.len() / each.max(1);
+            return Err(VertexCountError { values, vertices: self.values.len() });
+        }
+        Ok(Self { kind, coefficients, ..self })
     }
 }
 
@@ -48,6 +68,15 @@ impl Lighting for VertexLighting<'_> {
         let corners = self.scene.triangle(at.tri);
         let weighted = corners.into_iter().zip(at.bary.weights());
         weighted.map(|(vertex, weight)| Irradiance(self.values[vertex as usize]) * weight).sum()
+    }
+
+    fn incident(&self, at: SurfacePoint) -> Option<IncidentRadiance> {
+        let (each, mut sums) = (self.kind.harmonics(), [Vec3::ZERO; HARMONICS]);
+        for (vertex, weight) in self.scene.triangle(at.tri).into_iter().zip(at.bary.weights()) {
+            let of_vertex = &self.coefficients[vertex as usize * each..][..each];
+            sums.iter_mut().zip(of_vertex).for_each(|(sum, c)| *sum += *c * weight);
+        }
+        IncidentRadiance::new(&sums[..each])
     }
 
     fn vertex_values(&self) -> Option<&[Vec3]> {
