@@ -16,7 +16,9 @@ use lumel::{
     Camera, LightFile, Lighting, LightmapSolution, RayTracer, Scene, SolutionSelection, VertexLighting,
     tracer_of,
 };
-use lumel_render_cpu::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
+use lumel_render_cpu::{
+    Display, Exposure, FalseColor, Picture, Relief, Resolution, Show, ToneMapper, camera_for,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -87,7 +89,8 @@ fn draw(
     let camera = camera(args.camera.as_ref(), scene, &*tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
-    let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera };
+    let relief = Relief { maps: args.normal_maps, shading: args.shading };
+    let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera, relief };
     let _heeding = run.interrupt.heed();
     let result = picture::write(&args.output, &subject, &resolution, display, run.interrupt.picture());
     if result.is_err() && run.interrupt.is_requested() {
