@@ -25,7 +25,7 @@ mod vertex_lighting;
 mod vertex_receivers;
 
 pub use adjacency::Adjacency;
-pub use angular::{Directional, HARMONICS, Harmonics, spherical_harmonics};
+pub use angular::{Coefficients, Directional, HARMONICS, Harmonics, spherical_harmonics};
 pub use area_receivers::AreaReceivers;
 pub use at_vertices::{VertexPoints, irradiance_at_vertices};
 pub use basis::Basis;

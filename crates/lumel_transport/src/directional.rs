@@ -102,11 +102,7 @@ impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
         let op = &self.inner;
         let none = || vec![ElementSums::some(elements.len()); self.kind.channels()];
         let (mut sums, mut by_rays) = (none(), none());
-        let parts = |patterns: &Option<AreaPatterns>,
-                     each: &mut dyn FnMut(
-            &AreaChunk<'_>,
-            &[Option<RayEnd>],
-        ) -> Result<(), TransportError>| {
+        let parts = |patterns: &Option<AreaPatterns>, each: EachPart<'_>| {
             for part in patterns.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
                 let area = AreaChunk::new(elements, &part, |element| op.key(job, element));
                 each(&area, &trace::over_areas(op, &area, control)?)?;
@@ -193,6 +189,9 @@ impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
         Ok(())
     }
 }
+
+/// Takes a part of the samples and the ends of their rays.
+type EachPart<'a> = &'a mut dyn FnMut(&AreaChunk<'_>, &[Option<RayEnd>]) -> Result<(), TransportError>;
 
 /// What a ray brings: the irradiance of a surface that faces it, with 1 as its fourth component, and what it counts in each
 /// channel.
