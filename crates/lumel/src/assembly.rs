@@ -4,10 +4,12 @@ use crate::method::Method;
 use crate::settings::{Memory, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
-use lumel_basis::{Receivers, Sampling};
+use lumel_basis::{Directional, Receivers, Sampling};
 use lumel_scene::Scene;
 use lumel_solve::{REPLICATES, Replicates, Target};
-use lumel_transport::{CachedTransport, CpuTransport, Order, Plan, Rows, Stored, Transport};
+use lumel_transport::{
+    CachedTransport, CpuTransport, DirectionalTransport, Order, Plan, Rows, Stored, Transport,
+};
 use std::sync::Arc;
 
 /// What solves a scene with certain settings.
@@ -18,6 +20,8 @@ pub(crate) struct Assembly {
     /// The rays that it stores.
     pub(crate) stored: Option<Stored>,
     pub(crate) rest: Rest,
+    /// Measures all light by direction in the end, where the settings want it.
+    pub(crate) directional: Option<Box<dyn Transport>>,
 }
 
 /// What an operator's transport alone does not do.
@@ -54,9 +58,15 @@ impl Assembly {
         settings: &Settings,
         [direct_samples, indirect_samples]: [u32; 2],
     ) -> Box<dyn Transport> {
-        let (solver, target_error) = (SolverKind::Neumann, TargetError::Off);
-        let settings =
-            Settings { direct_samples, indirect_samples, solver, target_error, ..settings.clone() };
+        let (solver, target_error, directional) = (SolverKind::Neumann, TargetError::Off, Directional::Off);
+        let settings = Settings {
+            direct_samples,
+            indirect_samples,
+            solver,
+            target_error,
+            directional,
+            ..settings.clone()
+        };
         Self::new(scene, surfaces, &settings, None).transport
     }
 }
@@ -73,6 +83,12 @@ pub(crate) fn method(scene: &Scene, order: &Order, settings: &Settings) -> Metho
         return Method::Replicates { target, rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
     }
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
+}
+
+/// The samples of what measures light by direction: half of those of a solve.
+pub(crate) fn directional_plan(plan: Plan) -> Plan {
+    let half = |samples: u32| samples.div_ceil(2);
+    Plan { direct_samples: half(plan.direct_samples), indirect_samples: half(plan.indirect_samples), ..plan }
 }
 
 /// What operators are made of.
@@ -93,6 +109,7 @@ impl<R: Receivers + 'static> Parts<'_, R> {
             let stored = cached.stored();
             (Box::new(cached) as Box<dyn Transport>, Some(stored))
         };
+        let directional = self.directional();
         let ((transport, stored), rest) = match method {
             Method::Neumann => ((traced(), None), Rest::Nothing),
             Method::Cached { .. } => (cached(self.settings.indirect_samples), Rest::Nothing),
@@ -103,7 +120,16 @@ impl<R: Receivers + 'static> Parts<'_, R> {
                 ((traced(), None), Rest::Replicates(target, Box::new(StoredReplicates { like, first })))
             }
         };
-        Assembly { method, transport, stored, rest }
+        Assembly { method, transport, stored, rest, directional }
+    }
+
+    /// With half of the samples, so that it takes at most half as long again.
+    fn directional(&self) -> Option<Box<dyn Transport>> {
+        let kind = self.settings.directional;
+        (kind != Directional::Off).then(|| {
+            let inner = self.traced(directional_plan(self.settings.plan()));
+            Box::new(DirectionalTransport::new(inner, kind)) as Box<dyn Transport>
+        })
     }
 
     fn traced(&self, plan: Plan) -> CpuTransport<lumel_basis::VertexBasis, R> {

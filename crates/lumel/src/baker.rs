@@ -10,7 +10,7 @@ use lumel_basis::{Basis, Field, LeastSquares, Readout, Receivers, Sampling, Vert
 use lumel_scene::Scene;
 use lumel_solve::{
     Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, solve,
-    solve_layers, solve_to_error,
+    solve_directional, solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Order, Stored, Transport};
 use std::sync::Arc;
@@ -181,8 +181,14 @@ impl Baker {
         observer: &dyn Observer,
     ) -> Result<(), SolveError> {
         let problem = self.problem();
+        let directional = self.assembly.directional.as_ref().map(|transport| self.operator(&**transport));
+        let finish = |state: &mut SolveState| match directional {
+            Some(operator) => solve_directional(operator, state, control, observer),
+            None => Ok(()),
+        };
         if let Rest::Replicates(target, replicates) = &self.assembly.rest {
-            return solve_to_error(problem, &**replicates, *target, state, control, observer);
+            solve_to_error(problem, &**replicates, *target, state, control, observer)?;
+            return finish(state);
         }
         let Problem { operator, stop, .. } = problem;
         solve(operator, &self.integrals, &Gather { stop }, state, control, observer)?;
@@ -198,9 +204,11 @@ impl Baker {
         {
             final_gather(finisher, state, control, observer)?;
         }
+        finish(state)?;
         if self.settings.layers == Layers::Lights {
             let masks = layers::masks(&self.scene, &self.settings);
-            solve_layers(operator, finisher, &self.integrals, &masks, state, control, observer)?;
+            let finishers = [finisher, directional];
+            solve_layers(operator, finishers, &self.integrals, &masks, state, control, observer)?;
         }
         Ok(())
     }

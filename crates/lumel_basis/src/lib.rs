@@ -26,7 +26,8 @@ mod vertex_receivers;
 
 pub use adjacency::Adjacency;
 pub use angular::{
-    Directional, HARMONICS, Harmonics, IncidentRadiance, Shading, UnknownShading, spherical_harmonics,
+    Coefficients, Directional, HARMONICS, Harmonics, IncidentRadiance, Shading, UnknownShading,
+    spherical_harmonics,
 };
 pub use area_receivers::AreaReceivers;
 pub use at_vertices::{VertexPoints, incident_at_vertices, irradiance_at_vertices};

@@ -1,6 +1,6 @@
 //! Light that is stored at the vertices of a scene.
 
-use crate::{Directional, HARMONICS, IncidentRadiance, Lighting};
+use crate::{Coefficients, HARMONICS, IncidentRadiance, Lighting};
 use glam::Vec3;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 
@@ -9,9 +9,7 @@ use lumel_scene::{Irradiance, Scene, SurfacePoint};
 pub struct VertexLighting<'a> {
     scene: &'a Scene,
     values: &'a [Vec3],
-    kind: Directional,
-    /// Of all vertices, those of each side by side.
-    coefficients: &'a [Vec3],
+    coefficients: Option<&'a Coefficients>,
 }
 
 /// Light at the vertices of a different scene.
@@ -41,24 +39,18 @@ impl<'a> VertexLighting<'a> {
     /// [`VertexCountError`] unless there are as many values as vertices.
     pub fn new(scene: &'a Scene, values: &'a [Vec3]) -> Result<Self, VertexCountError> {
         VertexCountError::check(values.len(), scene.vertex_count())?;
-        Ok(Self { scene, values, kind: Directional::Off, coefficients: &[] })
+        Ok(Self { scene, values, coefficients: None })
     }
 
-    /// The same light with the coefficients of [`IncidentRadiance`] at every vertex, those of a vertex side by side.
+    /// The same light with what is known of it by direction at every vertex.
     ///
     /// # Errors
-    /// [`VertexCountError`] unless there are as many as `kind` has for each vertex.
-    pub fn with_incident(
-        self,
-        kind: Directional,
-        coefficients: &'a [Vec3],
-    ) -> Result<Self, VertexCountError> {
-        let each = kind.harmonics();
-        if coefficients.len() != each * self.values.len() {
-            let values = coefficients.len() / each.max(1);
-            return Err(VertexCountError { values, vertices: self.values.len() });
+    /// [`VertexCountError`] unless that is at as many vertices.
+    pub fn with_incident(self, coefficients: Option<&'a Coefficients>) -> Result<Self, VertexCountError> {
+        if let Some(coefficients) = coefficients {
+            VertexCountError::check(coefficients.len(), self.values.len())?;
         }
-        Ok(Self { kind, coefficients, ..self })
+        Ok(Self { coefficients, ..self })
     }
 }
 
@@ -71,12 +63,12 @@ impl Lighting for VertexLighting<'_> {
     }
 
     fn incident(&self, at: SurfacePoint) -> Option<IncidentRadiance> {
-        let (each, mut sums) = (self.kind.harmonics(), [Vec3::ZERO; HARMONICS]);
+        let (coefficients, mut sums) = (self.coefficients?, [Vec3::ZERO; HARMONICS]);
         for (vertex, weight) in self.scene.triangle(at.tri).into_iter().zip(at.bary.weights()) {
-            let of_vertex = &self.coefficients[vertex as usize * each..][..each];
+            let of_vertex = coefficients.of(vertex as usize);
             sums.iter_mut().zip(of_vertex).for_each(|(sum, c)| *sum += *c * weight);
         }
-        IncidentRadiance::new(&sums[..each])
+        IncidentRadiance::new(&sums[..coefficients.kind().harmonics()])
     }
 
     fn vertex_values(&self) -> Option<&[Vec3]> {

@@ -8,7 +8,7 @@ mod refiner;
 use crate::settings::{BounceLimit, Layers, Settings, TargetError};
 use crate::{Baker, Tail};
 use lumel_accel::Refined;
-use lumel_basis::Field;
+use lumel_basis::{Directional, Field};
 use lumel_scene::{Bisection, SurfacePoint, luminance};
 use lumel_solve::{Silent, SolveError, SolveState};
 use lumel_transport::{Control, TransportError};
@@ -129,8 +129,9 @@ impl Baker {
 impl Settings {
     /// What is solved to see where the mesh is too coarse.
     fn quick(&self, bounces: u32) -> Self {
-        let (bounces, target_error, layers) = (BounceLimit::Count(bounces), TargetError::Off, Layers::Off);
+        let (bounces, target_error) = (BounceLimit::Count(bounces), TargetError::Off);
+        let (layers, directional) = (Layers::Off, Directional::Off);
         let direct_samples = self.direct_samples.div_ceil(DIRECT_PART);
-        Self { bounces, target_error, layers, direct_samples, tail: Tail::Off, ..self.clone() }
+        Self { bounces, target_error, layers, directional, direct_samples, tail: Tail::Off, ..self.clone() }
     }
 }

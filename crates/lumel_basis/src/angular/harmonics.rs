@@ -1,6 +1,7 @@
 //! Real spherical harmonics of the first three bands.
 
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Functions in the bands 0, 1 and 2.
 pub const HARMONICS: usize = 9;
@@ -21,7 +22,8 @@ pub type Harmonics<T> = [T; HARMONICS];
 /// They are the coefficients `c_lm = ∫ L Y_lm dω` of incident radiance in world space, W·m⁻², without the cosine of the
 /// receiver, over the hemisphere above its surface. They follow irradiance in the channels of a [`Field`](crate::Field), in the
 /// order of [`Harmonics`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Directional {
     /// Irradiance alone.
     #[default]

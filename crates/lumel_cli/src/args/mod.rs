@@ -147,7 +147,7 @@ pub(crate) struct BakeArgs {
 
     /// Continue from a checkpoint or solution of the same scene, lights and settings.
     ///
-    /// Only --bounces, --remainder, --tail and --layers may differ. The result has the same bits as an uninterrupted bake.
+    /// Only --bounces, --remainder, --tail, --layers and --directional may differ. The result has the same bits as an uninterrupted bake.
     ///
     /// With a target error, --bounces and --tail may differ, too: the samples of all finished rounds are used again, and
     /// errors are computed again for the new sum. A bake from the start may choose other vertices for its rounds.

@@ -4,7 +4,7 @@ use crate::agreement::assert_same;
 use crate::common::{Subject, irradiance, radiance, renderer, share_beyond};
 use crate::scenes;
 use glam::Vec3;
-use lumel_basis::{Directional, Shading, VertexLighting, spherical_harmonics};
+use lumel_basis::{Coefficients, Directional, Shading, VertexLighting, spherical_harmonics};
 use lumel_render_cpu::{NormalMaps, Relief, Scale, ToneMapper};
 use lumel_render_gpu::{Frame, Look, Samples};
 use lumel_scene::Scene;
@@ -12,7 +12,7 @@ use lumel_scene::Scene;
 const SIZE: [u32; 2] = [173, 120];
 
 /// Irradiance and coefficients of light from two directions at every vertex, of all colours.
-fn directions(scene: &Scene, kind: Directional) -> (Vec<Vec3>, Vec<Vec3>) {
+fn directions(scene: &Scene, kind: Directional) -> (Vec<Vec3>, Coefficients) {
     let (mut irradiance, mut coefficients) = (Vec::new(), Vec::new());
     let size = scene.bounds().diagonal();
     for (p, n) in scene.positions().iter().zip(scene.normals()) {
@@ -23,7 +23,7 @@ fn directions(scene: &Scene, kind: Directional) -> (Vec<Vec3>, Vec<Vec3>) {
         let harmonics = sources.map(|(d, color)| spherical_harmonics(d).map(|y| color * y));
         coefficients.extend((0..kind.harmonics()).map(|i| harmonics[0][i] + harmonics[1][i]));
     }
-    (irradiance, coefficients)
+    (irradiance, Coefficients::new(kind, coefficients).unwrap())
 }
 
 /// What the device and the CPU make of it.
@@ -31,7 +31,7 @@ fn compared(subject: &Subject, kind: Directional, cases: &[(Relief, Look)]) {
     let Some(renderer) = renderer() else { return };
     let (irradiance, coefficients) = directions(&subject.scene, kind);
     let lighting = VertexLighting::new(&subject.scene, &irradiance).unwrap();
-    let lighting = lighting.with_incident(kind, &coefficients).unwrap();
+    let lighting = lighting.with_incident(Some(&coefficients)).unwrap();
     let uploaded = subject.on(renderer);
     renderer.set_light(&uploaded.light, &subject.scene, &lighting).unwrap();
     for &(relief, look) in cases {
@@ -72,7 +72,7 @@ fn normal_maps_show_only_where_light_is_known_by_direction() {
     let subject = scenes::leather();
     let (values, coefficients) = directions(&subject.scene, Directional::Sh1);
     let scalar = VertexLighting::new(&subject.scene, &values).unwrap();
-    let directional = scalar.with_incident(Directional::Sh1, &coefficients).unwrap();
+    let directional = scalar.with_incident(Some(&coefficients)).unwrap();
     let uploaded = subject.on(renderer);
     let show = |maps, light: &VertexLighting<'_>| {
         renderer.set_light(&uploaded.light, &subject.scene, light).unwrap();
