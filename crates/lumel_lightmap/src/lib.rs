@@ -24,7 +24,7 @@ mod surface;
 mod taps;
 
 pub use dilate::Dilation;
-pub use light::{Half, LumelLight, PartLight};
+pub use light::{DirectionalLight, Half, LumelLight, PartLight};
 pub use lighting::LumelLighting;
 pub use lightmap::{Lightmap, LightmapLayer};
 pub use seams::Seams;
