@@ -1,6 +1,8 @@
 //! Reading light at the vertices of a scene.
 
-use crate::{Basis, Coefficients, Directional, Field, Lighting, NodeWeights, VertexCountError};
+use crate::{
+    Basis, Coefficients, Directional, Field, IncidentRadiance, Lighting, NodeWeights, VertexCountError,
+};
 use glam::Vec3;
 use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 use std::borrow::Cow;
@@ -23,6 +25,14 @@ pub fn irradiance_at_vertices<'a>(
     let points = VertexPoints::new(scene);
     let samples = points.points().iter().zip(scene.normals());
     Ok(Cow::Owned(samples.map(|(&at, &normal)| lighting.irradiance(at, normal).0).collect()))
+}
+
+/// Light by direction at every vertex of a scene, as [`irradiance_at_vertices`] reads irradiance; `None` if it is not known
+/// everywhere.
+pub fn incident_at_vertices(scene: &Scene, lighting: &dyn Lighting) -> Option<Vec<IncidentRadiance>> {
+    // Most light is known by direction nowhere: one point tells.
+    lighting.incident(SurfacePoint { tri: TriId(0), bary: Barycentrics::CORNERS[0] })?;
+    VertexPoints::new(scene).points().iter().map(|&at| lighting.incident(at)).collect()
 }
 
 /// A surface point for each vertex of a scene: where light of any kind is read for files of vertices.

@@ -25,9 +25,12 @@ mod vertex_lighting;
 mod vertex_receivers;
 
 pub use adjacency::Adjacency;
-pub use angular::{Coefficients, Directional, HARMONICS, Harmonics, spherical_harmonics};
+pub use angular::{
+    Coefficients, Directional, HARMONICS, Harmonics, IncidentRadiance, Shading, UnknownShading,
+    spherical_harmonics,
+};
 pub use area_receivers::AreaReceivers;
-pub use at_vertices::{VertexPoints, irradiance_at_vertices};
+pub use at_vertices::{VertexPoints, incident_at_vertices, irradiance_at_vertices};
 pub use basis::Basis;
 pub use field::Field;
 pub use identity::Identity;

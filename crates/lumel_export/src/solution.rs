@@ -188,6 +188,17 @@ impl Solution {
         }
     }
 
+    /// The chosen part of the light by direction; `None` if it is not known, and for single bounces.
+    pub fn select_directional(&self, selection: &SolutionSelection) -> Option<&Coefficients> {
+        match selection {
+            SolutionSelection::Sum => self.directional.as_ref(),
+            SolutionSelection::Bounce(_) => None,
+            SolutionSelection::Layer(wanted) => {
+                self.layers.iter().find(|layer| layer.name == *wanted)?.directional.as_ref()
+            }
+        }
+    }
+
     /// The chosen part of the light on a scene: what pictures and mesh files read.
     ///
     /// # Errors
@@ -198,7 +209,8 @@ impl Solution {
         selection: &SolutionSelection,
     ) -> Result<VertexLighting<'a>, SolutionError> {
         self.check_belongs_to(scene)?;
-        Ok(VertexLighting::new(scene, self.select(selection)?)?)
+        let lighting = VertexLighting::new(scene, self.select(selection)?)?;
+        Ok(lighting.with_incident(self.select_directional(selection))?)
     }
 
     /// Checks that all arrays cover the same vertices with finite numbers.

@@ -1,8 +1,8 @@
 //! What a camera can see: lit surfaces, rectangle lights and the sky.
 
 use crate::names::named;
-use crate::normal_map::seen_normal;
 use crate::rect_light::VisibleLight;
+use crate::relief::Relief;
 use glam::Vec3;
 use lumel_accel::{Hit, Layer, Ray, RayTracer};
 use lumel_basis::Lighting;
@@ -34,6 +34,8 @@ pub struct View<'a> {
     pub lighting: &'a dyn Lighting,
     /// How the back faces of one-sided surfaces appear.
     pub backfaces: Backfaces,
+    /// Which normals are shown, and how light on them is found.
+    pub relief: Relief,
 }
 
 /// What a camera ray hits.
@@ -50,7 +52,7 @@ pub(crate) enum Sight {
 impl<'a> View<'a> {
     /// A view in which back faces of one-sided surfaces are invisible.
     pub fn new(scene: &'a Scene, tracer: &'a dyn RayTracer, lighting: &'a dyn Lighting) -> Self {
-        Self { scene, tracer, lighting, backfaces: Backfaces::default() }
+        Self { scene, tracer, lighting, backfaces: Backfaces::default(), relief: Relief::default() }
     }
 
     /// The lit surface that a camera ray sees; rectangle lights are ignored.
@@ -159,7 +161,7 @@ impl<'a> View<'a> {
 
     /// The light that arrives at a surface point whose normal is the one that is shown.
     pub(crate) fn irradiance(&self, at: SurfacePoint) -> Irradiance {
-        self.lighting.irradiance(at, seen_normal(self.scene, at))
+        self.relief.irradiance(self.scene, self.lighting, at)
     }
 
     fn surface_radiance(&self, at: SurfacePoint) -> Radiance {

@@ -2,13 +2,15 @@
 
 use crate::display::Shown;
 use crate::layout::View;
+use crate::light::Moments;
 use crate::memory::buffer;
-use crate::model::Model;
+use crate::model::{Batch, Model};
 use crate::overlay::Hidden;
-use crate::pipelines::{Detail, Key, Layer, Pipelines, Quantity, Reading, Value};
+use crate::pipelines::{Detail, Green, Key, Layer, Pipelines, Quantity, Reading, Tilt, Value};
 use crate::rect_lights::{RectLightInstance, instances};
 use crate::shaders::MAX_F16;
-use crate::{Frame, Gpu, Lit, Look, LumelBuffer, Target, Values};
+use crate::{Frame, Gpu, LightBuffer, Lit, Look, LumelBuffer, Target, Values};
+use lumel_render_cpu::Relief;
 
 /// Draws a frame on a target.
 pub(crate) fn draw(
@@ -138,6 +140,7 @@ impl Draw<'_> {
                 (vertices, self.no_lumels, Reading::Vertices)
             }
         };
+        let tilt = self.tilt(light);
         pass.set_bind_group(3, &lumels.group, &[]);
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(0, positions.slice(..));
@@ -145,20 +148,11 @@ impl Draw<'_> {
         let quantity = match self.frame.look {
             Look::Radiance { .. } => Quantity::Radiance,
             Look::Albedo => Quantity::Albedo,
-            Look::Irradiance { .. } | Look::FalseColor { .. } | Look::Plain
-                if reading != Reading::Vertices =>
-            {
-                let value = match self.frame.look {
-                    Look::Irradiance { .. } => Value::Irradiance,
-                    Look::FalseColor { .. } => Value::Luminance,
-                    _ => Value::Color,
-                };
-                pass.set_vertex_buffer(2, normals.slice(..));
-                pass.set_vertex_buffer(3, places.slice(..));
-                return self.everything(pass, Key::LumelValue(value, reading, samples));
+            Look::Irradiance { .. } => return self.light(pass, Value::Irradiance, reading, tilt),
+            Look::FalseColor { .. } => return self.light(pass, Value::Luminance, reading, tilt),
+            Look::Plain if reading != Reading::Vertices => {
+                return self.light(pass, Value::Color, reading, None);
             }
-            Look::Irradiance { .. } => return self.everything(pass, Key::Value(Value::Irradiance, samples)),
-            Look::FalseColor { .. } => return self.everything(pass, Key::Value(Value::Luminance, samples)),
             Look::Plain => {
                 pass.set_vertex_buffer(2, normals.slice(..));
                 return self.everything(pass, Key::Plain(samples));
@@ -172,6 +166,17 @@ impl Draw<'_> {
                 Quantity::Radiance => batch.detail,
                 Quantity::Albedo => Detail { emission_map: false, ..batch.detail },
             };
+            if let (Some((tilt, moments)), true, Quantity::Radiance) = (&tilt, batch.has_normal_map, quantity)
+            {
+                last = None;
+                self.relief(
+                    pass,
+                    batch,
+                    Key::Relief(Value::Radiance, detail, reading, *tilt, samples),
+                    moments,
+                );
+                continue;
+            }
             let key = match (detail == Detail::default(), quantity) {
                 (true, Quantity::Radiance) if reading == Reading::Vertices => {
                     Key::Value(Value::Radiance, samples)
@@ -193,6 +198,65 @@ impl Draw<'_> {
         }
     }
 
+    /// How the light on normal maps is found, and what is known of it; `None` if they make no difference.
+    fn tilt(&self, light: &LightBuffer) -> Option<(Tilt, Moments)> {
+        let Relief { maps, shading } = self.frame.relief;
+        let is_bumpy = self.frame.model.batches.iter().any(|batch| batch.has_normal_map);
+        let (green, moments) = (Green::of(maps).filter(|_| is_bumpy)?, light.moments()?);
+        Some((Tilt::new(green, shading, moments.kind), moments))
+    }
+
+    /// Light as it arrives, which does not depend on materials but for their normal maps.
+    fn light(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        value: Value,
+        reading: Reading,
+        tilt: Option<(Tilt, Moments)>,
+    ) {
+        let Model { normals, places, .. } = self.frame.model;
+        let samples = self.target.samples();
+        let plain = match reading {
+            Reading::Vertices => Key::Value(value, samples),
+            _ => Key::LumelValue(value, reading, samples),
+        };
+        let set_plain = |pass: &mut wgpu::RenderPass<'_>| {
+            if reading != Reading::Vertices {
+                pass.set_vertex_buffer(2, normals.slice(..));
+                pass.set_vertex_buffer(3, places.slice(..));
+            }
+        };
+        let Some((tilt, moments)) = tilt else {
+            set_plain(pass);
+            return self.everything(pass, plain);
+        };
+        for batch in &self.frame.model.batches {
+            if batch.has_normal_map {
+                let key = Key::Relief(value, Detail::default(), reading, tilt, samples);
+                self.relief(pass, batch, key, &moments);
+                continue;
+            }
+            set_plain(pass);
+            pass.set_pipeline(&self.pipeline(plain));
+            pass.set_bind_group(1, &self.frame.model.materials, &[batch.material]);
+            pass.draw_indexed(batch.indices.clone(), 0, 0..1);
+        }
+    }
+
+    /// Triangles with a normal map. Leaves texture coordinates in place.
+    fn relief(&self, pass: &mut wgpu::RenderPass<'_>, batch: &Batch, key: Key, moments: &Moments) {
+        let Model { normals, uvs, tangents, places, tints, no_tint, .. } = self.frame.model;
+        let is_tinted = matches!(key, Key::Relief(_, Detail { tint: true, .. }, ..));
+        pass.set_pipeline(&self.pipeline(key));
+        pass.set_bind_group(1, &self.frame.model.materials, &[batch.material]);
+        pass.set_bind_group(2, &batch.textures, &[]);
+        let tint = if is_tinted { tints } else { no_tint };
+        for (slot, buffer) in (2..).zip([uvs, tint, places, normals, tangents, &moments.buffer]) {
+            pass.set_vertex_buffer(slot, buffer.slice(..));
+        }
+        pass.draw_indexed(batch.indices.clone(), 0, 0..1);
+    }
+
     /// All triangles at once, for quantities that do not depend on materials.
     fn everything(&self, pass: &mut wgpu::RenderPass<'_>, key: Key) {
         pass.set_pipeline(&self.pipeline(key));
@@ -206,8 +270,10 @@ impl Draw<'_> {
         let model = self.frame.model;
         pass.set_vertex_buffer(1, model.normals.slice(..));
         pass.set_vertex_buffer(2, model.uvs.slice(..));
+        pass.set_vertex_buffer(3, model.tangents.slice(..));
         for batch in &model.batches {
-            pass.set_pipeline(&self.pipeline(Key::Normals(batch.has_normal_map, self.target.samples())));
+            let green = Green::of(self.frame.relief.maps).filter(|_| batch.has_normal_map);
+            pass.set_pipeline(&self.pipeline(Key::Normals(green, self.target.samples())));
             pass.set_bind_group(1, &model.materials, &[batch.material]);
             pass.set_bind_group(2, &batch.textures, &[]);
             pass.draw_indexed(batch.indices.clone(), 0, 0..1);

@@ -19,7 +19,7 @@ pub(crate) struct View {
     end: [f32; 2],
 }
 
-/// A material on one side of its faces: `material.wgsl`.
+/// A material: `material.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct MaterialValues {
@@ -28,6 +28,7 @@ pub(crate) struct MaterialValues {
     albedo_uv: [[f32; 4]; 2],
     emission_uv: [[f32; 4]; 2],
     normal_uv: [[f32; 4]; 2],
+    normal_tilt: [f32; 4],
     alpha_uv: [[f32; 4]; 2],
 }
 
@@ -79,10 +80,9 @@ impl View {
 const DITHERED: f32 = -1.0;
 
 impl MaterialValues {
-    /// `side` is -1 on back faces of two-sided surfaces, otherwise 1.
-    pub(crate) fn new(material: &Material, side: f32) -> Self {
+    pub(crate) fn new(material: &Material) -> Self {
         let rows = |map: Option<TextureRef>| uv_rows(map.map_or(UvTransform::default(), |map| map.transform));
-        let [normal_u, normal_v] = rows(material.normal_texture);
+        let normals = material.normal_texture;
         let Transparency { mode, alpha, texture, transmission } = material.transparency;
         // Opaque, unless it is glass.
         let alpha = if mode == AlphaMode::Opaque { 1.0 } else { alpha };
@@ -93,7 +93,8 @@ impl MaterialValues {
             emission: material.emission.0.extend(cutoff).to_array(),
             albedo_uv: rows(material.albedo_texture),
             emission_uv: rows(material.emission_texture),
-            normal_uv: [[normal_u[0], normal_u[1], normal_u[2], side], normal_v],
+            normal_uv: rows(normals.map(|map| map.image)),
+            normal_tilt: normals.map(|map| map.tangent_from_texel().to_cols_array()).unwrap_or_default(),
             alpha_uv: rows(texture),
         }
     }
@@ -157,6 +158,7 @@ mod tests {
             ("emission_v", offset_of!(MaterialValues, emission_uv) + 16),
             ("normal_u", offset_of!(MaterialValues, normal_uv)),
             ("normal_v", offset_of!(MaterialValues, normal_uv) + 16),
+            ("normal_tilt", offset_of!(MaterialValues, normal_tilt)),
             ("alpha_u", offset_of!(MaterialValues, alpha_uv)),
             ("alpha_v", offset_of!(MaterialValues, alpha_uv) + 16),
         ]);

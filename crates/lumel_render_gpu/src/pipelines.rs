@@ -4,7 +4,9 @@ use crate::Gpu;
 use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
 use crate::shaders::{self, Shader};
 use crate::vertices::{self, Attribute};
+use lumel_basis::{Directional, Shading};
 use lumel_lightmap::Filter;
+use lumel_render_cpu::NormalMaps;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -66,6 +68,51 @@ pub(crate) struct Detail {
     pub(crate) transparent: bool,
 }
 
+/// Where green of a normal map points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Green {
+    Up,
+    Down,
+}
+
+impl Green {
+    /// `None` if normal maps are not shown.
+    pub(crate) fn of(maps: NormalMaps) -> Option<Self> {
+        match maps {
+            NormalMaps::Off => None,
+            NormalMaps::Up => Some(Self::Up),
+            NormalMaps::Down => Some(Self::Down),
+        }
+    }
+
+    fn sign(self) -> f64 {
+        match self {
+            Self::Up => 1.0,
+            Self::Down => -1.0,
+        }
+    }
+}
+
+/// How light is found on tilted normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Tilt {
+    pub(crate) green: Green,
+    /// Its place in `Shading::ALL`.
+    shading: u8,
+    /// Whether band 2 is known.
+    three_bands: bool,
+}
+
+impl Tilt {
+    pub(crate) fn new(green: Green, shading: Shading, kind: Directional) -> Self {
+        let three_bands = kind == Directional::Sh2;
+        // Without band 2, l2 is zh3.
+        let shading = if shading == Shading::Quadratic && !three_bands { Shading::Zh3 } else { shading };
+        let place = Shading::ALL.iter().position(|s| *s == shading).unwrap_or(0);
+        Self { green, shading: place as u8, three_bands }
+    }
+}
+
 /// Visible marks, or those behind surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Layer {
@@ -80,8 +127,10 @@ pub(crate) enum Key {
     /// Of lumels; where they are not known, of vertices.
     LumelValue(Value, Reading, Samples),
     Surface(Quantity, Detail, Reading, Samples),
+    /// Light on surfaces with a normal map.
+    Relief(Value, Detail, Reading, Tilt, Samples),
     /// With or without a normal map.
-    Normals(bool, Samples),
+    Normals(Option<Green>, Samples),
     Plain(Samples),
     RectLight(Samples),
     Tone(Curve),
@@ -257,9 +306,42 @@ impl Pipelines {
                 let groups = vec![view, Some(material), Some(textures), lumels];
                 scene(Shader::Surface, samples, groups, vertices, constants)
             }
-            Key::Normals(mapped, samples) => {
-                let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV];
-                let constants = vec![("HAS_NORMAL_MAP", number(mapped))];
+            Key::Relief(value, detail, reading, tilt, samples) => {
+                let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
+                let from_lumels = reading != Reading::Vertices;
+                let place = if from_lumels { vertices::PLACE } else { vertices::NO_PLACE };
+                let (entry, moments) = match tilt.three_bands {
+                    false => ("vertex", vertices::TWO_BANDS),
+                    true => ("vertex_of_three_bands", vertices::THREE_BANDS),
+                };
+                let vertices = vec![
+                    vertices::POSITION,
+                    vertices::LIGHT,
+                    vertices::UV,
+                    tint,
+                    place,
+                    vertices::NORMAL,
+                    vertices::TANGENT,
+                    moments,
+                ];
+                let constants = vec![
+                    ("VALUE", f64::from(value as u8)),
+                    ("HAS_ALBEDO_MAP", number(detail.albedo_map)),
+                    ("HAS_EMISSION_MAP", number(detail.emission_map)),
+                    ("IS_TRANSPARENT", number(detail.transparent)),
+                    ("READING", f64::from(reading as u8)),
+                    ("GREEN", tilt.green.sign()),
+                    ("SHADING", f64::from(tilt.shading)),
+                ];
+                let groups = vec![view, Some(material), Some(textures), lumels];
+                let recipe = scene(Shader::Relief, samples, groups, vertices, constants);
+                Recipe { entries: [entry, "fragment"], ..recipe }
+            }
+            Key::Normals(green, samples) => {
+                let tangent = if green.is_some() { vertices::TANGENT } else { vertices::NO_TANGENT };
+                let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV, tangent];
+                let mut constants = vec![("HAS_NORMAL_MAP", number(green.is_some()))];
+                constants.extend(green.map(|green| ("GREEN", green.sign())));
                 scene(
                     Shader::Normals,
                     samples,

@@ -9,6 +9,7 @@ pub(crate) enum Shader {
     Value,
     LumelValue,
     Surface,
+    Relief,
     Normals,
     Plain,
     RectLight,
@@ -19,10 +20,11 @@ pub(crate) enum Shader {
 
 impl Shader {
     /// In the order of their numbers.
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Value,
         Self::LumelValue,
         Self::Surface,
+        Self::Relief,
         Self::Normals,
         Self::Plain,
         Self::RectLight,
@@ -35,6 +37,8 @@ impl Shader {
 const VIEW: &str = include_str!("../shaders/view.wgsl");
 const MATERIAL: &str = include_str!("../shaders/material.wgsl");
 const TEXTURES: &str = include_str!("../shaders/textures.wgsl");
+const PAINT: &str = include_str!("../shaders/paint.wgsl");
+const NORMAL_MAP: &str = include_str!("../shaders/normal_map.wgsl");
 const LUMELS: &str = include_str!("../shaders/lumels.wgsl");
 const HEADLIGHT: &str = include_str!("../shaders/headlight.wgsl");
 const SCREEN: &str = include_str!("../shaders/screen.wgsl");
@@ -44,8 +48,20 @@ pub(crate) fn source(shader: Shader) -> String {
     let parts: &[&str] = match shader {
         Shader::Value => &[VIEW, MATERIAL, include_str!("../shaders/value.wgsl")],
         Shader::LumelValue => &[VIEW, LUMELS, HEADLIGHT, include_str!("../shaders/lumel_value.wgsl")],
-        Shader::Surface => &[VIEW, MATERIAL, TEXTURES, LUMELS, include_str!("../shaders/surface.wgsl")],
-        Shader::Normals => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/normals.wgsl")],
+        Shader::Surface => {
+            &[VIEW, MATERIAL, TEXTURES, PAINT, LUMELS, include_str!("../shaders/surface.wgsl")]
+        }
+        Shader::Relief => &[
+            VIEW,
+            MATERIAL,
+            TEXTURES,
+            PAINT,
+            LUMELS,
+            NORMAL_MAP,
+            include_str!("../shaders/shading.wgsl"),
+            include_str!("../shaders/relief.wgsl"),
+        ],
+        Shader::Normals => &[VIEW, MATERIAL, TEXTURES, NORMAL_MAP, include_str!("../shaders/normals.wgsl")],
         Shader::Plain => &[VIEW, HEADLIGHT, include_str!("../shaders/plain.wgsl")],
         Shader::RectLight => &[VIEW, include_str!("../shaders/rect_light.wgsl")],
         Shader::Tone => &[SCREEN, include_str!("../shaders/tone.wgsl")],

@@ -1,7 +1,7 @@
 //! Scenes with light at their vertices.
 
 use super::material::{Appearance, Materials, Shown};
-use super::primitive::{Attribute, Streams, split, vertex};
+use super::primitive::{Attribute, Only, Streams, split, tangents, vertex};
 use super::write;
 use crate::display::{finite_irradiance, seen_radiance, white_radiance};
 use crate::{ColorScale, ExportError};
@@ -23,7 +23,8 @@ use std::path::Path;
 /// darken, so the exposure is that of white, not of the actual surfaces. Emissive surfaces without textures show
 /// emitted and reflected radiance in `COLOR_0` alone, with white as base colour. Emissive surfaces with a texture are
 /// lit: viewers show their emission, unscaled, and reflect light of their own. Albedo and emission of each material
-/// are in its `extras`; exposure, units and the hash of the geometry in those of `asset`. Normal maps are left out.
+/// are in its `extras`; exposure, units and the hash of the geometry in those of `asset`. Normal
+/// maps, whose green points up, and `TANGENT` are there for readers that light the scene.
 ///
 /// # Errors
 /// Light of a different scene or that is not finite, an exposure that is not positive, a scene beyond the format's limit
@@ -48,13 +49,14 @@ pub fn write_glb(
         })
     };
     let uvs = Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array());
-    let attributes = vec![
+    let mut attributes = vec![
         Attribute::new("POSITION", |_, corner| scene.positions()[vertex(scene, corner)].to_array()),
         Attribute::new("NORMAL", |_, corner| scene.normals()[vertex(scene, corner)].to_array()),
         Attribute::new("_IRRADIANCE", |_, corner| irradiance[vertex(scene, corner)].to_array()),
         colors,
-        Attribute { only_textured: true, ..uvs },
+        Attribute { only: Only::Textured, ..uvs },
     ];
+    attributes.extend(tangents(scene));
     let extras = json!({
         "scene": scene.name(),
         "geometry_hash": scene.geometry_hash().to_hex().as_str(),

@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3};
 use lumel_export::{ColorScale, ExportError, write_glb};
 use lumel_import::{ImportOptions, load};
 use lumel_scene::{
-    Albedo, Encoding, Filter, Irradiance, Material, Radiance, Scene, Texture, TextureId, TextureRef,
-    UvTransform,
+    Albedo, Encoding, Filter, Irradiance, Material, NormalMap, Radiance, Scene, Sides, SurfacePoint, Texture,
+    TextureId, TextureRef, TriId, UvTransform,
 };
 use serde_json::Value;
 use std::fs;
@@ -398,4 +398,41 @@ fn the_khronos_validator_finds_nothing() {
         write_glb(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
         validate(&path);
     }
+}
+
+#[test]
+fn normal_maps_come_back_with_their_tangents() {
+    let transform = UvTransform { rotation: 0.4, scale: Vec2::new(-2.0, 2.0), ..UvTransform::default() };
+    let image = TextureRef { texture: TextureId(0), transform };
+    let texels = vec![[200, 100, 220, 255], [60, 128, 230, 255], [128, 128, 255, 255], [128, 60, 240, 255]];
+    let bumps = Texture::from_bytes("bumps", 2, 2, texels, Encoding::Linear).unwrap();
+    let bumpy = |map| Material { normal_texture: Some(map), ..Material::diffuse("bumpy", Vec3::splat(0.5)) };
+    let up = NormalMap { image, scale: Vec2::splat(0.75) };
+    let materials = vec![Material { sides: Sides::Both, ..bumpy(up) }, bumpy(up.flipped())];
+    let scene = textured_square(materials, vec![bumps]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    write_glb(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
+    let again = load(&path, &ImportOptions::default()).unwrap();
+    assert!(again.warnings.is_empty(), "{:?}", again.warnings.iter().next());
+    let again = again.scene.build().unwrap().0;
+    assert_eq!((again.triangle_count(), again.traced_count()), (scene.triangle_count(), 3));
+    let mut seen = Vec::new();
+    for tri in (0..scene.triangle_count() as u32).map(TriId) {
+        let found = (0..again.triangle_count() as u32).map(TriId);
+        let same = |other: &TriId| {
+            again.triangle_positions(*other) == scene.triangle_positions(tri)
+                && again.geometric_normal(*other) == scene.geometric_normal(tri)
+        };
+        let other = found.into_iter().find(same).unwrap();
+        for (u, v) in [(0.2, 0.3), (0.7, 0.1)] {
+            let [ours, theirs] = [(&scene, tri), (&again, other)].map(|(scene, tri)| {
+                scene.mapped_normal(SurfacePoint { tri, bary: [u, v].into() }, Vec2::ONE).unwrap()
+            });
+            // Flipped bytes are off by one.
+            assert!((ours - theirs).length() < 0.01, "{ours} {theirs}");
+            seen.push(ours);
+        }
+    }
+    assert!(seen.iter().any(|n| n.y < 0.0) && seen.iter().all(|n| n.y.abs() < 0.999), "{seen:?}");
 }
