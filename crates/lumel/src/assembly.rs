@@ -4,7 +4,7 @@ use crate::method::Method;
 use crate::settings::{Memory, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
-use lumel_basis::{Directional, Receivers, Sampling};
+use lumel_basis::{Directional, Receivers, Sampling, VertexBasis};
 use lumel_scene::Scene;
 use lumel_solve::{REPLICATES, Replicates, Target};
 use lumel_transport::{
@@ -17,11 +17,19 @@ pub(crate) struct Assembly {
     pub(crate) method: Method,
     /// Measures direct light and bounces.
     pub(crate) transport: Box<dyn Transport>,
-    /// The rays that it stores.
-    pub(crate) stored: Option<Stored>,
+    pub(crate) stored: StoredRays,
     pub(crate) rest: Rest,
     /// Measures all light by direction in the end, where the settings want it.
     pub(crate) directional: Option<Box<dyn Transport>>,
+}
+
+/// The rays that operators store, and others of the same surfaces may share.
+#[derive(Clone, Default)]
+pub(crate) struct StoredRays {
+    /// Those that bounces are measured by.
+    pub(crate) bounces: Option<Stored>,
+    /// Those of light by direction.
+    pub(crate) directional: Option<Stored>,
 }
 
 /// What an operator's transport alone does not do.
@@ -39,7 +47,7 @@ impl Assembly {
         scene: &Arc<Scene>,
         surfaces: &Surfaces,
         settings: &Settings,
-        stored: Option<&Stored>,
+        stored: &StoredRays,
     ) -> Self {
         match settings.projection.sampling() {
             Sampling::Point => {
@@ -67,7 +75,7 @@ impl Assembly {
             directional,
             ..settings.clone()
         };
-        Self::new(scene, surfaces, &settings, None).transport
+        Self::new(scene, surfaces, &settings, &StoredRays::default()).transport
     }
 }
 
@@ -91,6 +99,20 @@ pub(crate) fn directional_plan(plan: Plan) -> Plan {
     Plan { direct_samples: half(plan.direct_samples), indirect_samples: half(plan.indirect_samples), ..plan }
 }
 
+/// The memory that the rays of light by direction take; `None` where they are not stored.
+pub(crate) fn directional_memory(
+    scene: &Scene,
+    order: &Order,
+    settings: &Settings,
+    method: Method,
+) -> Option<Memory> {
+    let Method::Cached { memory } = method else { return None };
+    let rays = order.rays(&directional_plan(settings.plan()));
+    let own = Rows::bytes_for(rays, scene.has_varying_albedo());
+    let is_kept = settings.directional != Directional::Off && memory.0 + own <= settings.memory.0;
+    is_kept.then_some(Memory(own))
+}
+
 /// What operators are made of.
 struct Parts<'a, R> {
     scene: &'a Arc<Scene>,
@@ -100,17 +122,17 @@ struct Parts<'a, R> {
 }
 
 impl<R: Receivers + 'static> Parts<'_, R> {
-    fn assembly(self, stored: Option<&Stored>) -> Assembly {
+    fn assembly(self, shared: &StoredRays) -> Assembly {
         let method = method(self.scene, &self.measured.order, self.settings);
         let traced = || -> Box<dyn Transport> { Box::new(self.traced(self.settings.plan())) };
         let cached = |indirect_samples| {
             let plan = Plan { indirect_samples, ..self.settings.plan() };
-            let cached = CachedTransport::new(self.traced(plan), stored);
+            let cached = CachedTransport::new(self.traced(plan), shared.bounces.as_ref());
             let stored = cached.stored();
             (Box::new(cached) as Box<dyn Transport>, Some(stored))
         };
-        let directional = self.directional();
-        let ((transport, stored), rest) = match method {
+        let directional = self.directional(method, shared.directional.as_ref());
+        let ((transport, bounces), rest) = match method {
             Method::Neumann => ((traced(), None), Rest::Nothing),
             Method::Cached { .. } => (cached(self.settings.indirect_samples), Rest::Nothing),
             Method::FinalGather { stored, .. } => (cached(stored), Rest::Gather(traced())),
@@ -120,19 +142,29 @@ impl<R: Receivers + 'static> Parts<'_, R> {
                 ((traced(), None), Rest::Replicates(target, Box::new(StoredReplicates { like, first })))
             }
         };
+        let stored = |directional: &DirectionalTransport<_, _>| directional.stored();
+        let stored = StoredRays { bounces, directional: directional.as_ref().and_then(stored) };
+        let directional = directional.map(|operator| Box::new(operator) as Box<dyn Transport>);
         Assembly { method, transport, stored, rest, directional }
     }
 
-    /// With half of the samples, so that it takes at most half as long again.
-    fn directional(&self) -> Option<Box<dyn Transport>> {
+    /// Its rays are stored where those of bounces are, and both fit into memory.
+    fn directional(
+        &self,
+        method: Method,
+        shared: Option<&Stored>,
+    ) -> Option<DirectionalTransport<VertexBasis, R>> {
         let kind = self.settings.directional;
+        let inner = || self.traced(directional_plan(self.settings.plan()));
         (kind != Directional::Off).then(|| {
-            let inner = self.traced(directional_plan(self.settings.plan()));
-            Box::new(DirectionalTransport::new(inner, kind)) as Box<dyn Transport>
+            match directional_memory(self.scene, &self.measured.order, self.settings, method) {
+                Some(_) => DirectionalTransport::storing(inner(), kind, shared),
+                None => DirectionalTransport::new(inner(), kind),
+            }
         })
     }
 
-    fn traced(&self, plan: Plan) -> CpuTransport<lumel_basis::VertexBasis, R> {
+    fn traced(&self, plan: Plan) -> CpuTransport<VertexBasis, R> {
         let Surfaces { tracer, basis, .. } = self.surfaces;
         let measured = (Arc::clone(&self.measured.receivers), self.measured.order.clone());
         CpuTransport::in_order(Arc::clone(self.scene), Arc::clone(tracer), Arc::clone(basis), measured, plan)

@@ -26,7 +26,7 @@ mod vertex_receivers;
 
 pub use adjacency::Adjacency;
 pub use angular::{
-    Coefficients, Directional, HARMONICS, Harmonics, IncidentRadiance, Shading, UnknownShading,
+    Coefficients, Directional, HARMONICS, Harmonics, IncidentRadiance, Shading, UnknownShading, band_of,
     spherical_harmonics,
 };
 pub use area_receivers::AreaReceivers;

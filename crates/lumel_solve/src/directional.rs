@@ -4,10 +4,7 @@ use crate::SolveState;
 use crate::observer::{Observer, Step};
 use crate::solver::{Operator, SolveError, measured_step};
 use lumel_basis::Field;
-use lumel_transport::{Control, EmitterMask, Job, Source, TransportError};
-
-/// Samples apart from those of bounces and of a final gather.
-const PASS: u32 = 2;
+use lumel_transport::{Control, DIRECTIONAL_PASS, EmitterMask, Job, Source, TransportError};
 
 /// Measures the moments of all light of a finished solve, by an operator with more channels.
 ///
@@ -36,7 +33,7 @@ pub(crate) fn by_direction(
     control: &Control,
 ) -> Result<Field, TransportError> {
     let measured = |source, bounce| {
-        let job = Job { source, bounce, pass: PASS, active: operator.active(&state.valid) };
+        let job = Job { source, bounce, pass: DIRECTIONAL_PASS, active: operator.active(&state.valid) };
         Ok(measured_step(operator, &job, control, None)?.field)
     };
     let mut parts = vec![measured(Source::Emitters(mask), 0)?];

@@ -58,7 +58,7 @@ impl SolveState {
     }
 
     /// The light that surfaces reflect once more into all bounces but the direct light, and into the tail.
-    pub(crate) fn gatherable(&self) -> Field {
+    pub fn gatherable(&self) -> Field {
         let Some((last, before)) = self.bounces.split_last() else { return Field::zeros(self.node_count()) };
         // Beyond the last bounce, its light and all later light bounce into the tail.
         let into_tail = self.tail.iter().flat_map(|tail| [last, tail]);

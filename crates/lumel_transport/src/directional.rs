@@ -1,7 +1,10 @@
 //! The operator that measures light by direction: moments of what arrives, for all light at once at the end of a solve.
 
+use crate::Sums;
 use crate::area_pattern::{AreaChunk, AreaPatterns};
 use crate::arrivals::Arrivals;
+use crate::cached::{AreaRows, CachedTransport, ChunkRows, DIRECTIONAL_PASS, Stored};
+use crate::cached_area::measured;
 use crate::direct_area::AreaSites;
 use crate::direct_moments::LitSites;
 use crate::ends::RayEnd;
@@ -16,30 +19,42 @@ use crate::scatter::scattered;
 use crate::shadow_batch::Batch;
 use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
-use crate::{EmitterMask, Sums};
 use glam::{DVec3, Vec3, Vec4};
 use lumel_basis::{Basis, Directional, ElementId, HARMONICS, Receivers, Sampling, Site};
 use lumel_sample::{CellOrder, Dim, StreamKey};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A [`CpuTransport`] whose results have the channels of a [`Directional`] field: irradiance, and the coefficients
-/// `∫ L Y dω` of the light that arrives.
+/// An operator whose results have the channels of a [`Directional`] field: irradiance, and the coefficients `∫ L Y dω` of the
+/// light that arrives.
 ///
 /// Its hemisphere rays lie half by the cosine and half evenly, so that coefficients have a finite variance, and shadow rays
 /// count without the cosine of the receiver. Light of one channel is read, as every operator does. Unbiased.
 ///
-/// Bounces need none of it: light is carried as irradiance, and its moments are measured once, from all of it.
+/// Bounces need none of it: light is carried as irradiance, and its moments are measured once, from all of it. If it is asked
+/// for, hemisphere rays are stored, for all jobs of [their pass](DIRECTIONAL_PASS) and to be used under other lights.
 pub struct DirectionalTransport<B, R> {
-    inner: CpuTransport<B, R>,
+    cached: CachedTransport<B, R>,
     kind: Directional,
+    stores_rays: bool,
 }
 
-impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
+impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
     /// With the sites, lights and samples of another operator.
     pub fn new(mut inner: CpuTransport<B, R>, kind: Directional) -> Self {
         inner.density = HemisphereDensity::Mixed;
-        Self { inner, kind }
+        Self { cached: CachedTransport::new(inner, None), kind, stores_rays: false }
+    }
+
+    /// The same, which stores its rays, or takes those that another one has stored where they are the same.
+    pub fn storing(mut inner: CpuTransport<B, R>, kind: Directional, shared: Option<&Stored>) -> Self {
+        inner.density = HemisphereDensity::Mixed;
+        Self { cached: CachedTransport::new(inner, shared), kind, stores_rays: true }
+    }
+
+    /// What it stores, to be shared.
+    pub fn stored(&self) -> Option<Stored> {
+        self.stores_rays.then(|| self.cached.stored())
     }
 
     fn measure_chunk(
@@ -50,26 +65,30 @@ impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
         control: &Control,
     ) -> Result<Sums, TransportError> {
         control.check()?;
-        let active = self.inner.active(job, chunk);
-        let sums = match patterns {
-            None => self.at_points(job, &active, control)?,
-            Some(patterns) => self.over_areas(job, (&active, chunk), patterns, control)?,
+        let stores = self.stores_rays && job.pass == DIRECTIONAL_PASS;
+        let rows = if stores { Some(self.cached.chunk_rows(chunk, control)?) } else { None };
+        let sums = match (patterns, rows) {
+            (None, rows) => self.at_points(job, chunk, rows, control)?,
+            (Some(patterns), None) => self.over_areas(job, chunk, patterns, control)?,
+            (Some(patterns), Some(rows)) => self.on_area_rows(job, (patterns, chunk), rows, control)?,
         };
-        control.count(self.inner.elements(chunk).len() as u64, 0);
+        control.count(self.cached.inner.elements(chunk).len() as u64, 0);
         Ok(sums)
     }
 
     fn at_points(
         &self,
         job: &Job<'_>,
-        elements: &[ElementId],
+        chunk: u32,
+        rows: Option<ChunkRows<'_>>,
         control: &Control,
     ) -> Result<Sums, TransportError> {
-        let (op, group) = (&self.inner, Group::new(&*self.inner.receivers, elements));
-        let key = |element| op.key(job, element);
+        let op = &self.cached.inner;
+        let elements = op.active(job, chunk);
+        let group = Group::new(&*op.receivers, &elements);
         let mut moments = Moments::new(self.kind, group.len());
         if let Source::Emitters(mask) = job.source {
-            let keys: Vec<StreamKey> = elements.iter().map(|&element| key(element)).collect();
+            let keys: Vec<StreamKey> = elements.iter().map(|&element| op.key(job, element)).collect();
             let samples = op.plan.sampler.sample_count(op.plan.direct_samples);
             let sites = LitSites::Points { sites: &group.sites, keys: &keys, samples };
             let scratch = (&mut LightPoints::default(), &mut Batch::default());
@@ -78,16 +97,29 @@ impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
         if measure::needs_hemisphere(op, job.source) {
             let per_element = op.plan.samples(op.plan.indirect_samples, Sampling::Point, 0);
             let rays = Rays { per_element, dim: Dim::Hemisphere };
+            let key = |element| match rows {
+                Some(_) => self.cached.row_key(element),
+                None => op.key(job, element),
+            };
             let mut reader = Arriving::new(op, job.source);
             reader.set_points(&group, rays, key);
             let mut next = vec![0; group.len()];
-            trace::at_points(op, &group, rays, key, control, |i, end, _| {
+            let mut add = |i: usize, end: &RayEnd| {
                 let at = i * per_element as usize + next[i];
                 next[i] += 1;
-                let arrived = reader.arrived(at, &end);
+                let arrived = reader.arrived(at, end);
                 let facing = arrived.facing.truncate().as_dvec3() / f64::from(per_element);
                 moments.add(i, &arrived.factors, facing);
-            })?;
+            };
+            match rows {
+                None => trace::at_points(op, &group, rays, key, control, |i, end, _| add(i, &end))?,
+                Some(rows) => {
+                    for (i, lane) in measured(job, rows).into_iter().enumerate() {
+                        let row = rows.ends.iter().skip(lane).step_by(rows.elements.len());
+                        row.for_each(|end| add(i, &end.end().unwrap_or(RayEnd::BackFace)));
+                    }
+                }
+            }
         }
         Ok(group.moments(|i| moments.of(i)))
     }
@@ -95,56 +127,81 @@ impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
     fn over_areas(
         &self,
         job: &Job<'_>,
-        (elements, chunk): (&[ElementId], u32),
+        chunk: u32,
         patterns: &Patterns,
         control: &Control,
     ) -> Result<Sums, TransportError> {
-        let op = &self.inner;
-        let none = || vec![ElementSums::some(elements.len()); self.kind.channels()];
-        let (mut sums, mut by_rays) = (none(), none());
-        let parts = |patterns: &Option<AreaPatterns>, each: EachPart<'_>| {
-            for part in patterns.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
-                let area = AreaChunk::new(elements, &part, |element| op.key(job, element));
-                each(&area, &trace::over_areas(op, &area, control)?)?;
-            }
-            Ok::<(), TransportError>(())
-        };
-        if let Source::Emitters(mask) = job.source {
-            parts(&patterns.lights, &mut |area, ends| self.add_lights(mask, area, ends, &mut sums, control))?;
+        let op = &self.cached.inner;
+        let elements = op.active(job, chunk);
+        let mut found = self.none_of(elements.len());
+        let all: Vec<usize> = (0..elements.len()).collect();
+        for part in patterns.lights.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
+            let area = AreaChunk::new(&elements, &part, |element| op.key(job, element));
+            let ends = trace::over_areas(op, &area, control)?;
+            let is_outside = |i: usize, number| ends[area.place(i, number)].is_some();
+            self.add_lights(job.source, (&area, &all), &is_outside, &mut found, control)?;
         }
-        parts(&patterns.rays, &mut |area, ends| {
-            self.add_rays(job.source, area, ends, &mut by_rays);
-            Ok(())
-        })?;
-        if patterns.lights.is_some() {
-            for (sums, by_rays) in sums.iter_mut().zip(&by_rays) {
-                sums.iter_mut().zip(by_rays).for_each(|(sums, by_rays)| sums.add_means(by_rays));
-            }
-        } else {
-            sums = by_rays;
+        for part in patterns.rays.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
+            let area = AreaChunk::new(&elements, &part, |element| op.key(job, element));
+            let ends = trace::over_areas(op, &area, control)?;
+            self.add_rays(job.source, (&area, &all), |at| ends[at], &mut found);
         }
-        Ok(Sums::of_channels(&sums))
+        Ok(found.sums())
+    }
+
+    /// Over areas, by stored rays: they also tell which places lie inside geometry.
+    fn on_area_rows(
+        &self,
+        job: &Job<'_>,
+        (patterns, chunk): (&Patterns, u32),
+        rows: ChunkRows<'_>,
+        control: &Control,
+    ) -> Result<Sums, TransportError> {
+        let op = &self.cached.inner;
+        let mut found = self.none_of(rows.elements.len());
+        let measured = measured(job, rows);
+        let Some(AreaRows { rays, lights }) = &self.cached.areas else { return Ok(Sums::default()) };
+        let mut lights = lights.as_ref().map(|lights| lights.parts(&op.order, chunk));
+        for part in rays.parts(&op.order, chunk) {
+            control.check()?;
+            let area = self.cached.area_chunk(&part, rows.elements);
+            let end = |at: usize| rows.ends[area.first as usize * rows.elements.len() + at].end();
+            let lights = lights.as_mut().filter(|_| patterns.lights.is_some()).and_then(Iterator::next);
+            if let Some(lights) = &lights {
+                let lit = AreaChunk::new(rows.elements, lights, |element| op.key(job, element));
+                let is_outside = |i: usize, number| end(area.place(i, number)).is_some();
+                self.add_lights(job.source, (&lit, &measured), &is_outside, &mut found, control)?;
+            }
+            if patterns.rays.is_some() {
+                self.add_rays(job.source, (&area, &measured), end, &mut found);
+            }
+        }
+        Ok(found.sums())
+    }
+
+    fn none_of(&self, elements: usize) -> Found {
+        let none = || vec![ElementSums::some(elements); self.kind.channels()];
+        Found { by_lights: none(), by_rays: none() }
     }
 
     /// Adds what arrives along the rays of each element.
     fn add_rays(
         &self,
         source: Source<'_>,
-        area: &AreaChunk<'_>,
-        ends: &[Option<RayEnd>],
-        sums: &mut [Vec<ElementSums>],
+        (area, elements): (&AreaChunk<'_>, &[usize]),
+        end: impl Fn(usize) -> Option<RayEnd>,
+        found: &mut Found,
     ) {
-        let (op, lanes) = (&self.inner, area.elements.len());
+        let (op, lanes) = (&self.cached.inner, area.elements.len());
         let mut reader = Arriving::new(op, source);
         let mut arrived = Vec::with_capacity(area.pattern.len() as usize);
-        for i in 0..lanes {
+        for &i in elements {
             reader.set_area(area, i);
             arrived.clear();
             arrived.extend((0..area.pattern.len() as usize).map(|slot| {
-                let end = &ends[slot * lanes + i];
-                end.as_ref().map_or(Arrived::LEFT_OUT, |end| reader.arrived(slot, end))
+                end(slot * lanes + i).map_or(Arrived::LEFT_OUT, |end| reader.arrived(slot, &end))
             }));
-            for (channel, sums) in sums.iter_mut().enumerate() {
+            for (channel, sums) in found.by_rays.iter_mut().enumerate() {
                 measure::add_samples::<1, _, _>(op, area, &[i], sums, |_, slot| {
                     arrived[slot as usize].in_channel(channel)
                 });
@@ -152,35 +209,34 @@ impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
         }
     }
 
-    /// Adds what lights send to the sites of each element that do not lie inside geometry.
+    /// Adds what lights send to the samples of some elements that are `is_outside` geometry, by element and number.
     fn add_lights(
         &self,
-        mask: Option<&EmitterMask>,
-        area: &AreaChunk<'_>,
-        ends: &[Option<RayEnd>],
-        sums: &mut [Vec<ElementSums>],
+        source: Source<'_>,
+        (area, elements): (&AreaChunk<'_>, &[usize]),
+        is_outside: &dyn Fn(usize, u32) -> bool,
+        found: &mut Found,
         control: &Control,
     ) -> Result<(), TransportError> {
-        let (op, lanes) = (&self.inner, area.elements.len());
+        let Source::Emitters(mask) = source else { return Ok(()) };
+        let op = &self.cached.inner;
         let samples = area.pattern.len();
-        let is_outside =
-            |i: usize, number| ends[area.pattern.slot(number, area.keys[i].1) as usize * lanes + i].is_some();
-        let mut sites: Vec<Option<Site>> = Vec::with_capacity(lanes * samples as usize);
-        let mut all = Vec::with_capacity(samples as usize);
-        for (i, &element) in area.elements.iter().enumerate() {
-            all.clear();
-            op.receivers.sites(element, area.pattern.places(), &mut all);
+        let mut sites: Vec<Option<Site>> = Vec::with_capacity(elements.len() * samples as usize);
+        let (mut all, mut keys) = (Vec::with_capacity(samples as usize), Vec::new());
+        for &i in elements {
+            op.receivers.sites(area.elements[i], area.pattern.places(), &mut all);
             let outside = |(number, site)| is_outside(i, number).then_some(site);
             sites.extend((0..).zip(all.drain(..)).map(outside));
+            keys.push(area.keys[i]);
         }
         let mut moments = Moments::new(self.kind, sites.len());
-        let lit = AreaSites { sites: &sites, keys: &area.keys, pattern: area.pattern };
+        let lit = AreaSites { sites: &sites, keys: &keys, pattern: area.pattern };
         let scratch = (&mut LightPoints::default(), &mut Batch::default());
         measure::direct(op, mask, control).moments(&LitSites::Areas(&lit), scratch, &mut moments)?;
-        for i in 0..lanes {
-            for (channel, sums) in sums.iter_mut().enumerate() {
+        for (k, &i) in elements.iter().enumerate() {
+            for (channel, sums) in found.by_lights.iter_mut().enumerate() {
                 measure::add_samples::<1, _, _>(op, area, &[i], sums, |_, slot| {
-                    let at = lit.at(i, slot);
+                    let at = lit.at(k, slot);
                     let value = || moments.of(at)[channel].as_vec3().extend(1.0);
                     sites[at].as_ref().map_or(Vec4::ZERO, |_| value())
                 });
@@ -190,8 +246,24 @@ impl<B: Basis, R: Receivers> DirectionalTransport<B, R> {
     }
 }
 
-/// Takes a part of the samples and the ends of their rays.
-type EachPart<'a> = &'a mut dyn FnMut(&AreaChunk<'_>, &[Option<RayEnd>]) -> Result<(), TransportError>;
+/// What was found of some elements, by channel.
+struct Found {
+    by_lights: Vec<Vec<ElementSums>>,
+    by_rays: Vec<Vec<ElementSums>>,
+}
+
+impl Found {
+    /// An entry for each node of each element: the mean of what lights and rays bring.
+    fn sums(mut self) -> Sums {
+        if self.by_lights[0].iter().all(ElementSums::is_empty) {
+            return Sums::of_channels(&self.by_rays);
+        }
+        for (sums, by_rays) in self.by_lights.iter_mut().zip(&self.by_rays) {
+            sums.iter_mut().zip(by_rays).for_each(|(sums, by_rays)| sums.add_means(by_rays));
+        }
+        Sums::of_channels(&self.by_lights)
+    }
+}
 
 /// What a ray brings: the irradiance of a surface that faces it, with 1 as its fourth component, and what it counts in each
 /// channel.
@@ -290,9 +362,9 @@ impl Patterns {
     }
 }
 
-impl<B: Basis, R: Receivers> Transport for DirectionalTransport<B, R> {
+impl<B: Basis, R: Receivers + 'static> Transport for DirectionalTransport<B, R> {
     fn shape(&self) -> Shape {
-        Shape { channels: self.kind.channels(), ..self.inner.sizes() }
+        Shape { channels: self.kind.channels(), ..self.cached.inner.sizes() }
     }
 
     /// Measures emitters and fields alone.
@@ -307,8 +379,9 @@ impl<B: Basis, R: Receivers> Transport for DirectionalTransport<B, R> {
             let cause = "it measures the light of emitters and fields alone".to_owned();
             return Err(TransportError::Failed { worker: "the operator of directional light".into(), cause });
         }
-        let is_over_areas = self.inner.receivers.sampling() == Sampling::Area;
-        let patterns = is_over_areas.then(|| Patterns::new(&self.inner, job));
+        let op = &self.cached.inner;
+        let is_over_areas = op.receivers.sampling() == Sampling::Area;
+        let patterns = is_over_areas.then(|| Patterns::new(op, job));
         scattered(chunks).into_par_iter().try_for_each(|chunk| {
             sink.accept(chunk, self.measure_chunk(job, chunk, patterns.as_ref(), control)?);
             Ok(())

@@ -59,7 +59,7 @@ mod trace;
 
 pub use accumulate::{Measured, PartialField, accumulate};
 pub use ambient::AmbientOcclusion;
-pub use cached::{CachedTransport, Stored};
+pub use cached::{CachedTransport, DIRECTIONAL_PASS, Stored};
 pub use directional::DirectionalTransport;
 pub use emitters::{Emitter, EmitterMask};
 pub use hemisphere::direction as hemisphere_direction;

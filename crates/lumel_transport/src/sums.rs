@@ -111,6 +111,11 @@ impl ElementSums {
         }
     }
 
+    /// Whether nothing was measured.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Adds what another measurement of the same element has found, with more samples, to the nodes that are here: its
     /// mean, with the weights that are here.
     pub(crate) fn add_means(&mut self, other: &Self) {

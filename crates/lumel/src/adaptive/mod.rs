@@ -5,6 +5,7 @@ mod kinks;
 mod probes;
 mod refiner;
 
+use crate::assembly::StoredRays;
 use crate::settings::{BounceLimit, Layers, Settings, TargetError};
 use crate::{Baker, Tail};
 use lumel_accel::Refined;
@@ -117,7 +118,9 @@ impl Baker {
             TransportError::Failed { worker, cause: error.to_string() }
         })?;
         let tracer = Refined::new(Arc::clone(self.tracer()), scene.clone());
-        Ok(Self::with_stored(Arc::new(scene), Arc::new(tracer), settings, coarser.and_then(Self::stored)))
+        let none = StoredRays::default();
+        let stored = coarser.map_or(&none, Self::stored);
+        Ok(Self::with_stored(Arc::new(scene), Arc::new(tracer), settings, stored))
     }
 
     fn probes<'a>(&'a self, reflecting: Option<&'a Field>) -> Probes<'a> {

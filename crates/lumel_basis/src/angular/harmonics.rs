@@ -17,6 +17,11 @@ const BAND_2: [f32; 3] = [1.092_548_4, 0.315_391_57, 0.546_274_2];
 /// [`Directional::Sh2`]: `Y₀₀, Y₁₋₁, Y₁₀, Y₁₁, Y₂₋₂, Y₂₋₁, Y₂₀, Y₂₁, Y₂₂`.
 pub type Harmonics<T> = [T; HARMONICS];
 
+/// The band that a harmonic belongs to, by its place among [`Harmonics`].
+pub const fn band_of(harmonic: usize) -> usize {
+    harmonic.isqrt()
+}
+
 /// Which moments of the light that arrives from different directions are kept beside irradiance.
 ///
 /// They are the coefficients `c_lm = ∫ L Y_lm dω` of incident radiance in world space, W·m⁻², without the cosine of the
