@@ -2,7 +2,7 @@
 
 use crate::members::{check_members, read_flags, read_numbers, read_vectors};
 use crate::{Array, ArrayData, NpzReader, NpzWriter, ReadError, SolutionError};
-use lumel_lightmap::{Half, LumelLight};
+use lumel_lightmap::{DirectionalLight, Half, LumelLight};
 use serde::{Deserialize, Serialize};
 use std::io;
 
@@ -28,6 +28,17 @@ pub struct LumelMeta {
     pub round: u32,
     /// See [`LumelLight::done`].
     pub done: u32,
+    /// Coefficients of harmonics, one array each.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub harmonics: usize,
+    /// Lumels that were measured by direction.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub directional_done: usize,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_zero(n: &usize) -> bool {
+    *n == 0
 }
 
 const SOLVED: [&str; 2] = ["lumel_solved_direct", "lumel_solved_bounces"];
@@ -35,6 +46,10 @@ const ACTIVE: &str = "lumel_active";
 
 fn source(number: usize) -> String {
     format!("lumel_source_{number}")
+}
+
+fn harmonic(number: usize) -> String {
+    format!("lumel_sh_{number}")
 }
 
 fn samples(half: usize) -> String {
@@ -51,14 +66,25 @@ fn bounced(half: usize) -> String {
 
 impl LumelState<'_> {
     pub(crate) fn meta(&self) -> LumelMeta {
-        let LumelLight { has_tail, round, done, ref sources, .. } = *self.light;
-        LumelMeta { identity: self.identity.to_owned(), sources: sources.len(), has_tail, round, done }
+        let LumelLight { has_tail, round, done, ref sources, ref directional, .. } = *self.light;
+        LumelMeta {
+            identity: self.identity.to_owned(),
+            sources: sources.len(),
+            has_tail,
+            round,
+            done,
+            harmonics: directional.harmonics.len(),
+            directional_done: directional.done as usize,
+        }
     }
 
     pub(crate) fn write(&self, npz: &mut NpzWriter<'_>) -> io::Result<()> {
         let list = |values: &[f32]| Array::list(ArrayData::F32(values.to_vec()));
         for (number, values) in self.light.sources.iter().enumerate() {
             npz.array(&source(number), &Array::from_vectors(values))?;
+        }
+        for (number, values) in self.light.directional.harmonics.iter().enumerate() {
+            npz.array(&harmonic(number), &Array::from_vectors(values))?;
         }
         for (number, half) in self.light.halves.iter().enumerate() {
             npz.array(&samples(number), &list(&half.samples))?;
@@ -81,6 +107,7 @@ impl LumelMeta {
     pub(crate) fn read(&self, npz: &mut NpzReader) -> Result<LumelLight, SolutionError> {
         let of_halves = (0..2).flat_map(|half| [samples(half), totals(half), bounced(half)]);
         let names = (0..self.sources).map(source).chain(of_halves);
+        let names = names.chain((0..self.harmonics).map(harmonic));
         let names: Vec<String> = names.chain(SOLVED.into_iter().chain([ACTIVE]).map(str::to_owned)).collect();
         check_members(npz, &names)?;
         let mut half = |number| {
@@ -102,6 +129,12 @@ impl LumelMeta {
             round: self.round,
             active: read_flags(npz, ACTIVE)?,
             done: self.done,
+            directional: DirectionalLight {
+                harmonics: (0..self.harmonics)
+                    .map(|number| read_vectors(npz, &harmonic(number)))
+                    .collect::<Result<_, _>>()?,
+                done: self.directional_done as u32,
+            },
         };
         light
             .check()

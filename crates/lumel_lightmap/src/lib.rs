@@ -10,6 +10,7 @@
 //!
 //! All results are the same bits on any number of threads.
 
+mod by_direction;
 mod charts;
 mod denoise;
 mod dilate;
@@ -24,8 +25,9 @@ mod shrink;
 mod surface;
 mod taps;
 
+pub use by_direction::LumelsByDirection;
 pub use dilate::Dilation;
-pub use light::{Half, LumelLight, PartLight};
+pub use light::{DirectionalLight, Half, LumelLight, PartLight};
 pub use lighting::LumelLighting;
 pub use lightmap::{Lightmap, LightmapLayer};
 pub use seams::Seams;

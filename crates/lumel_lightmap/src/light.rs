@@ -31,6 +31,17 @@ pub struct LumelLight {
     pub active: Vec<bool>,
     /// Lumels before this one have been measured in it.
     pub done: u32,
+    /// All light by direction, where that is measured.
+    pub directional: DirectionalLight,
+}
+
+/// Where the light of each lumel comes from: measured once, after all rounds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DirectionalLight {
+    /// Coefficients of harmonics, W·m⁻², by harmonic and lumel; empty where they are not measured.
+    pub harmonics: Vec<Vec<Vec3>>,
+    /// Lumels before this one have been measured.
+    pub done: u32,
 }
 
 /// What is known of each lumel from half of the samples.
@@ -66,6 +77,7 @@ impl LumelLight {
             round: 0,
             active: vec![true; n_lumels],
             done: 0,
+            directional: DirectionalLight::default(),
         }
     }
 
@@ -77,16 +89,18 @@ impl LumelLight {
         let n = self.len();
         let halves = self.halves.iter().flat_map(|half| [&half.samples, &half.totals, &half.bounced]);
         if halves.clone().any(|values| values.len() != n)
-            || self.sources.iter().any(|source| source.len() != n)
+            || self.sources.iter().chain(&self.directional.harmonics).any(|source| source.len() != n)
             || self.solved.iter().any(|solved| ![0, n].contains(&solved.len()))
         {
             return Err(format!("has {n} lumels, but other parts of the light have not"));
         }
-        if self.done as usize > n {
-            return Err(format!("has {n} lumels, of which {} are done", self.done));
+        let done = self.done.max(self.directional.done);
+        if done as usize > n {
+            return Err(format!("has {n} lumels, of which {done} are done"));
         }
         let finite = halves.flatten().all(|value| value.is_finite());
-        if !finite || !self.sources.iter().flatten().all(|value| value.is_finite()) {
+        let light = self.sources.iter().chain(&self.directional.harmonics);
+        if !finite || !light.flatten().all(|value| value.is_finite()) {
             return Err("has light that is no finite number".to_owned());
         }
         Ok(())
@@ -171,6 +185,38 @@ impl LumelLight {
         let share = samples / half.samples[lumel];
         let means = [(&mut half.totals[lumel], direct + bounced), (&mut half.bounced[lumel], bounced)];
         means.into_iter().for_each(|(mean, new)| *mean += (new - *mean) * share);
+    }
+
+    /// Begins to measure light by direction in so many harmonics, unless that has begun.
+    pub fn begin_directional(&mut self, harmonics: usize) {
+        if self.directional.harmonics.len() != harmonics {
+            let dark = vec![Vec3::ZERO; self.len()];
+            self.directional = DirectionalLight { harmonics: vec![dark; harmonics], done: 0 };
+        }
+    }
+
+    /// The next lumels to be measured by direction: at most so many. `None` if all are done.
+    pub fn next_directional_part(&self, most: usize) -> Option<Range<usize>> {
+        let begin = self.directional.done as usize;
+        (begin < self.len()).then(|| begin..self.len().min(begin + most.max(1)))
+    }
+
+    /// Adds the coefficients of the lumels of a range, lumel by lumel.
+    ///
+    /// # Panics
+    /// If there are not as many as the range has lumels.
+    pub fn add_directional<'a>(
+        &mut self,
+        range: Range<usize>,
+        coefficients: impl ExactSizeIterator<Item = &'a [Vec3]>,
+    ) {
+        assert_eq!(coefficients.len(), range.len(), "coefficients of each lumel");
+        self.directional.done = range.end as u32;
+        for (lumel, coefficients) in range.zip(coefficients) {
+            for (harmonic, value) in self.directional.harmonics.iter_mut().zip(coefficients) {
+                harmonic[lumel] = *value;
+            }
+        }
     }
 
     /// The samples of each half of the round, as a multiple of those of the first: with all before, they double.

@@ -5,10 +5,11 @@ mod kinks;
 mod probes;
 mod refiner;
 
+use crate::assembly::StoredRays;
 use crate::settings::{BounceLimit, Layers, Settings, TargetError};
 use crate::{Baker, Tail};
 use lumel_accel::Refined;
-use lumel_basis::Field;
+use lumel_basis::{Directional, Field};
 use lumel_scene::{Bisection, SurfacePoint, luminance};
 use lumel_solve::{Silent, SolveError, SolveState};
 use lumel_transport::{Control, TransportError};
@@ -117,7 +118,9 @@ impl Baker {
             TransportError::Failed { worker, cause: error.to_string() }
         })?;
         let tracer = Refined::new(Arc::clone(self.tracer()), scene.clone());
-        Ok(Self::with_stored(Arc::new(scene), Arc::new(tracer), settings, coarser.and_then(Self::stored)))
+        let none = StoredRays::default();
+        let stored = coarser.map_or(&none, Self::stored);
+        Ok(Self::with_stored(Arc::new(scene), Arc::new(tracer), settings, stored))
     }
 
     fn probes<'a>(&'a self, reflecting: Option<&'a Field>) -> Probes<'a> {
@@ -129,8 +132,9 @@ impl Baker {
 impl Settings {
     /// What is solved to see where the mesh is too coarse.
     fn quick(&self, bounces: u32) -> Self {
-        let (bounces, target_error, layers) = (BounceLimit::Count(bounces), TargetError::Off, Layers::Off);
+        let (bounces, target_error) = (BounceLimit::Count(bounces), TargetError::Off);
+        let (layers, directional) = (Layers::Off, Directional::Off);
         let direct_samples = self.direct_samples.div_ceil(DIRECT_PART);
-        Self { bounces, target_error, layers, direct_samples, tail: Tail::Off, ..self.clone() }
+        Self { bounces, target_error, layers, directional, direct_samples, tail: Tail::Off, ..self.clone() }
     }
 }
