@@ -275,6 +275,14 @@ impl Saved {
         }
     }
 
+    /// The edges that a scene is [refined](Scene::refined) by for this light; none if it was not refined.
+    pub fn splits(&self) -> &[[u32; 2]] {
+        match self {
+            Self::Checkpoint(checkpoint) => &checkpoint.splits,
+            Self::Solution(solution) => &solution.splits,
+        }
+    }
+
     /// How many bounces it holds, direct light included.
     pub fn bounce_count(&self) -> usize {
         match self {

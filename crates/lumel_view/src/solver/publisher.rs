@@ -70,6 +70,10 @@ impl<'a> Publisher<'a> {
         let Some((values, stats)) = self.last_bounce(reader, state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         self.shared.publish_light(|p| {
+            // Light to look at while the mesh was refined.
+            if p.light.sum_only.is_some() {
+                p.light = Illumination::new();
+            }
             p.light.bounces.push(values);
             p.light.current = None;
             p.light.valid = valid;
