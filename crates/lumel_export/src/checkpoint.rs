@@ -275,6 +275,11 @@ impl Saved {
         }
     }
 
+    /// Whether it is a mesh that is still being refined, without light.
+    pub fn is_refinement(&self) -> bool {
+        matches!(self, Self::Checkpoint(checkpoint) if checkpoint.refinement.is_some())
+    }
+
     /// The edges that a scene is [refined](Scene::refined) by for this light; none if it was not refined.
     pub fn splits(&self) -> &[[u32; 2]] {
         match self {

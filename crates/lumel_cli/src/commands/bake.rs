@@ -120,7 +120,7 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     }
     let resumed = args.resume.as_deref().map(|file| load_resumed(&baker, file)).transpose()?;
     let (baker, adaptive, mut state) = match resumed {
-        Some(Resumed::Light(state)) => (baker, None, state),
+        Some(Resumed::Light(state)) => (baker, None, *state),
         refinement => {
             let refinement = match &refinement {
                 Some(Resumed::Refinement(state)) => Some(state),
@@ -214,7 +214,7 @@ enum Resumed {
     /// A mesh that is being refined.
     Refinement(RefinementState),
     /// Bounces.
-    Light(SolveState),
+    Light(Box<SolveState>),
 }
 
 /// Reads what is to be resumed.
@@ -225,7 +225,7 @@ fn load_resumed(baker: &Baker, file: &Path) -> anyhow::Result<Resumed> {
     })?;
     let resumed = baker.resume_refinement(&saved).and_then(|refinement| match refinement {
         Some(refinement) => Ok(Resumed::Refinement(refinement)),
-        None => baker.resume(&saved).map(Resumed::Light),
+        None => baker.resume(&saved).map(|state| Resumed::Light(Box::new(state))),
     });
     resumed.map_err(|error| {
         let hint = match error {

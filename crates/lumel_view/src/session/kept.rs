@@ -43,7 +43,7 @@ impl Kept {
     fn read_on(&self, scene: &Scene) -> Illumination {
         let mut corner_of = vec![None; scene.vertex_count()];
         for (tri, corners) in (0..).map(TriId).zip(scene.triangles()) {
-            for (k, vertex) in corners.into_iter().enumerate() {
+            for (k, vertex) in corners.iter().enumerate() {
                 corner_of[*vertex as usize].get_or_insert((tri, k));
             }
         }

@@ -34,7 +34,7 @@ impl Session {
     }
 
     /// How a solve from scratch begins.
-    pub(super) fn from_scratch(&self) -> SolveStart {
+    pub(super) fn begin_anew(&self) -> SolveStart {
         match self.settings.adaptive {
             Adaptive::Off => SolveStart::Anew,
             Adaptive::Auto | Adaptive::At(_) => SolveStart::Refine(None),

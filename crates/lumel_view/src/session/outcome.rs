@@ -136,7 +136,7 @@ impl Session {
                 }
                 self.notices.push(Level::Error, format!("The solve failed: {problem}"))
             }
-            (_, Then::Restart) => self.start_solve(self.from_scratch()),
+            (_, Then::Restart) => self.start_solve(self.begin_anew()),
             (_, Then::GoOn) => self.solve(),
             (Ending::Done, Then::Rest) => {
                 let seconds = running.job.seconds();

@@ -52,15 +52,15 @@ impl Session {
     /// Starts a solve from scratch, even if the light is up to date.
     pub fn solve_anew(&mut self) {
         self.running = None;
-        self.start_solve(self.from_scratch());
+        self.start_solve(self.begin_anew());
     }
 
     /// Where the next solve begins; `None` when there is nothing left to do.
     fn start_point(&self) -> Option<SolveStart> {
-        let Some(computed) = &self.computed else { return Some(self.from_scratch()) };
+        let Some(computed) = &self.computed else { return Some(self.begin_anew()) };
         let changes = self.changes_since(&computed.inputs);
         if changes.outdates() || self.follows_other_light() && !self.is_solving() {
-            return Some(self.from_scratch());
+            return Some(self.begin_anew());
         }
         if computed.complete && !changes.any() {
             return None;
@@ -69,12 +69,12 @@ impl Session {
             return Some(SolveStart::Refine(computed.refinement.clone()));
         }
         if !self.resumes(computed, changes) {
-            return Some(self.from_scratch());
+            return Some(self.begin_anew());
         }
         Some(match (&computed.solved, &computed.file) {
             (Some(solved), _) => SolveStart::From(Box::new(solved.state.clone())),
             (None, Some(file)) => SolveStart::FromFile(Saved::Solution(Box::new((**file).clone()))),
-            (None, None) => self.from_scratch(),
+            (None, None) => self.begin_anew(),
         })
     }
 

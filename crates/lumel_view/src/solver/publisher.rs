@@ -123,7 +123,7 @@ impl<'a> Publisher<'a> {
         loop {
             if let Some(state) = mail.state.take() {
                 drop(mail);
-                let problem = self.keep.as_ref().and_then(|keep| keep(self.baker, &state).err());
+                let problem = self.keep.as_ref().and_then(|keep| keep(&self.baker.checkpoint(&state)).err());
                 lock(&self.shared.published).checkpoint_problem = problem;
                 mail = lock(&self.mail);
             } else if mail.closed {

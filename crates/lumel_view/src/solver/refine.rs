@@ -1,33 +1,41 @@
 //! A mesh that is refined where light needs it, as it can be seen meanwhile.
 
 use super::published::{Ending, Phase, Shared, lock};
-use super::task::Task;
+use super::task::{Keep, Task};
 use crate::mesh::Mesh;
 use crate::selection::Illumination;
 use glam::Vec3;
 use lumel::{Baker, Control, RefinementEnd, RefinementState, Refining, SolveError};
 use std::sync::Arc;
 
-/// Refines the given mesh of a task, from `state` on, and publishes it after each round with its light.
+/// The given mesh of a task, to be refined.
+pub(super) fn start(task: &Task, shared: &Shared) -> Result<Arc<Baker>, Ending> {
+    let given = given(task, shared)?;
+    Ok(Arc::new(given.relit(Arc::clone(given.scene()), task.settings.clone())))
+}
+
+/// Refines a mesh, from `state` on, and publishes it after each round with its light.
 pub(super) fn refine(
-    task: &Task,
+    start: Arc<Baker>,
     state: Option<&RefinementState>,
     control: &Control,
     shared: &Shared,
+    keep: &Keep,
 ) -> Result<Arc<Baker>, Ending> {
     *lock(&shared.refinement) = state.cloned();
-    let given = given(task, shared)?;
-    let start = given.relit(Arc::clone(given.scene()), task.settings.clone());
     let mut mesh: Option<Arc<Mesh>> = None;
     let mut watch = |refining: &Refining<'_>| {
         let (bounce, vertices) = (refining.bounce, refining.mesh().vertex_count());
         shared.publish_phase(Phase::Refining { bounce, vertices });
         if let Some(state) = refining.state() {
+            let checkpoint = || start.checkpoint_of_refinement(state.clone());
+            let problem = keep.as_ref().and_then(|keep| keep(&checkpoint()).err());
+            lock(&shared.published).checkpoint_problem = problem;
             *lock(&shared.refinement) = Some(state);
         }
         let same = mesh.take().filter(|mesh| mesh.scene.vertex_count() == vertices);
         let finer =
-            same.map_or_else(|| Mesh::refined(&given, refining.mesh().splits()), |same| Ok((*same).clone()));
+            same.map_or_else(|| Mesh::refined(&start, refining.mesh().splits()), |same| Ok((*same).clone()));
         // Its edges are those of the scene.
         let Ok(finer) = finer else { return };
         let indicator = refining.indicator().into_iter().map(Vec3::splat).collect();
@@ -41,11 +49,11 @@ pub(super) fn refine(
     match start.adapted_from(state, control, &mut watch) {
         Ok(Some(adapted)) => {
             *lock(&shared.refinement) = None;
-            let limit = task.settings.max_vertices as usize;
+            let limit = start.settings().max_vertices as usize;
             *lock(&shared.vertices_missing) = (adapted.ended == RefinementEnd::Vertices).then_some(limit);
             Ok(Arc::new(adapted.baker))
         }
-        Ok(None) => Ok(Arc::new(start)),
+        Ok(None) => Ok(start),
         Err(SolveError::Cancelled) => Err(Ending::Stopped),
         Err(error) => Err(Ending::Failed(error.to_string())),
     }

@@ -7,7 +7,7 @@ use super::refine;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
 use crate::mesh::Mesh;
 use crate::selection::Layer;
-use lumel::{Baker, Control, LightReader, Saved, SolveState, Tracker};
+use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker};
 use lumel_basis::Field;
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     if let Err(error) = task.settings.validate() {
         return Ending::Failed(error.to_string());
     }
-    let (baker, mut state) = match begin(task, start, control, shared) {
+    let (baker, mut state) = match begin(task, start, control, shared, keep) {
         Ok(begun) => begun,
         Err(ending) => return ending,
     };
@@ -76,12 +76,14 @@ fn begin(
     start: SolveStart,
     control: &Control,
     shared: &Shared,
+    keep: &Keep,
 ) -> Result<(Arc<Baker>, SolveState), Ending> {
     let open = || Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
     let saved = match start {
         SolveStart::Anew => return Ok((open(), SolveState::new())),
         SolveStart::Refine(state) => {
-            return Ok((refine::refine(task, state.as_deref(), control, shared)?, SolveState::new()));
+            let start = refine::start(task, shared)?;
+            return Ok((refine::refine(start, state.as_deref(), control, shared, keep)?, SolveState::new()));
         }
         SolveStart::From(state) => {
             let baker = open();
@@ -90,16 +92,17 @@ fn begin(
         }
         SolveStart::FromFile(saved) => saved,
     };
-    if let Saved::Checkpoint(checkpoint) = &saved
-        && let Some(refinement) = &checkpoint.refinement
-    {
-        return Ok((refine::refine(task, Some(refinement), control, shared)?, SolveState::new()));
+    let failed = |error: ResumeError| Ending::Failed(error.to_string());
+    if saved.is_refinement() {
+        let start = refine::start(task, shared)?;
+        let state = start.resume_refinement(&saved).map_err(failed)?;
+        return Ok((refine::refine(start, state.as_ref(), control, shared, keep)?, SolveState::new()));
     }
     let baker = match saved.splits() {
         [] => open(),
         splits => refine::refined(task, splits, shared)?,
     };
-    let state = baker.resume(&saved).map_err(|error| Ending::Failed(error.to_string()))?;
+    let state = baker.resume(&saved).map_err(failed)?;
     Ok((baker, state))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::layout::Layout;
 use crate::mesh::Given;
-use lumel::{Baker, RefinementState, Saved, Scene, Settings, SolveState};
+use lumel::{Baker, Checkpoint, RefinementState, Saved, Scene, Settings, SolveState};
 use std::sync::Arc;
 
 /// What a solve works with.
@@ -58,5 +58,5 @@ pub struct Solved {
     pub state: SolveState,
 }
 
-/// Keeps the state of a solve somewhere after each bounce; `None` to keep nothing.
-pub type Keep = Option<Box<dyn Fn(&Baker, &SolveState) -> Result<(), String> + Send + Sync>>;
+/// Keeps a solve somewhere after each bounce, and after each step of a refinement; `None` to keep nothing.
+pub type Keep = Option<Box<dyn Fn(&Checkpoint) -> Result<(), String> + Send + Sync>>;

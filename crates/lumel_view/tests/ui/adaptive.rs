@@ -35,6 +35,20 @@ fn wait_for_a_finer_mesh(window: &mut Window, than: usize) {
     });
 }
 
+/// That mesh and light are those that the command line makes.
+#[track_caller]
+fn assert_is_that_of_a_bake(app: &App) {
+    let document = app.session.document.as_ref().unwrap();
+    let scene = document.opened.scene().relit(document.scene.lights().to_vec()).unwrap();
+    let baker = Baker::new(scene.into(), app.session.settings.clone());
+    let adapted = baker.adapted(&Control::default(), &mut |_| {}).unwrap().unwrap().baker;
+    assert!(
+        splits(app) == adapted.scene().refinement().unwrap().splits(),
+        "other edges than those of a bake"
+    );
+    assert!(bits(app) == reference_of(adapted.scene().clone(), app.session.settings.clone()));
+}
+
 #[test]
 fn the_switch_and_the_sliders_set_error_and_budget() {
     let Some(mut window) = Window::room() else { return };
@@ -174,4 +188,24 @@ fn lumels_are_measured_from_a_refined_mesh() {
     window.session().lumels.basis = LightBasis::Vertices;
     let on_vertices = window.picture();
     assert!(differing(&lumels, &on_vertices) > 0, "{}", differing(&lumels, &on_vertices));
+}
+
+#[test]
+fn a_refinement_that_was_closed_is_restored_and_ends_with_the_same_bits() {
+    let Some(mut window) = following_room() else { return };
+    let given = vertices(window.state());
+    window.press(Key::Enter);
+    wait_for_a_finer_mesh(&mut window, given);
+    let folder = window.closed();
+    let mut window = Window::keeping(folder, |_| {}).unwrap();
+    assert!(window.reads("room.toml: a mesh that is being refined"), "{}", window.texts());
+    window.click("Restore");
+    // Closed once more, after direct light on the finished mesh.
+    window.wait_until("direct light", |app| !app.session.light.bounces.is_empty());
+    let folder = window.closed();
+    let mut window = Window::keeping(folder, |_| {}).unwrap();
+    window.click("Restore");
+    window.wait_until("the solve", |app| app.session.computed().is_some_and(|c| c.complete));
+    window.run_steps(2);
+    assert_is_that_of_a_bake(window.state());
 }
