@@ -66,7 +66,7 @@ mod tests {
         }
         assert!(mean.y > 0.9 && mean.x.abs() + mean.z.abs() < 0.05, "{mean}");
         // The longest wave comes by a little later further on.
-        let Vec4 { x, y, z, .. } = Ripple::WAVES[0];
+        let [x, y, z, _] = Ripple::WAVES[0].to_array();
         let longest = Vec3::new(x, y, z);
         let only = |phase: f32, p: Vec3| {
             let ripple = Ripple { length: 0.1, slope: 0.4, phase };

@@ -62,7 +62,7 @@ mod tests {
             ..SceneBuilder::default()
         };
         let mut split = builder.clone();
-        split.tessellate(0.11);
+        split.tessellate(0.11).unwrap();
         let [whole, fine] = [builder, split].map(|builder| builder.build().unwrap().0);
         assert!(fine.triangle_count() > 10 * whole.triangle_count());
         let atlas = unwrap(&whole, &UnwrapSettings::default(), &|| Pace::Go).unwrap().atlas;

@@ -53,7 +53,8 @@ fn irradiance_keeps_its_bits_and_coefficients_come_in_any_parts() {
     assert!(whole.sources == plain.sources && whole.halves == plain.halves);
     assert!(plain.directional.harmonics.is_empty() && whole.directional.done as usize == whole.len());
     // In parts, stopped in the midst of them, and continued from a file.
-    let mut parts = LumelParts { most: 100, ..LumelParts::default() };
+    let mut parts = LumelParts::default();
+    parts.most = 100;
     let (mut light, control) = (baker.no_light_at_lumels(&state, &lumels), Control::default());
     let mut stop = |light: &lumel::LumelLight| {
         if light.directional.done > 300 {
