@@ -97,7 +97,7 @@ fn replicates(
     let n_bounces = state.bounces.len();
     // Shots tell no bounces apart. Beyond the last bounce, its light and all later light bounce once more into the tail.
     let before_tail = match (&state.shot, &state.tail) {
-        (Some(_), _) => Some(state.reflecting()),
+        (Some(_), _) => Some(state.gatherable()),
         (None, Some(tail)) => {
             Some(Field::sum(tail.node_count(), state.bounces.last().into_iter().chain([tail])))
         }

@@ -2,6 +2,7 @@
 
 use crate::{Array, ArrayData, NpzReader, NpzWriter, ReadError, SolutionError};
 use glam::{DVec3, Vec3};
+use lumel_basis::{Coefficients, Directional};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::io;
@@ -114,27 +115,64 @@ pub(crate) fn read_stacked(
     }
 }
 
+/// Coefficients at the same places, as one array (places, harmonics, 3), or with a first axis for several (parts, places, harmonics,
+/// 3).
+pub(crate) fn coefficients_array(parts: &[&Coefficients], axis: Option<usize>) -> Array {
+    let values = parts.iter().flat_map(|part| part.values()).flat_map(|v| v.to_array()).collect();
+    let of_part = parts.first().map_or([0, 0], |part| [part.len(), part.kind().harmonics()]);
+    let shape = axis.into_iter().chain(of_part).chain([3]).collect();
+    Array { shape, data: ArrayData::F32(values) }
+}
+
+/// Coefficients at `n` places, of as many parts as the first axis has if there is one; none if the array is missing.
+pub(crate) fn read_coefficients(
+    npz: &mut NpzReader,
+    name: &str,
+    axis: Option<usize>,
+    n: usize,
+) -> Result<Vec<Coefficients>, SolutionError> {
+    if !npz.has_array(name) {
+        return Ok(Vec::new());
+    }
+    let array = npz.array(name)?;
+    let expected = |harmonics: usize| axis.into_iter().chain([n, harmonics, 3]).collect::<Vec<_>>();
+    let kinds = [Directional::Sh1, Directional::Sh2];
+    match (kinds.into_iter().find(|kind| array.shape == expected(kind.harmonics())), &array.data) {
+        (Some(kind), ArrayData::F32(values)) if n > 0 => {
+            let parts = values.chunks(3 * n * kind.harmonics()).map(vectors);
+            Ok(parts.filter_map(|values| Coefficients::new(kind, values)).collect())
+        }
+        _ => {
+            let parts = axis.map_or(String::new(), |parts| format!("{parts}, "));
+            Err(wrong_shape(npz, name, &format!("({parts}{n}, 4 or 9, 3) of <f4"), &array))
+        }
+    }
+}
+
 /// The member of the edges that were split where a scene was refined.
 pub(crate) const SPLITS: &str = "splits";
 
 /// Writes the edges that were split, if there are any.
 pub(crate) fn write_splits(npz: &mut NpzWriter<'_>, splits: &[[u32; 2]]) -> io::Result<()> {
-    if splits.is_empty() {
-        return Ok(());
-    }
-    let (shape, data) = (vec![splits.len(), 2], ArrayData::U32(splits.as_flattened().to_vec()));
-    npz.array(SPLITS, &Array { shape, data })
+    if splits.is_empty() { Ok(()) } else { write_edges(npz, SPLITS, splits) }
 }
 
 /// Reads the edges that were split, if there are any.
 pub(crate) fn read_splits(npz: &mut NpzReader) -> Result<Vec<[u32; 2]>, SolutionError> {
-    if !npz.has_array(SPLITS) {
-        return Ok(Vec::new());
-    }
-    let array = npz.array(SPLITS)?;
+    if npz.has_array(SPLITS) { read_edges(npz, SPLITS) } else { Ok(Vec::new()) }
+}
+
+/// Writes edges by the vertices at their ends.
+pub(crate) fn write_edges(npz: &mut NpzWriter<'_>, name: &str, edges: &[[u32; 2]]) -> io::Result<()> {
+    let (shape, data) = (vec![edges.len(), 2], ArrayData::U32(edges.as_flattened().to_vec()));
+    npz.array(name, &Array { shape, data })
+}
+
+pub(crate) fn read_edges(npz: &mut NpzReader, name: &str) -> Result<Vec<[u32; 2]>, SolutionError> {
+    let array = npz.array(name)?;
     match (array.shape.as_slice(), &array.data) {
         ([_, 2], ArrayData::U32(ends)) => Ok(ends.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect()),
-        _ => Err(wrong_shape(npz, SPLITS, "(n, 2) of <u4", &array)),
+        _ => Err(wrong_shape(npz, name, "(n, 2) of <u4", &array)),
     }
 }
 
@@ -169,7 +207,7 @@ fn vectors(values: &[f32]) -> Vec<Vec3> {
     values.chunks_exact(3).map(Vec3::from_slice).collect()
 }
 
-fn wrong_shape(npz: &NpzReader, name: &str, wanted: &str, array: &Array) -> SolutionError {
+pub(crate) fn wrong_shape(npz: &NpzReader, name: &str, wanted: &str, array: &Array) -> SolutionError {
     let problem = format!("has the shape {:?} of {}, not {wanted}", array.shape, array.data.descr());
     ReadError::BadMember { path: npz.path().to_owned(), member: name.to_owned(), problem }.into()
 }

@@ -73,7 +73,7 @@ impl Problem<'_> {
             return;
         }
         state.rounds.truncate(errors.accuracy.rounds as usize);
-        (state.errors, state.tail, state.shot) = (None, None, None);
+        (state.errors, state.tail, state.shot, state.directional) = (None, None, None, None);
         // The same rays bring the same bounces, however many there are.
         state.bounces.truncate(wanted.unwrap_or(usize::MAX));
     }

@@ -200,7 +200,7 @@ pub(crate) fn gathered(
     state: &SolveState,
     control: &Control,
 ) -> Result<Field, TransportError> {
-    let source = state.reflecting();
+    let source = state.gatherable();
     // Rays apart from those of the bounces.
     let job =
         Job { source: Source::Field(&source), bounce: 1, pass: 1, active: operator.active(&state.valid) };

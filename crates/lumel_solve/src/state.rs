@@ -32,6 +32,10 @@ pub struct SolveState {
     pub rounds: Vec<Vec<bool>>,
     /// The part of the total that each layer of emitters causes, where layers were asked for.
     pub layers: Vec<Field>,
+    /// The total by direction, where that was asked for: further channels beside the same irradiance.
+    pub directional: Option<Field>,
+    /// The layers by direction, where both were asked for.
+    pub directional_layers: Vec<Field>,
 }
 
 /// What shots have brought.
@@ -116,7 +120,7 @@ impl SolveState {
 
     /// The light that surfaces reflect once more into all bounces but the direct light, and into the tail; of what was shot, what
     /// is unshot too.
-    pub fn reflecting(&self) -> Field {
+    pub fn gatherable(&self) -> Field {
         if self.shot.is_some() {
             // What was unshot is reflected now.
             return Field::sum(self.node_count(), self.found().chain(&self.tail));
@@ -135,6 +139,8 @@ impl SolveState {
     /// Removes what only a finished solve has: it is made from the bounces, or what was shot.
     pub(crate) fn reopen(&mut self) {
         (self.tail, self.gathered, self.errors) = (None, None, None);
+        self.directional = None;
         self.layers.clear();
+        self.directional_layers.clear();
     }
 }

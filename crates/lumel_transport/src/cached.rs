@@ -4,6 +4,7 @@ use crate::area_pattern::{AreaPatterns, WholePatterns};
 use crate::arrivals::Arrivals;
 use crate::ends::StoredEnd;
 use crate::group::Group;
+use crate::hemisphere::HemisphereDensity;
 use crate::hidden;
 use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
 use crate::measure::{self, Reader, VALIDITY_RAYS};
@@ -26,6 +27,9 @@ use std::sync::{Arc, OnceLock};
 /// The bounce and the pass whose sample points all bounces share.
 const SHARED_BOUNCE: u32 = 1;
 const SHARED_PASS: u32 = 0;
+
+/// The pass of light [by direction](crate::DirectionalTransport), whose rays all jobs share.
+pub const DIRECTIONAL_PASS: u32 = 2;
 
 /// Rays whose light is summed in single precision before it goes into a sum in double precision.
 const BLOCK: usize = 16;
@@ -50,7 +54,7 @@ pub(crate) struct AreaRows {
     /// The same patterns whole, made when light is shot for the first time.
     pub(crate) whole: OnceLock<WholePatterns>,
     /// By shadow rays, if from some of the same places.
-    lights: Option<AreaPatterns>,
+    pub(crate) lights: Option<AreaPatterns>,
 }
 
 /// What an operator has stored and others of the same surfaces may share.
@@ -320,18 +324,26 @@ fn key_of<B: Basis, R: Receivers>(inner: &CpuTransport<B, R>) -> RowsKey {
         sampler: plan.sampler,
         seed: plan.seed,
         portion: plan.portion,
+        density: inner.density,
     }
 }
 
 impl RowsKey {
     /// The sample points that all elements share.
     pub(crate) fn shared(&self) -> StreamKey {
-        StreamKey::new(self.seed).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+        StreamKey::new(self.seed).bounce(SHARED_BOUNCE).pass(self.pass())
+    }
+
+    fn pass(&self) -> u32 {
+        match self.density {
+            HemisphereDensity::Cosine => SHARED_PASS,
+            HemisphereDensity::Mixed => DIRECTIONAL_PASS,
+        }
     }
 
     /// The sample points of an element with this [stream](Receivers::stream).
     pub(crate) fn of(&self, stream: u32) -> StreamKey {
-        StreamKey::new(self.seed).element(stream).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+        StreamKey::new(self.seed).element(stream).bounce(SHARED_BOUNCE).pass(self.pass())
     }
 }
 

@@ -1,5 +1,6 @@
 //! What an operator on this machine is made of.
 
+use crate::hemisphere::HemisphereDensity;
 use crate::job::{Job, Shape, Source};
 use crate::lights::LightSet;
 use crate::order::Order;
@@ -23,6 +24,8 @@ pub struct CpuTransport<B, R> {
     pub(crate) receivers: Arc<R>,
     pub(crate) lights: Arc<LightSet>,
     pub(crate) plan: Plan,
+    /// How densely its hemisphere rays lie.
+    pub(crate) density: HemisphereDensity,
     /// The elements that are measured, in the order of chunks.
     pub(crate) order: Order,
     /// What shots by the area form need to know, found when they first need it.
@@ -54,7 +57,8 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     ) -> Self {
         let lights = Arc::new(LightSet::new(&scene, &plan));
         let elements = receivers.identity();
-        Self { scene, tracer, basis, receivers, lights, plan, order, elements, shooting: Shooting::default() }
+        let (density, shooting) = (HemisphereDensity::default(), Shooting::default());
+        Self { scene, tracer, basis, receivers, lights, plan, density, order, elements, shooting }
     }
 
     /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
@@ -71,6 +75,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
             lights: Arc::clone(&self.lights),
             plan,
             shooting: Shooting::default(),
+            density: self.density,
             elements: if whole { self.elements } else { order.identity_within(&self.elements) },
             order,
         }

@@ -248,7 +248,7 @@ impl Shot<'_> {
                     }
                 }
             }
-            n_rays += batch.trace(tracer, |at, value, passed| values[at] += value * passed.as_dvec3());
+            n_rays += batch.trace(tracer, |_, at, value, passed| values[at] += value * passed.as_dvec3());
         }
         control.count(0, n_rays as u64);
         Ok(())

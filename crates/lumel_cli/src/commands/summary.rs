@@ -179,6 +179,7 @@ pub(crate) enum Step {
     Shot(u32),
     /// A final gather of all indirect light.
     FinalGather,
+    Directional,
     /// More samples where the error is above the target.
     Round(u32),
     /// Measuring the light of some emitters alone.
@@ -292,6 +293,7 @@ impl From<lumel::Step> for Step {
             lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
             lumel::Step::Shot(shot) => Self::Shot(shot),
             lumel::Step::FinalGather => Self::FinalGather,
+            lumel::Step::Directional => Self::Directional,
             lumel::Step::Round(round) => Self::Round(round),
             lumel::Step::Layer(layer) => Self::Layer(layer),
         }
@@ -307,6 +309,7 @@ impl Step {
             Self::Bounce(k) => format!("bounce {k}"),
             Self::Shot(shot) => format!("shot {}", shot + 1),
             Self::FinalGather => "final gather".to_owned(),
+            Self::Directional => "directional".to_owned(),
             Self::Round(round) => format!("round {}", round + 1),
             Self::Layer(layer) => format!("layer {}", layer + 1),
         }
@@ -337,7 +340,9 @@ impl Summary {
         let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
         let rounds = (0..rounds).map(|round| report(Step::Round(round), None));
         let layers = (0..state.layers.len() as u32).map(|layer| report(Step::Layer(layer), None));
-        let gather = seconds_of(Step::FinalGather).map(|_| report(Step::FinalGather, None));
+        let finishers = [Step::FinalGather, Step::Directional];
+        let finished = |step: Step| seconds_of(step).map(|_| report(step, None));
+        let [gather, directional] = finishers.map(finished);
         Self {
             scene: scene.name().to_owned(),
             vertices: scene.vertex_count(),
@@ -352,6 +357,7 @@ impl Summary {
                 .chain(shots)
                 .chain(gather)
                 .chain(rounds)
+                .chain(directional)
                 .chain(layers)
                 .collect(),
             resumed_bounces: 0,

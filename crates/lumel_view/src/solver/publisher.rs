@@ -70,6 +70,10 @@ impl<'a> Publisher<'a> {
         let Some((values, stats)) = self.last_bounce(reader, state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         self.shared.publish_light(|p| {
+            // Light to look at while the mesh was refined.
+            if p.light.sum_only.is_some() {
+                p.light = Illumination::new();
+            }
             p.light.bounces.push(values);
             p.light.current = None;
             p.light.valid = valid;
@@ -119,7 +123,7 @@ impl<'a> Publisher<'a> {
         loop {
             if let Some(state) = mail.state.take() {
                 drop(mail);
-                let problem = self.keep.as_ref().and_then(|keep| keep(self.baker, &state).err());
+                let problem = self.keep.as_ref().and_then(|keep| keep(&self.baker.checkpoint(&state)).err());
                 lock(&self.shared.published).checkpoint_problem = problem;
                 mail = lock(&self.mail);
             } else if mail.closed {
@@ -140,7 +144,9 @@ impl<'a> Publisher<'a> {
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
             Step::Shot(_) => return self.publish_shots(snapshot),
-            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Layer(_) => return,
+            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => {
+                return;
+            }
         };
         // A guess for looking at, where nothing is measured yet. It is not read as the nearest function, which would
         // swing between what is measured and what is not.
@@ -205,6 +211,7 @@ impl Observer for Publisher<'_> {
             Step::Bounce(k) => Phase::Bounce(k),
             Step::Shot(shot) => Phase::Shot(shot),
             Step::FinalGather => Phase::FinalGather,
+            Step::Directional => Phase::Directional,
             Step::Round(round) => Phase::Round(round),
             Step::Layer(layer) => Phase::Layer(layer),
         });
@@ -219,7 +226,7 @@ impl Observer for Publisher<'_> {
             Step::Round(_) => self.publish_round(state),
             // Snapshots show what they have brought.
             Step::Shot(_) => {}
-            Step::Validity | Step::FinalGather | Step::Layer(_) => return,
+            Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => return,
         }
         if self.keep.is_some() {
             self.hand_over(|mail| mail.state = Some(state.clone()));

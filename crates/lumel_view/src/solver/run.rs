@@ -3,9 +3,11 @@
 use super::lumels;
 use super::published::{Ending, Phase, Shared, lock};
 use super::publisher::Publisher;
+use super::refine;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
+use crate::mesh::Mesh;
 use crate::selection::Layer;
-use lumel::{Baker, Control, LightReader, SolveState, Tracker};
+use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker};
 use lumel_basis::Field;
 use std::sync::Arc;
 
@@ -43,15 +45,15 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     if let Err(error) = task.settings.validate() {
         return Ending::Failed(error.to_string());
     }
-    let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
-    let mut state = match start {
-        SolveStart::Anew => SolveState::new(),
-        SolveStart::From(state) => baker.continued(*state),
-        SolveStart::FromFile(saved) => match baker.resume(&saved) {
-            Ok(state) => state,
-            Err(error) => return Ending::Failed(error.to_string()),
-        },
+    let (baker, mut state) = match begin(task, start, control, shared, keep) {
+        Ok(begun) => begun,
+        Err(ending) => return ending,
     };
+    let mesh = Arc::new(Mesh::of(&baker));
+    shared.change_light(|published| {
+        let known = published.mesh.take().filter(|known| known.is_of(&mesh.scene));
+        published.mesh = known.or(Some(mesh));
+    });
     *lock(&shared.tracker) = Some(Tracker::new(&baker, &state));
     let publisher = Publisher::new(&baker, control, shared, keep);
     publisher.resumed(&state);
@@ -68,18 +70,56 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     }
 }
 
+/// What solves, on the mesh that it solves on, and the state from which it goes on.
+fn begin(
+    task: &Task,
+    start: SolveStart,
+    control: &Control,
+    shared: &Shared,
+    keep: &Keep,
+) -> Result<(Arc<Baker>, SolveState), Ending> {
+    let open = || Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
+    let saved = match start {
+        SolveStart::Anew => return Ok((open(), SolveState::new())),
+        SolveStart::Refine(state) => {
+            let start = refine::start(task, shared)?;
+            return Ok((refine::refine(start, state.as_deref(), control, shared, keep)?, SolveState::new()));
+        }
+        SolveStart::From(state) => {
+            let baker = open();
+            let state = baker.continued(*state);
+            return Ok((baker, state));
+        }
+        SolveStart::FromFile(saved) => saved,
+    };
+    let failed = |error: ResumeError| Ending::Failed(error.to_string());
+    if saved.is_refinement() {
+        let start = refine::start(task, shared)?;
+        let state = start.resume_refinement(&saved).map_err(failed)?;
+        return Ok((refine::refine(start, state.as_ref(), control, shared, keep)?, SolveState::new()));
+    }
+    let baker = match saved.splits() {
+        [] => open(),
+        splits => refine::refined(task, splits, shared)?,
+    };
+    let state = baker.resume(&saved).map_err(failed)?;
+    Ok((baker, state))
+}
+
 /// Publishes what there is besides the bounces, and hands over what was computed.
 fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let reader = baker.light_reader(&state);
     let tail = beyond_bounces(&state).map(|tail| Arc::new(reader.at_vertices(&tail)));
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
     let layers = layers(&reader, &state);
+    let directional = state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field));
     drop(reader);
     shared.publish_light(|p| {
         p.light.current = None;
         p.light.tail = tail;
         p.light.valid = valid;
         p.light.layers = layers;
+        p.light.directional = directional.map(Arc::new);
     });
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
 }
@@ -88,8 +128,14 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
 fn layers(reader: &LightReader<'_>, state: &SolveState) -> Vec<Layer> {
     let baker = reader.baker();
     let names = lumel::light_layers(baker.scene(), baker.settings()).into_iter().map(|layer| layer.name);
-    let layer = |(name, field)| Layer { name, values: Arc::new(reader.at_vertices(field)), share: 1.0 };
-    names.zip(&state.layers).map(layer).collect()
+    let by_direction = |k: usize| reader.directional_at_vertices(state.directional_layers.get(k)?);
+    let layer = |(k, (name, field))| Layer {
+        name,
+        values: Arc::new(reader.at_vertices(field)),
+        directional: by_direction(k).map(Arc::new),
+        share: 1.0,
+    };
+    names.zip(&state.layers).enumerate().map(layer).collect()
 }
 
 /// What the sum of the bounces lacks of all light: the tail, what was shot, or what a final gather has made different.
