@@ -4,10 +4,12 @@ use crate::method::Method;
 use crate::settings::{Memory, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
-use lumel_basis::{Receivers, Sampling};
+use lumel_basis::{Directional, Receivers, Sampling, VertexBasis};
 use lumel_scene::Scene;
 use lumel_solve::{REPLICATES, Replicates, Target};
-use lumel_transport::{CachedTransport, CpuTransport, Order, Plan, Rows, Stored, Transport};
+use lumel_transport::{
+    CachedTransport, CpuTransport, DirectionalTransport, Order, Plan, Rows, Stored, Transport,
+};
 use std::sync::Arc;
 
 /// What solves a scene with certain settings.
@@ -15,9 +17,19 @@ pub(crate) struct Assembly {
     pub(crate) method: Method,
     /// Measures direct light and bounces.
     pub(crate) transport: Box<dyn Transport>,
-    /// The rays that it stores.
-    pub(crate) stored: Option<Stored>,
+    pub(crate) stored: StoredRays,
     pub(crate) rest: Rest,
+    /// Measures all light by direction in the end, where the settings want it.
+    pub(crate) directional: Option<Box<dyn Transport>>,
+}
+
+/// The rays that operators store, and others of the same surfaces may share.
+#[derive(Clone, Default)]
+pub(crate) struct StoredRays {
+    /// Those that bounces are measured by.
+    pub(crate) bounces: Option<Stored>,
+    /// Those of light by direction.
+    pub(crate) directional: Option<Stored>,
 }
 
 /// What an operator's transport alone does not do.
@@ -35,7 +47,7 @@ impl Assembly {
         scene: &Arc<Scene>,
         surfaces: &Surfaces,
         settings: &Settings,
-        stored: Option<&Stored>,
+        stored: &StoredRays,
     ) -> Self {
         match settings.projection.sampling() {
             Sampling::Point => {
@@ -54,10 +66,16 @@ impl Assembly {
         settings: &Settings,
         [direct_samples, indirect_samples]: [u32; 2],
     ) -> Box<dyn Transport> {
-        let (solver, target_error) = (SolverKind::Neumann, TargetError::Off);
-        let settings =
-            Settings { direct_samples, indirect_samples, solver, target_error, ..settings.clone() };
-        Self::new(scene, surfaces, &settings, None).transport
+        let (solver, target_error, directional) = (SolverKind::Neumann, TargetError::Off, Directional::Off);
+        let settings = Settings {
+            direct_samples,
+            indirect_samples,
+            solver,
+            target_error,
+            directional,
+            ..settings.clone()
+        };
+        Self::new(scene, surfaces, &settings, &StoredRays::default()).transport
     }
 }
 
@@ -75,6 +93,26 @@ pub(crate) fn method(scene: &Scene, order: &Order, settings: &Settings) -> Metho
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
 }
 
+/// The samples of what measures light by direction: half of those of a solve.
+pub(crate) fn directional_plan(plan: Plan) -> Plan {
+    let half = |samples: u32| samples.div_ceil(2);
+    Plan { direct_samples: half(plan.direct_samples), indirect_samples: half(plan.indirect_samples), ..plan }
+}
+
+/// The memory that the rays of light by direction take; `None` where they are not stored.
+pub(crate) fn directional_memory(
+    scene: &Scene,
+    order: &Order,
+    settings: &Settings,
+    method: Method,
+) -> Option<Memory> {
+    let Method::Cached { memory } = method else { return None };
+    let rays = order.rays(&directional_plan(settings.plan()));
+    let own = Rows::bytes_for(rays, scene.has_varying_albedo());
+    let is_kept = settings.directional != Directional::Off && memory.0 + own <= settings.memory.0;
+    is_kept.then_some(Memory(own))
+}
+
 /// What operators are made of.
 struct Parts<'a, R> {
     scene: &'a Arc<Scene>,
@@ -84,16 +122,17 @@ struct Parts<'a, R> {
 }
 
 impl<R: Receivers + 'static> Parts<'_, R> {
-    fn assembly(self, stored: Option<&Stored>) -> Assembly {
+    fn assembly(self, shared: &StoredRays) -> Assembly {
         let method = method(self.scene, &self.measured.order, self.settings);
         let traced = || -> Box<dyn Transport> { Box::new(self.traced(self.settings.plan())) };
         let cached = |indirect_samples| {
             let plan = Plan { indirect_samples, ..self.settings.plan() };
-            let cached = CachedTransport::new(self.traced(plan), stored);
+            let cached = CachedTransport::new(self.traced(plan), shared.bounces.as_ref());
             let stored = cached.stored();
             (Box::new(cached) as Box<dyn Transport>, Some(stored))
         };
-        let ((transport, stored), rest) = match method {
+        let directional = self.directional(method, shared.directional.as_ref());
+        let ((transport, bounces), rest) = match method {
             Method::Neumann => ((traced(), None), Rest::Nothing),
             Method::Cached { .. } => (cached(self.settings.indirect_samples), Rest::Nothing),
             Method::FinalGather { stored, .. } => (cached(stored), Rest::Gather(traced())),
@@ -103,10 +142,29 @@ impl<R: Receivers + 'static> Parts<'_, R> {
                 ((traced(), None), Rest::Replicates(target, Box::new(StoredReplicates { like, first })))
             }
         };
-        Assembly { method, transport, stored, rest }
+        let stored = |directional: &DirectionalTransport<_, _>| directional.stored();
+        let stored = StoredRays { bounces, directional: directional.as_ref().and_then(stored) };
+        let directional = directional.map(|operator| Box::new(operator) as Box<dyn Transport>);
+        Assembly { method, transport, stored, rest, directional }
     }
 
-    fn traced(&self, plan: Plan) -> CpuTransport<lumel_basis::VertexBasis, R> {
+    /// Its rays are stored where those of bounces are, and both fit into memory.
+    fn directional(
+        &self,
+        method: Method,
+        shared: Option<&Stored>,
+    ) -> Option<DirectionalTransport<VertexBasis, R>> {
+        let kind = self.settings.directional;
+        let inner = || self.traced(directional_plan(self.settings.plan()));
+        (kind != Directional::Off).then(|| {
+            match directional_memory(self.scene, &self.measured.order, self.settings, method) {
+                Some(_) => DirectionalTransport::storing(inner(), kind, shared),
+                None => DirectionalTransport::new(inner(), kind),
+            }
+        })
+    }
+
+    fn traced(&self, plan: Plan) -> CpuTransport<VertexBasis, R> {
         let Surfaces { tracer, basis, .. } = self.surfaces;
         let measured = (Arc::clone(&self.measured.receivers), self.measured.order.clone());
         CpuTransport::in_order(Arc::clone(self.scene), Arc::clone(tracer), Arc::clone(basis), measured, plan)

@@ -61,6 +61,7 @@ impl Baker {
             valid: self.flags_at_vertices(&state.valid),
             standard_error: errors.map(|errors| self.carried_at_vertices(&errors.standard_error)),
             layers: self.layers(state, &reader),
+            directional: state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field)),
             occlusion: None,
             splits: self.splits().to_vec(),
         }
@@ -69,7 +70,11 @@ impl Baker {
     /// The layers of a state at all vertices.
     fn layers(&self, state: &SolveState, reader: &LightReader<'_>) -> Vec<SolutionLayer> {
         let names = layers::light_layers(self.scene(), self.settings()).into_iter().map(|layer| layer.name);
-        let layer = |(name, field)| SolutionLayer { name, irradiance: reader.at_vertices(field) };
-        names.zip(&state.layers).map(layer).collect()
+        let layer = |(k, (name, field))| SolutionLayer {
+            name,
+            irradiance: reader.at_vertices(field),
+            directional: state.directional_layers.get(k).and_then(|f| reader.directional_at_vertices(f)),
+        };
+        names.zip(&state.layers).enumerate().map(layer).collect()
     }
 }

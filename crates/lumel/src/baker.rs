@@ -1,18 +1,18 @@
 //! From a scene and settings to a solution.
 
-use crate::assembly::{Assembly, Rest};
+use crate::assembly::{Assembly, Rest, StoredRays, directional_memory};
 use crate::layers;
 use crate::method::Method;
-use crate::settings::{Layers, Projection, Settings};
+use crate::settings::{Layers, Memory, Projection, Settings};
 use crate::surfaces::Surfaces;
 use lumel_accel::{RayTracer, tracer_of};
 use lumel_basis::{Basis, Field, LeastSquares, Readout, Receivers, Sampling, VertexBasis, reflecting_areas};
 use lumel_scene::Scene;
 use lumel_solve::{
     Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, solve,
-    solve_layers, solve_to_error,
+    solve_directional, solve_layers, solve_to_error,
 };
-use lumel_transport::{Control, Order, Stored, Transport};
+use lumel_transport::{Control, Order, Transport};
 use std::sync::Arc;
 
 /// A scene made ready for baking.
@@ -35,7 +35,7 @@ impl Baker {
 
     /// Builds the basis for a scene that already has a ray tracer.
     pub fn with_tracer(scene: Arc<Scene>, tracer: Arc<dyn RayTracer>, settings: Settings) -> Self {
-        Self::with_stored(scene, tracer, settings, None)
+        Self::with_stored(scene, tracer, settings, &StoredRays::default())
     }
 
     /// The same, with what another baker has stored of the same triangles.
@@ -43,7 +43,7 @@ impl Baker {
         scene: Arc<Scene>,
         tracer: Arc<dyn RayTracer>,
         settings: Settings,
-        stored: Option<&Stored>,
+        stored: &StoredRays,
     ) -> Self {
         let surfaces = Surfaces::new(&scene, tracer);
         let assembly = Assembly::new(&scene, &surfaces, &settings, stored);
@@ -61,7 +61,7 @@ impl Baker {
             return Self::with_tracer(scene, Arc::clone(self.tracer()), settings);
         }
         let surfaces = self.surfaces.clone();
-        let assembly = Assembly::new(&scene, &surfaces, &settings, self.assembly.stored.as_ref());
+        let assembly = Assembly::new(&scene, &surfaces, &settings, &self.assembly.stored);
         // The integrals of a basis depend on albedo too.
         let same_integrals = scene.has_surfaces_of(&self.scene);
         let new = || Arc::new(integrals(&scene, &surfaces.basis));
@@ -77,7 +77,7 @@ impl Baker {
     /// Whether a solve with these settings, under any lights, needs no new hemisphere ray: all are stored.
     pub fn has_rays_of(&self, settings: &Settings) -> bool {
         let stored = matches!(self.assembly.method, Method::Cached { .. })
-            && self.assembly.stored.as_ref().is_some_and(|stored| stored.rows().is_complete());
+            && self.assembly.stored.bounces.as_ref().is_some_and(|stored| stored.rows().is_complete());
         stored && settings.same_rays_as(&self.settings)
     }
 
@@ -123,8 +123,14 @@ impl Baker {
     }
 
     /// The rays that are stored.
-    pub(crate) fn stored(&self) -> Option<&Stored> {
-        self.assembly.stored.as_ref()
+    pub(crate) fn stored(&self) -> &StoredRays {
+        &self.assembly.stored
+    }
+
+    /// The memory that the rays of light by direction take.
+    pub(crate) fn directional_memory(&self) -> Memory {
+        let memory = directional_memory(&self.scene, self.order(), &self.settings, self.method());
+        memory.unwrap_or(Memory(0))
     }
 
     /// The surfaces, for what looks at them besides solving.
@@ -181,8 +187,14 @@ impl Baker {
         observer: &dyn Observer,
     ) -> Result<(), SolveError> {
         let problem = self.problem();
+        let directional = self.assembly.directional.as_ref().map(|transport| self.operator(&**transport));
+        let finish = |state: &mut SolveState| match directional {
+            Some(operator) => solve_directional(operator, state, control, observer),
+            None => Ok(()),
+        };
         if let Rest::Replicates(target, replicates) = &self.assembly.rest {
-            return solve_to_error(problem, &**replicates, *target, state, control, observer);
+            solve_to_error(problem, &**replicates, *target, state, control, observer)?;
+            return finish(state);
         }
         let Problem { operator, stop, .. } = problem;
         solve(operator, &self.integrals, &Gather { stop }, state, control, observer)?;
@@ -198,9 +210,11 @@ impl Baker {
         {
             final_gather(finisher, state, control, observer)?;
         }
+        finish(state)?;
         if self.settings.layers == Layers::Lights {
             let masks = layers::masks(&self.scene, &self.settings);
-            solve_layers(operator, finisher, &self.integrals, &masks, state, control, observer)?;
+            let finishers = [finisher, directional];
+            solve_layers(operator, finishers, &self.integrals, &masks, state, control, observer)?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Light from files, whichever format they have.
 
 use glam::Vec3;
+use lumel_basis::Coefficients;
 use lumel_export::{RadFile, ReadError, Solution, SolutionError, SolutionSelection, position_md5};
 use lumel_scene::Scene;
 use std::path::{Path, PathBuf};
@@ -101,15 +102,19 @@ impl LightFile {
         match Self::load_for(path, scene)? {
             Self::Solution(solution) => Ok(Fitting {
                 irradiance: solution.select(selection)?.to_vec(),
+                directional: solution.select_directional(selection).cloned(),
                 same_lighting: solution.has_lighting_of(scene),
                 complete: solution.meta.complete,
             }),
             Self::Rad(_) if *selection != SolutionSelection::Sum => {
                 Err(LightFileError::SumOnly { path: path.to_owned() })
             }
-            Self::Rad(rad) => {
-                Ok(Fitting { irradiance: rad.irradiance(), same_lighting: true, complete: true })
-            }
+            Self::Rad(rad) => Ok(Fitting {
+                irradiance: rad.irradiance(),
+                directional: None,
+                same_lighting: true,
+                complete: true,
+            }),
         }
     }
 
@@ -172,6 +177,8 @@ impl LightFile {
 pub struct Fitting {
     /// At the vertices, W·m⁻².
     pub irradiance: Vec<Vec3>,
+    /// The same by direction, if the file has it.
+    pub directional: Option<Coefficients>,
     /// Whether materials and lights are those of the bake, as far as the file tells.
     pub same_lighting: bool,
     /// Whether the bake was finished.

@@ -2,7 +2,7 @@
 
 use crate::Baker;
 use glam::Vec3;
-use lumel_basis::{Field, LeastSquares, Limits};
+use lumel_basis::{Coefficients, Field, LeastSquares, Limits};
 use lumel_solve::SolveState;
 use std::borrow::Cow;
 
@@ -36,6 +36,13 @@ impl LightReader<'_> {
     /// Bounces and layers may be negative, so that they add up.
     pub fn at_vertices(&self, field: &Field) -> Vec<Vec3> {
         self.baker.carried_at_vertices(&self.read(field))
+    }
+
+    /// The coefficients of harmonics of a field of the solve at every vertex of the scene, W·m⁻²; `None` for irradiance alone.
+    ///
+    /// They are read as irradiance is, with the same limits.
+    pub fn directional_at_vertices(&self, field: &Field) -> Option<Coefficients> {
+        self.baker.surfaces().points.read_directional(&**self.baker.basis(), &self.read(field))
     }
 
     /// All light of the solve at every vertex of the scene, W·m⁻², never negative.

@@ -1,15 +1,18 @@
 //! From a solve on vertices to light on the lumels of an atlas.
 
 use crate::Baker;
+use crate::assembly::directional_plan;
 use crate::settings::Memory;
 use crate::target::target;
-use lumel_basis::{Field, Identity, LumelReceivers, Receivers, VertexBasis};
+use glam::Vec3;
+use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers, VertexBasis};
 use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
-use lumel_scene::Scene;
+use lumel_scene::{Scene, SurfacePoint};
 use lumel_solve::{SolveState, Target};
 use lumel_transport::{
-    CachedTransport, Control, CpuTransport, Job, Order, Plan, Source, Stored, TransportError, accumulate,
+    CachedTransport, Control, CpuTransport, DIRECTIONAL_PASS, DirectionalTransport, Job, Order, Plan, Source,
+    Stored, TransportError, accumulate,
 };
 use lumel_uv::{Atlas, Coverage};
 use std::collections::BTreeMap;
@@ -149,7 +152,26 @@ impl Baker {
 
     /// What measuring the light of a solve at lumels begins with.
     pub fn no_light_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> LumelLight {
-        LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state))
+        let light = LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state));
+        LumelLight { solved: self.solved_at_lumels(state, lumels), ..light }
+    }
+
+    /// Direct light and all bounces of a solve, read at the middle of each lumel, W·m⁻²; zero where the surfaces of the solve are not
+    /// near.
+    fn solved_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> [Vec<Vec3>; 2] {
+        let Some((direct, bounces)) = state.bounces.split_first() else { return [Vec::new(), Vec::new()] };
+        let Lumels { scene, atlas, coverage } = lumels;
+        let middles = coverage.middles(atlas, &atlas.refined(scene, self.scene()));
+        let reader = self.light_reader(state);
+        let bounces = Field::sum(direct.node_count(), bounces.iter().chain(&state.tail));
+        [direct, &bounces].map(|field| {
+            let values = reader.positive_at_vertices(field);
+            let at = |middle: SurfacePoint| {
+                let corners = self.scene().triangle(middle.tri).into_iter().zip(middle.bary.weights());
+                corners.map(|(vertex, weight)| values[vertex as usize] * weight).sum()
+            };
+            middles.iter().map(|middle| middle.map(at).unwrap_or_default()).collect()
+        })
     }
 
     /// Measures the light of a solve over what each lumel covers, on average with as many samples as a triangle of mean size: half
@@ -165,7 +187,7 @@ impl Baker {
     /// bias that this brings is far below the noise.
     ///
     /// Lumels are measured part by part, so that the rays that are kept fit the settings' memory; the bits do not depend on the
-    /// parts. When it is cancelled, `light` holds all parts that were finished, and continues from there with the same bits.
+    /// parts. With directional light, all lumels are measured once more in the end. When it is cancelled, `light` holds all parts that were finished, and continues from there with the same bits.
     ///
     /// The surfaces of `lumels` must be those of the baker's scene; their triangles need not. `light` must be that of the
     /// same state and lumels.
@@ -199,9 +221,45 @@ impl Baker {
         let (operator, sources) = (self.cached_at_lumels(lumels), sources(state));
         loop {
             self.finish_round((&operator, &sources), light, parts, control, part_done)?;
-            let Some(active) = self.next_round(lumels, light) else { return Ok(()) };
+            let Some(active) = self.next_round(lumels, light) else { break };
             light.begin_round(active);
         }
+        self.measure_by_direction(state, lumels, light, parts.most, control, part_done)
+    }
+
+    /// Measures the light of all lumels by direction, where the settings want it: by half of the samples of the settings, once.
+    fn measure_by_direction(
+        &self,
+        state: &SolveState,
+        lumels: &Lumels,
+        light: &mut LumelLight,
+        most: usize,
+        control: &Control,
+        part_done: PartDone<'_>,
+    ) -> Result<(), TransportError> {
+        let kind = self.settings().directional;
+        if kind == Directional::Off {
+            return Ok(());
+        }
+        light.begin_directional(kind.harmonics());
+        let plan = directional_plan(self.settings().plan());
+        let operator = self.traced_at_lumels(lumels, plan);
+        let gatherable = (state.bounces.len() > 1).then(|| state.gatherable());
+        let sources = [Some(Source::Emitters(None)), gatherable.as_ref().map(Source::Field)];
+        while let Some(range) = light.next_directional_part(most) {
+            let wanted: Vec<bool> = (0..light.len()).map(|lumel| range.contains(&lumel)).collect();
+            let operator = DirectionalTransport::new(operator.with_samples(plan, &wanted), kind);
+            let mut fields = Vec::new();
+            for (bounce, source) in (0..).zip(sources.into_iter().flatten()) {
+                let job = Job { source, bounce, pass: DIRECTIONAL_PASS, active: None };
+                fields.push(accumulate(&operator, &job, control, None)?.field);
+            }
+            let sum = Field::sum(light.len(), &fields);
+            let coefficients = range.clone().map(|lumel| &sum.coefficients(NodeId(lumel as u32))[1..]);
+            light.add_directional(range, coefficients);
+            part_done(light);
+        }
+        Ok(())
     }
 
     /// The operator towards lumels, every job of which traces rays of its own.
@@ -296,7 +354,11 @@ impl Baker {
         let before: f64 = shares.by_ref().take(light.round as usize).sum();
         let active = light.active.iter().filter(|active| **active).count().max(1);
         let done = 1.0 - light.left() as f64 / active as f64;
-        target(self.settings()).is_none().then(|| before + done * shares.next().unwrap_or_default())
+        let of_rounds = before + done * shares.next().unwrap_or_default();
+        let by_direction = if self.settings().directional == Directional::Off { 0.0 } else { 0.5 };
+        let directional = f64::from(light.directional.done) / light.len().max(1) as f64;
+        let share = (of_rounds + by_direction * directional) / (1.0 + by_direction);
+        target(self.settings()).is_none().then_some(share)
     }
 
     /// How noisy the light at lumels is.

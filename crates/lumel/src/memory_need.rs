@@ -48,11 +48,18 @@ impl Baker {
         let is_area = self.settings().projection.sampling() == Sampling::Area;
         let sums = if is_area { 3 * SUM } else { SUM };
         let fields = n_fields * nodes * LIGHT;
-        let kept = self.ray_bytes() + fields + if is_area { nodes * LEAST_SQUARES } else { 0 };
+        let harmonics = self.settings().directional.harmonics() as u64;
+        let n_directional = if harmonics > 0 { 1 + self.layer_count() } else { 0 };
+        let directional = n_directional * harmonics * nodes * LIGHT + self.directional_memory().0;
+        let kept = self.ray_bytes() + fields + directional + if is_area { nodes * LEAST_SQUARES } else { 0 };
         // A checkpoint is written from a copy, array by array.
         let solving = (elements * sums + nodes * MERGING + triangles * PLANE).max(2 * fields);
+        // Each value is summed and merged in double precision, for lights and for bounces.
+        let sums_of_harmonics =
+            harmonics * (if is_area { 3 * elements } else { elements } + nodes) * 2 * LIGHT;
+        let solving = solving + sums_of_harmonics + 3 * harmonics * nodes * LIGHT;
         // As it is read and as it is written, in the coordinates of files.
-        let writing = 2 * (n_fields + 3) * vertices * LIGHT + vertices * 36;
+        let writing = 2 * (n_fields + 3 + n_directional * harmonics) * vertices * LIGHT + vertices * 36;
         let of_lumels = lumels.map_or([0; 2], |lumels| self.lumel_bytes(lumels, n_fields));
         Memory(kept + solving.max(of_lumels[0]).max(of_lumels[1] + writing))
     }
@@ -60,6 +67,7 @@ impl Baker {
     /// While lumels are measured, and afterwards.
     fn lumel_bytes(&self, lumels: &Lumels, n_parts: u64) -> [u64; 2] {
         let (n, on_pages) = (lumels.coverage.len() as u64, lumels.atlas.lumel_count() as u64);
+        let n_parts = n_parts + self.settings().directional.harmonics() as u64;
         let light = n * (n_parts * LIGHT + 17);
         let planes = self.scene().triangle_count() as u64 * PLANE;
         let rays = self.memory_of_lumel_rays(lumels).0;

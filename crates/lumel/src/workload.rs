@@ -1,11 +1,12 @@
 //! How much a solve has to do, and how long it will still take.
 
 use crate::Baker;
+use crate::assembly::directional_plan;
 use crate::layers::light_layers;
 use crate::method::Method;
 use crate::reading::Reading;
 use crate::settings::{BounceLimit, Layers, Settings};
-use lumel_basis::Sampling;
+use lumel_basis::{Directional, Sampling};
 use lumel_solve::Step;
 
 /// Below this share of a step that is done, its speed says little.
@@ -34,6 +35,8 @@ struct RaysPerElement {
     later: f64,
     /// In the final gather.
     gathered: f64,
+    /// By direction, shadow rays included.
+    directional: f64,
 }
 
 /// What is still missing after a bounce.
@@ -62,15 +65,19 @@ impl Workload {
         let share = if settings.projection.sampling() == Sampling::Point { 1.0 } else { 0.5 };
         let all = share * f64::from(settings.indirect_samples);
         let shadow = f64::from(settings.direct_samples);
-        let rays = match method {
-            Method::Neumann | Method::Replicates { .. } => {
-                RaysPerElement { shadow, first: all, later: all, gathered: 0.0 }
-            }
-            Method::Cached { .. } => RaysPerElement { shadow, first: all, later: 0.0, gathered: 0.0 },
-            Method::FinalGather { stored, .. } => {
-                RaysPerElement { shadow, first: share * f64::from(stored), later: 0.0, gathered: all }
+        let directional = match settings.directional {
+            Directional::Off => 0.0,
+            Directional::Sh1 | Directional::Sh2 => {
+                let plan = directional_plan(settings.plan());
+                share * f64::from(plan.indirect_samples) + f64::from(plan.direct_samples)
             }
         };
+        let (first, later, gathered) = match method {
+            Method::Neumann | Method::Replicates { .. } => (all, all, 0.0),
+            Method::Cached { .. } => (all, 0.0, 0.0),
+            Method::FinalGather { stored, .. } => (share * f64::from(stored), 0.0, all),
+        };
+        let rays = RaysPerElement { shadow, first, later, gathered, directional };
         let (limit, remainder) = (settings.bounces, f64::from(settings.remainder));
         Self { elements, rays, layers: 0, limit, remainder }
     }
@@ -100,10 +107,12 @@ impl Workload {
         let jobs = match step {
             Step::Round(_) => return None,
             Step::Validity | Step::Bounce(_) | Step::FinalGather => 1,
+            Step::Directional => 1 + u64::from(self.last_bounce(remainders) != Some(0)),
             Step::Layer(_) => {
                 let last = self.last_bounce(remainders)?;
                 let gathers = last > 0 && self.rays.gathered > 0.0;
-                u64::from(last) + 1 + u64::from(gathers)
+                let by_direction = if self.rays.directional > 0.0 { 1 + u64::from(last > 0) } else { 0 };
+                u64::from(last) + 1 + u64::from(gathers) + by_direction
             }
         };
         Some((elements as f64 / (jobs * self.elements).max(1) as f64).min(1.0))
@@ -117,18 +126,19 @@ impl Workload {
         let share = self.step_share(step, done.elements, remainders).filter(|&share| share >= MIN_SHARE)?;
         let last = self.last_bounce(remainders)?;
         let this_step = done.seconds * (1.0 - share) / share;
-        let RaysPerElement { shadow, first, later, gathered } = self.rays;
+        let RaysPerElement { shadow, first, later, gathered, directional } = self.rays;
         let bounces_after = |bounce: u32| match last.saturating_sub(bounce) {
             0 => 0.0,
             n if bounce == 0 => first + f64::from(n - 1) * later,
             n => f64::from(n) * later,
         };
         let gather = if last > 0 { gathered } else { 0.0 };
-        let layers = f64::from(self.layers) * (shadow + f64::from(last) * later + gather);
+        let layers = f64::from(self.layers) * (shadow + f64::from(last) * later + gather + directional);
         let to_come = match step {
-            Step::Validity => first + bounces_after(0) + gathered + layers,
-            Step::Bounce(bounce) => bounces_after(bounce) + gathered + layers,
-            Step::FinalGather => layers,
+            Step::Validity => first + bounces_after(0) + gathered + directional + layers,
+            Step::Bounce(bounce) => bounces_after(bounce) + gathered + directional + layers,
+            Step::FinalGather => directional + layers,
+            Step::Directional => layers,
             Step::Layer(layer) => {
                 let to_come = self.layers.saturating_sub(layer + 1);
                 return Some(this_step + f64::from(to_come) * done.seconds / share);

@@ -4,8 +4,8 @@
 
 use lumel::setting::{self, Influence};
 use lumel::{
-    Baker, BounceLimit, Control, EmitterSampling, Layers, LightSampling, Memory, Projection, SamplerKind,
-    Scene, Settings, Silent, SolveState, SolverKind, Tail,
+    Baker, BounceLimit, Control, Directional, EmitterSampling, Layers, LightSampling, Memory, Projection,
+    SamplerKind, Scene, Settings, Silent, SolveState, SolverKind, Tail,
 };
 use std::sync::Arc;
 
@@ -29,6 +29,7 @@ fn unusual() -> Settings {
         remainder: 0.25,
         tail: Tail::Geometric,
         layers: Layers::Lights,
+        directional: Directional::Sh1,
         direct_samples: 5,
         indirect_samples: 16,
         sampler: SamplerKind::Halton,

@@ -1,6 +1,8 @@
 //! Reading light at the vertices of a scene.
 
-use crate::{Basis, Field, Lighting, NodeWeights, VertexCountError};
+use crate::{
+    Basis, Coefficients, Directional, Field, IncidentRadiance, Lighting, NodeWeights, VertexCountError,
+};
 use glam::Vec3;
 use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 use std::borrow::Cow;
@@ -23,6 +25,14 @@ pub fn irradiance_at_vertices<'a>(
     let points = VertexPoints::new(scene);
     let samples = points.points().iter().zip(scene.normals());
     Ok(Cow::Owned(samples.map(|(&at, &normal)| lighting.irradiance(at, normal).0).collect()))
+}
+
+/// Light by direction at every vertex of a scene, as [`irradiance_at_vertices`] reads irradiance; `None` if it is not known
+/// everywhere.
+pub fn incident_at_vertices(scene: &Scene, lighting: &dyn Lighting) -> Option<Vec<IncidentRadiance>> {
+    // Most light is known by direction nowhere: one point tells.
+    lighting.incident(SurfacePoint { tri: TriId(0), bary: Barycentrics::CORNERS[0] })?;
+    VertexPoints::new(scene).points().iter().map(|&at| lighting.incident(at)).collect()
 }
 
 /// A surface point for each vertex of a scene: where light of any kind is read for files of vertices.
@@ -57,6 +67,22 @@ impl VertexPoints {
     pub fn read(&self, basis: &dyn Basis, field: &Field) -> Vec<Vec3> {
         let mut weights = NodeWeights::default();
         self.0.iter().map(|&at| field.at(basis, at, &mut weights).0).collect()
+    }
+
+    /// The coefficients of harmonics of a field at every vertex; `None` for a field of irradiance alone.
+    pub fn read_directional(&self, basis: &dyn Basis, field: &Field) -> Option<Coefficients> {
+        let kind = Directional::of_channels(field.channels()).filter(|kind| *kind != Directional::Off)?;
+        let (mut weights, mut values) = (NodeWeights::default(), Vec::new());
+        values.reserve_exact(self.0.len() * kind.harmonics());
+        for &at in &self.0 {
+            weights.clear();
+            basis.weights_at(at, &mut weights);
+            values.extend((1..field.channels()).map(|channel| {
+                let part = |(node, weight)| field.coefficients(node)[channel] * weight;
+                weights.iter().map(part).sum::<Vec3>()
+            }));
+        }
+        Coefficients::new(kind, values)
     }
 
     /// Whether `flags` hold at all nodes that a vertex is read from; a node without a flag counts as true.

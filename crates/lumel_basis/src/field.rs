@@ -62,6 +62,16 @@ impl Field {
         &mut self.values[node.index() * self.channels..][..self.channels]
     }
 
+    /// Replaces irradiance, channel 0, by that of another field over the same nodes.
+    ///
+    /// # Panics
+    /// If the other field has another number of nodes.
+    pub fn set_irradiance(&mut self, other: &Self) {
+        assert_eq!(self.node_count(), other.node_count(), "fields over other nodes");
+        let irradiance = other.values.iter().step_by(other.channels);
+        self.values.iter_mut().step_by(self.channels).zip(irradiance).for_each(|(own, other)| *own = *other);
+    }
+
     /// All coefficients, node by node.
     pub fn values(&self) -> &[Vec3] {
         &self.values

@@ -6,6 +6,7 @@
 //! measured for another. Neither traces rays: that is the part of the transport.
 
 mod adjacency;
+mod angular;
 mod area_receivers;
 mod at_vertices;
 mod basis;
@@ -24,8 +25,12 @@ mod vertex_lighting;
 mod vertex_receivers;
 
 pub use adjacency::Adjacency;
+pub use angular::{
+    Coefficients, Directional, HARMONICS, Harmonics, IncidentRadiance, Shading, UnknownShading, band_of,
+    spherical_harmonics,
+};
 pub use area_receivers::AreaReceivers;
-pub use at_vertices::{VertexPoints, irradiance_at_vertices};
+pub use at_vertices::{VertexPoints, incident_at_vertices, irradiance_at_vertices};
 pub use basis::Basis;
 pub use field::Field;
 pub use identity::Identity;

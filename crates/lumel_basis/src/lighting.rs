@@ -1,6 +1,6 @@
 //! Light as pictures and files read it.
 
-use crate::{Basis, Field, NodeWeights};
+use crate::{Basis, Directional, Field, HARMONICS, IncidentRadiance, NodeWeights};
 use glam::Vec3;
 use lumel_scene::{Irradiance, SurfacePoint};
 
@@ -15,6 +15,14 @@ pub trait Lighting: Sync {
     /// Triangles are those of the scene, back sides included. The normal is the one that is shown, from vertex normals
     /// and normal maps; where only irradiance is stored it makes no difference.
     fn irradiance(&self, at: SurfacePoint, normal: Vec3) -> Irradiance;
+
+    /// The light that arrives at a surface point by direction, where it is known.
+    ///
+    /// What is drawn reads irradiance for tilted normals from it, by a [`Shading`](crate::Shading).
+    fn incident(&self, at: SurfacePoint) -> Option<IncidentRadiance> {
+        let _ = at;
+        None
+    }
 
     /// Irradiance at each vertex of the scene, W·m⁻², for light that is stored there and linear over the triangles.
     ///
@@ -42,5 +50,16 @@ pub struct FieldLighting<'a> {
 impl Lighting for FieldLighting<'_> {
     fn irradiance(&self, at: SurfacePoint, _normal: Vec3) -> Irradiance {
         self.field.at(self.basis, at, &mut NodeWeights::default())
+    }
+
+    fn incident(&self, at: SurfacePoint) -> Option<IncidentRadiance> {
+        let kind = Directional::of_channels(self.field.channels())?;
+        let (mut weights, mut sums) = (NodeWeights::default(), [Vec3::ZERO; HARMONICS]);
+        self.basis.weights_at(at, &mut weights);
+        for (node, weight) in weights.iter() {
+            let coefficients = &self.field.coefficients(node)[1..];
+            sums.iter_mut().zip(coefficients).for_each(|(sum, c)| *sum += *c * weight);
+        }
+        IncidentRadiance::new(&sums[..kind.harmonics()])
     }
 }

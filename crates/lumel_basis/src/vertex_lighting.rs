@@ -1,6 +1,6 @@
 //! Light that is stored at the vertices of a scene.
 
-use crate::Lighting;
+use crate::{Coefficients, HARMONICS, IncidentRadiance, Lighting};
 use glam::Vec3;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 
@@ -9,6 +9,7 @@ use lumel_scene::{Irradiance, Scene, SurfacePoint};
 pub struct VertexLighting<'a> {
     scene: &'a Scene,
     values: &'a [Vec3],
+    coefficients: Option<&'a Coefficients>,
 }
 
 /// Light at the vertices of a different scene.
@@ -38,7 +39,18 @@ impl<'a> VertexLighting<'a> {
     /// [`VertexCountError`] unless there are as many values as vertices.
     pub fn new(scene: &'a Scene, values: &'a [Vec3]) -> Result<Self, VertexCountError> {
         VertexCountError::check(values.len(), scene.vertex_count())?;
-        Ok(Self { scene, values })
+        Ok(Self { scene, values, coefficients: None })
+    }
+
+    /// The same light with what is known of it by direction at every vertex.
+    ///
+    /// # Errors
+    /// [`VertexCountError`] unless that is at as many vertices.
+    pub fn with_incident(self, coefficients: Option<&'a Coefficients>) -> Result<Self, VertexCountError> {
+        if let Some(coefficients) = coefficients {
+            VertexCountError::check(coefficients.len(), self.values.len())?;
+        }
+        Ok(Self { coefficients, ..self })
     }
 }
 
@@ -48,6 +60,15 @@ impl Lighting for VertexLighting<'_> {
         let corners = self.scene.triangle(at.tri);
         let weighted = corners.into_iter().zip(at.bary.weights());
         weighted.map(|(vertex, weight)| Irradiance(self.values[vertex as usize]) * weight).sum()
+    }
+
+    fn incident(&self, at: SurfacePoint) -> Option<IncidentRadiance> {
+        let (coefficients, mut sums) = (self.coefficients?, [Vec3::ZERO; HARMONICS]);
+        for (vertex, weight) in self.scene.triangle(at.tri).into_iter().zip(at.bary.weights()) {
+            let of_vertex = coefficients.of(vertex as usize);
+            sums.iter_mut().zip(of_vertex).for_each(|(sum, c)| *sum += *c * weight);
+        }
+        IncidentRadiance::new(&sums[..coefficients.kind().harmonics()])
     }
 
     fn vertex_values(&self) -> Option<&[Vec3]> {

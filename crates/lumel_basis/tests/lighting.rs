@@ -5,8 +5,8 @@
 use glam::Vec3;
 use lumel_basis::Basis;
 use lumel_basis::{
-    Field, FieldLighting, Lighting, VertexBasis, VertexCountError, VertexLighting, VertexPoints,
-    irradiance_at_vertices,
+    Coefficients, Directional, Field, FieldLighting, Lighting, VertexBasis, VertexCountError, VertexLighting,
+    VertexPoints, irradiance_at_vertices,
 };
 use lumel_scene::{Barycentrics, Irradiance, Scene, SurfacePoint, TriId};
 use lumel_testkit::mesh::{Facing, sphere};
@@ -81,4 +81,37 @@ fn fields_are_read_at_vertices_as_their_basis_reads_them() {
     let lighting = FieldLighting { basis: &basis, field: &field };
     let values = irradiance_at_vertices(&scene, &lighting).unwrap();
     assert_eq!(*values, *VertexPoints::new(&scene).read(&basis, &field));
+}
+
+#[test]
+fn light_by_direction_is_read_as_irradiance_is() {
+    let scene = ball();
+    let basis = VertexBasis::new(Arc::clone(&scene));
+    let vertices = scene.positions();
+    for kind in [Directional::Sh1, Directional::Sh2] {
+        let coefficient = |position: Vec3, i: usize| position * (1.0 + i as f32);
+        let of_vertex = |p: &Vec3| (0..kind.harmonics()).map(|i| coefficient(*p, i)).collect::<Vec<_>>();
+        let coefficients: Vec<Vec3> = vertices.iter().flat_map(of_vertex).collect();
+        let channels = vertices.iter().flat_map(|p| [vec![*p], of_vertex(p)].concat()).collect();
+        let field = Field::with_channels(kind.channels(), channels);
+        let at_vertices = VertexLighting::new(&scene, vertices).unwrap();
+        let few = Coefficients::new(kind, coefficients[kind.harmonics()..].to_vec()).unwrap();
+        assert!(at_vertices.with_incident(Some(&few)).is_err());
+        let coefficients = Coefficients::new(kind, coefficients).unwrap();
+        let at_vertices = at_vertices.with_incident(Some(&coefficients)).unwrap();
+        let of_field = FieldLighting { basis: &basis, field: &field };
+        for tri in (0..scene.triangle_count() as u32).step_by(7).map(TriId) {
+            let at = SurfacePoint { tri, bary: Barycentrics { u: 0.2, v: 0.7 } };
+            for light in [at_vertices.incident(at).unwrap(), of_field.incident(at).unwrap()] {
+                assert_eq!(light.kind(), kind);
+                for (i, c) in light.coefficients().iter().enumerate() {
+                    let expected =
+                        if i < kind.harmonics() { coefficient(scene.position(at), i) } else { Vec3::ZERO };
+                    assert!((*c - expected).length() < 1e-5, "{c} {expected}");
+                }
+            }
+        }
+    }
+    let scalar = VertexLighting::new(&scene, vertices).unwrap();
+    assert_eq!(scalar.incident(SurfacePoint { tri: TriId(0), bary: Barycentrics { u: 0.2, v: 0.7 } }), None);
 }

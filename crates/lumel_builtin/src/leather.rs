@@ -4,7 +4,7 @@ use crate::noise::{clouds, mix, nearest_points, smooth_step};
 use crate::{cornell, painting};
 use glam::{Vec2, Vec3};
 use lumel_scene::{
-    Encoding, Material, MaterialId, SceneBuilder, Texture, TextureId, TextureRef, UvTransform,
+    Encoding, Material, MaterialId, NormalMap, SceneBuilder, Texture, TextureId, TextureRef, UvTransform,
 };
 
 /// Texels along a side of the textures.
@@ -30,7 +30,7 @@ pub(crate) fn cornell_leather(subdivide: u32) -> SceneBuilder {
     };
     let mut leather = Material::diffuse("leather", Vec3::ONE);
     leather.albedo_texture = used(0);
-    leather.normal_texture = used(1);
+    leather.normal_texture = used(1).map(NormalMap::new);
     let id = MaterialId(builder.materials.len() as u32);
     builder.materials.push(leather);
     for wall in builder.objects.iter_mut().filter(|o| o.name == cornell::BACK_WALL) {

@@ -1,8 +1,8 @@
 //! Values on the command line. Every number is finite.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumel::{CameraEntry, LightEntry, LightKind, spec};
-use lumel_render_cpu::{MAX_PIXELS, Show, ToneMapper};
+use lumel::{CameraEntry, LightEntry, LightKind, Shading, spec};
+use lumel_render_cpu::{MAX_PIXELS, NormalMaps, Show, ToneMapper};
 use std::ops::RangeInclusive;
 
 /// An example of a camera.
@@ -19,6 +19,29 @@ pub(crate) fn named_show() -> impl TypedValueParser<Value = Show> {
     ];
     PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
         .try_map(|name| name.parse::<Show>())
+}
+
+/// Whether normal maps are shown.
+pub(crate) fn named_normal_maps() -> impl TypedValueParser<Value = NormalMaps> {
+    let values = [
+        ("off", "surfaces are as smooth as their meshes"),
+        ("up", "as files have them: green points up"),
+        ("down", "for files whose green points down"),
+    ];
+    PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
+        .try_map(|name| name.parse::<NormalMaps>())
+}
+
+/// How light on tilted normals is found.
+pub(crate) fn named_shading() -> impl TypedValueParser<Value = Shading> {
+    let values = [
+        ("l1", "linear in four coefficients: off by about 11 %"),
+        ("nonlinear", "a power of a cosine from the same: about 6 %"),
+        ("zh3", "a zonal band from the same: about 6 %"),
+        ("l2", "nine coefficients: about 3 %; zh3 where there are four"),
+    ];
+    PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
+        .try_map(|name| name.parse::<Shading>())
 }
 
 /// The tone curves.

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use lumel::{Camera, Lighting, RayTracer, Scene};
 use lumel_export::write_png;
-use lumel_render_cpu::{Display, Picture, Resolution, View, camera_for, draw};
+use lumel_render_cpu::{Display, Picture, Relief, Resolution, View, camera_for, draw};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -20,6 +20,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) lighting: &'a dyn Lighting,
     /// The viewpoint.
     pub(crate) camera: &'a Camera,
+    /// Which normals are shown.
+    pub(crate) relief: Relief,
 }
 
 /// Draws and writes a picture.
@@ -30,7 +32,7 @@ pub(crate) fn write(
     display: &Display,
     cancel: &AtomicBool,
 ) -> anyhow::Result<Picture> {
-    let view = View::new(subject.scene, subject.tracer, subject.lighting);
+    let view = View { relief: subject.relief, ..View::new(subject.scene, subject.tracer, subject.lighting) };
     let picture = draw(&view, subject.camera, resolution, display, cancel)
         .with_context(|| format!("cannot draw {}", path.display()))?;
     let comment = describe(subject, display, &picture);
@@ -55,7 +57,7 @@ pub(crate) fn write_default(
     cancel: &AtomicBool,
 ) -> anyhow::Result<()> {
     let camera = camera_for(scene, tracer);
-    let subject = Subject { scene, tracer, lighting, camera: &camera };
+    let subject = Subject { scene, tracer, lighting, camera: &camera, relief: Relief::default() };
     let [width, height] = DEFAULT_SIZE;
     write(path, &subject, &Resolution::new(width, height), &Display::default(), cancel)?;
     Ok(())

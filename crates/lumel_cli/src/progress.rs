@@ -164,6 +164,7 @@ fn add_step(event: &mut Value, step: Step) {
             event["bounce"] = bounce.into();
         }
         Step::FinalGather => event["step"] = "final gather".into(),
+        Step::Directional => event["step"] = "directional".into(),
         Step::Round(round) => {
             event["step"] = "round".into();
             event["round"] = (round + 1).into();
@@ -184,6 +185,7 @@ fn name_of(step: Step, progress: &lumel::Progress) -> String {
             None => format!("bounce {bounce}"),
         },
         Step::FinalGather => "final gather".to_owned(),
+        Step::Directional => "light by direction".to_owned(),
         Step::Layer(layer) => format!("layer {} of {}", layer + 1, progress.layers),
         Step::Round(round) => match &progress.accuracy {
             Some(Accuracy { share, target, .. }) => {

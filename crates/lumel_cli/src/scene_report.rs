@@ -187,7 +187,7 @@ fn materials(scene: &Scene) -> Vec<MaterialReport> {
             let textures = [
                 texture("albedo", material.albedo_texture),
                 texture("emission", material.emission_texture),
-                texture("normal", material.normal_texture),
+                texture("normal", material.normal_texture.map(|map| map.image)),
             ];
             MaterialReport {
                 name: material.name.clone(),

@@ -2,7 +2,7 @@
 
 use crate::members::{check_members, read_flags, read_numbers, read_vectors};
 use crate::{Array, ArrayData, NpzReader, NpzWriter, ReadError, SolutionError};
-use lumel_lightmap::{Half, LumelLight};
+use lumel_lightmap::{DirectionalLight, Half, LumelLight};
 use serde::{Deserialize, Serialize};
 use std::io;
 
@@ -28,12 +28,28 @@ pub struct LumelMeta {
     pub round: u32,
     /// See [`LumelLight::done`].
     pub done: u32,
+    /// Coefficients of harmonics, one array each.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub harmonics: usize,
+    /// Lumels that were measured by direction.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub directional_done: usize,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_zero(n: &usize) -> bool {
+    *n == 0
+}
+
+const SOLVED: [&str; 2] = ["lumel_solved_direct", "lumel_solved_bounces"];
 const ACTIVE: &str = "lumel_active";
 
 fn source(number: usize) -> String {
     format!("lumel_source_{number}")
+}
+
+fn harmonic(number: usize) -> String {
+    format!("lumel_sh_{number}")
 }
 
 fn samples(half: usize) -> String {
@@ -44,10 +60,22 @@ fn totals(half: usize) -> String {
     format!("lumel_totals_{half}")
 }
 
+fn bounced(half: usize) -> String {
+    format!("lumel_bounced_{half}")
+}
+
 impl LumelState<'_> {
     pub(crate) fn meta(&self) -> LumelMeta {
-        let LumelLight { has_tail, round, done, ref sources, .. } = *self.light;
-        LumelMeta { identity: self.identity.to_owned(), sources: sources.len(), has_tail, round, done }
+        let LumelLight { has_tail, round, done, ref sources, ref directional, .. } = *self.light;
+        LumelMeta {
+            identity: self.identity.to_owned(),
+            sources: sources.len(),
+            has_tail,
+            round,
+            done,
+            harmonics: directional.harmonics.len(),
+            directional_done: directional.done as usize,
+        }
     }
 
     pub(crate) fn write(&self, npz: &mut NpzWriter<'_>) -> io::Result<()> {
@@ -55,9 +83,16 @@ impl LumelState<'_> {
         for (number, values) in self.light.sources.iter().enumerate() {
             npz.array(&source(number), &Array::from_vectors(values))?;
         }
+        for (number, values) in self.light.directional.harmonics.iter().enumerate() {
+            npz.array(&harmonic(number), &Array::from_vectors(values))?;
+        }
         for (number, half) in self.light.halves.iter().enumerate() {
             npz.array(&samples(number), &list(&half.samples))?;
             npz.array(&totals(number), &list(&half.totals))?;
+            npz.array(&bounced(number), &list(&half.bounced))?;
+        }
+        for (name, values) in SOLVED.into_iter().zip(&self.light.solved) {
+            npz.array(name, &Array::from_vectors(values))?;
         }
         npz.array(ACTIVE, &Array::list(ArrayData::Bool(self.light.active.clone())))
     }
@@ -70,14 +105,16 @@ impl LumelMeta {
     }
 
     pub(crate) fn read(&self, npz: &mut NpzReader) -> Result<LumelLight, SolutionError> {
-        let names =
-            (0..self.sources).map(source).chain((0..2).flat_map(|half| [samples(half), totals(half)]));
-        let names: Vec<String> = names.chain([ACTIVE.to_owned()]).collect();
+        let of_halves = (0..2).flat_map(|half| [samples(half), totals(half), bounced(half)]);
+        let names = (0..self.sources).map(source).chain(of_halves);
+        let names = names.chain((0..self.harmonics).map(harmonic));
+        let names: Vec<String> = names.chain(SOLVED.into_iter().chain([ACTIVE]).map(str::to_owned)).collect();
         check_members(npz, &names)?;
         let mut half = |number| {
             Ok(Half {
                 samples: read_numbers(npz, &samples(number))?,
                 totals: read_numbers(npz, &totals(number))?,
+                bounced: read_numbers(npz, &bounced(number))?,
             })
         };
         let halves: [Result<Half, SolutionError>; 2] = [half(0), half(1)];
@@ -87,10 +124,17 @@ impl LumelMeta {
             sources: (0..self.sources)
                 .map(|number| read_vectors(npz, &source(number)))
                 .collect::<Result<_, _>>()?,
+            solved: [read_vectors(npz, SOLVED[0])?, read_vectors(npz, SOLVED[1])?],
             has_tail: self.has_tail && self.sources > 0,
             round: self.round,
             active: read_flags(npz, ACTIVE)?,
             done: self.done,
+            directional: DirectionalLight {
+                harmonics: (0..self.harmonics)
+                    .map(|number| read_vectors(npz, &harmonic(number)))
+                    .collect::<Result<_, _>>()?,
+                done: self.directional_done as u32,
+            },
         };
         light
             .check()

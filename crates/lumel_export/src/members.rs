@@ -2,6 +2,7 @@
 
 use crate::{Array, ArrayData, NpzReader, NpzWriter, ReadError, SolutionError};
 use glam::{DVec3, Vec3};
+use lumel_basis::{Coefficients, Directional};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::io;
@@ -111,6 +112,40 @@ pub(crate) fn read_stacked(
         }
         ([0, ..], _) => Ok(Vec::new()),
         _ => Err(wrong_shape(npz, name, &format!("({name}, {n}, 3) of <f4"), &array)),
+    }
+}
+
+/// Coefficients at the same places, as one array (places, harmonics, 3), or with a first axis for several (parts, places, harmonics,
+/// 3).
+pub(crate) fn coefficients_array(parts: &[&Coefficients], axis: Option<usize>) -> Array {
+    let values = parts.iter().flat_map(|part| part.values()).flat_map(|v| v.to_array()).collect();
+    let of_part = parts.first().map_or([0, 0], |part| [part.len(), part.kind().harmonics()]);
+    let shape = axis.into_iter().chain(of_part).chain([3]).collect();
+    Array { shape, data: ArrayData::F32(values) }
+}
+
+/// Coefficients at `n` places, of as many parts as the first axis has if there is one; none if the array is missing.
+pub(crate) fn read_coefficients(
+    npz: &mut NpzReader,
+    name: &str,
+    axis: Option<usize>,
+    n: usize,
+) -> Result<Vec<Coefficients>, SolutionError> {
+    if !npz.has_array(name) {
+        return Ok(Vec::new());
+    }
+    let array = npz.array(name)?;
+    let expected = |harmonics: usize| axis.into_iter().chain([n, harmonics, 3]).collect::<Vec<_>>();
+    let kinds = [Directional::Sh1, Directional::Sh2];
+    match (kinds.into_iter().find(|kind| array.shape == expected(kind.harmonics())), &array.data) {
+        (Some(kind), ArrayData::F32(values)) if n > 0 => {
+            let parts = values.chunks(3 * n * kind.harmonics()).map(vectors);
+            Ok(parts.filter_map(|values| Coefficients::new(kind, values)).collect())
+        }
+        _ => {
+            let parts = axis.map_or(String::new(), |parts| format!("{parts}, "));
+            Err(wrong_shape(npz, name, &format!("({parts}{n}, 4 or 9, 3) of <f4"), &array))
+        }
     }
 }
 

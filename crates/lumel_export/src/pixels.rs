@@ -25,3 +25,10 @@ pub(crate) fn opacity_pixels(texture: &Texture) -> Vec<[u8; 3]> {
     let grey = |x, y| [(255.0 * texture.texel_alpha(x, y) + 0.5) as u8; 3];
     (0..height).flat_map(|y| (0..width).map(move |x| grey(x, y))).collect()
 }
+
+/// The texels as they are, clamped to 0..=1, row by row from the top: for what is no colour.
+pub(crate) fn linear_pixels(texture: &Texture) -> Vec<[u8; 3]> {
+    let (width, height) = texture.size();
+    let texels = (0..height).flat_map(|y| (0..width).map(move |x| texture.texel(x, y)));
+    texels.map(|texel| texel.to_array().map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8)).collect()
+}

@@ -2,17 +2,23 @@
 
 use crate::error::SceneLabel;
 use crate::members::{
-    Kind, SPLITS, check_members, read_flags, read_meta, read_numbers, read_optional, read_positions,
-    read_splits, read_stacked, read_vectors, stacked, write_splits,
+    Kind, SPLITS, check_members, coefficients_array, read_coefficients, read_flags, read_meta, read_numbers,
+    read_optional, read_positions, read_splits, read_stacked, read_vectors, stacked, write_splits,
 };
 use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
 use glam::{DVec3, Vec3};
-use lumel_basis::VertexLighting;
+use lumel_basis::{Coefficients, VertexLighting};
 use lumel_scene::Scene;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// The member of light by direction, and that of the layers.
+const SH: &str = "sh";
+const LAYERS_SH: &str = "layers_sh";
+const COEFFICIENTS: &str = "(vertex, harmonic, rgb) coefficients of the radiance L that arrives, integrals of L Y over directions, W/m^2, \
+                            in real spherical harmonics in world space: Y00, Y1-1 (y), Y10 (z), Y11 (x), Y2-2 .. Y22";
 
 /// The version changes only when the layout does.
 pub(crate) const KIND: Kind =
@@ -22,7 +28,9 @@ pub(crate) const KIND: Kind =
 ///
 /// As a file it is a NumPy archive of the arrays `positions`, `normals`, `irradiance`, `tail` and `standard_error`
 /// (n, 3), `bounces` (bounces, n, 3), `layers` (layers, n, 3) and `valid` (n), and of `meta.json`, which has the names of
-/// the layers. `tail`, `standard_error`, `layers`, `occlusion` (n) and `splits` (edges, 2) may be absent.
+/// the layers. `tail`, `standard_error`, `layers`, `occlusion` (n) and `splits` (edges, 2) may be absent, and so may the light by
+/// direction, `sh` (n, harmonics, 3) and `layers_sh` (layers, n, harmonics, 3): coefficients `∫ L Y dω` of the radiance that
+/// arrives in real spherical harmonics in world space, W·m⁻², in the order of [`Harmonics`](lumel_basis::Harmonics).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Where it comes from.
@@ -43,6 +51,8 @@ pub struct Solution {
     pub standard_error: Option<Vec<Vec3>>,
     /// The parts of `irradiance` that single lights or groups of them cause; they add up to it. Often there are none.
     pub layers: Vec<SolutionLayer>,
+    /// `irradiance` by direction, if it was asked for: coefficients at each vertex.
+    pub directional: Option<Coefficients>,
     /// Share of an even sky that each vertex sees past what is near, from 0 to 1, if it was asked for.
     pub occlusion: Option<Vec<f32>>,
     /// Where the scene was [refined](Scene::refined): the edges in whose middles the last vertices lie. What opens the scene for
@@ -57,6 +67,8 @@ pub struct SolutionLayer {
     pub name: String,
     /// Their part of the irradiance at each vertex, W·m⁻².
     pub irradiance: Vec<Vec3>,
+    /// The same by direction, if it was asked for.
+    pub directional: Option<Coefficients>,
 }
 
 /// Where a solution comes from: the member `meta.json` of its file.
@@ -176,6 +188,17 @@ impl Solution {
         }
     }
 
+    /// The chosen part of the light by direction; `None` if it is not known, and for single bounces.
+    pub fn select_directional(&self, selection: &SolutionSelection) -> Option<&Coefficients> {
+        match selection {
+            SolutionSelection::Sum => self.directional.as_ref(),
+            SolutionSelection::Bounce(_) => None,
+            SolutionSelection::Layer(wanted) => {
+                self.layers.iter().find(|layer| layer.name == *wanted)?.directional.as_ref()
+            }
+        }
+    }
+
     /// The chosen part of the light on a scene: what pictures and mesh files read.
     ///
     /// # Errors
@@ -186,7 +209,8 @@ impl Solution {
         selection: &SolutionSelection,
     ) -> Result<VertexLighting<'a>, SolutionError> {
         self.check_belongs_to(scene)?;
-        Ok(VertexLighting::new(scene, self.select(selection)?)?)
+        let lighting = VertexLighting::new(scene, self.select(selection)?)?;
+        Ok(lighting.with_incident(self.select_directional(selection))?)
     }
 
     /// Checks that all arrays cover the same vertices with finite numbers.
@@ -205,9 +229,11 @@ impl Solution {
         for (name, array) in self.optional_arrays() {
             self.check_vectors(name, array)?;
         }
-        for SolutionLayer { name, irradiance } in &self.layers {
+        for SolutionLayer { name, irradiance, directional } in &self.layers {
             self.check_vectors(&format!("layers[{name}]"), irradiance)?;
+            self.check_coefficients(&format!("{LAYERS_SH}[{name}]"), directional.as_ref())?;
         }
+        self.check_coefficients(SH, self.directional.as_ref())?;
         if let Some(occlusion) = &self.occlusion {
             self.check_length("occlusion", occlusion.len())?;
             if let Some(vertex) = occlusion.iter().position(|share| !share.is_finite()) {
@@ -231,12 +257,30 @@ impl Solution {
             .map_or(Ok(()), |vertex| Err(SolutionError::NotFinite { array: array.to_owned(), vertex }))
     }
 
+    fn check_coefficients(
+        &self,
+        array: &str,
+        coefficients: Option<&Coefficients>,
+    ) -> Result<(), SolutionError> {
+        let Some(coefficients) = coefficients else { return Ok(()) };
+        self.check_length(array, coefficients.len())?;
+        let is_bad = |vertex: &usize| coefficients.of(*vertex).iter().any(|value| !value.is_finite());
+        (0..self.vertex_count())
+            .find(is_bad)
+            .map_or(Ok(()), |vertex| Err(SolutionError::NotFinite { array: array.to_owned(), vertex }))
+    }
+
     fn check_length(&self, array: &str, count: usize) -> Result<(), SolutionError> {
         let vertices = self.positions.len();
         if count == vertices {
             return Ok(());
         }
         Err(SolutionError::Length { array: array.to_owned(), count, vertices })
+    }
+
+    /// Whether every layer is known by direction.
+    fn has_layers_by_direction(&self) -> bool {
+        !self.layers.is_empty() && self.layers.iter().all(|layer| layer.directional.is_some())
     }
 
     /// Checks that this is light on the scene's geometry; its materials and lights may have changed since.
@@ -282,6 +326,13 @@ impl Solution {
                 let layers: Vec<_> = self.layers.iter().map(|layer| &layer.irradiance).collect();
                 npz.array("layers", &stacked(&layers, self.vertex_count()))?;
             }
+            if let Some(coefficients) = &self.directional {
+                npz.array(SH, &coefficients_array(&[coefficients], None))?;
+            }
+            if self.has_layers_by_direction() {
+                let all: Vec<_> = self.layers.iter().filter_map(|layer| layer.directional.as_ref()).collect();
+                npz.array(LAYERS_SH, &coefficients_array(&all, Some(all.len())))?;
+            }
             if let Some(occlusion) = &self.occlusion {
                 npz.array("occlusion", &Array::list(ArrayData::F32(occlusion.clone())))?;
             }
@@ -314,6 +365,15 @@ impl Solution {
         if self.occlusion.is_some() {
             all.push(("occlusion", "(vertex) share of an even sky that is seen past what is near, 0 to 1"));
         }
+        if self.directional.is_some() {
+            all.push((SH, COEFFICIENTS));
+        }
+        if self.has_layers_by_direction() {
+            all.push((
+                LAYERS_SH,
+                "(layer, vertex, harmonic, rgb) the part of sh that each of the named layers causes",
+            ));
+        }
         if !self.splits.is_empty() {
             all.push((
                 SPLITS,
@@ -341,6 +401,7 @@ impl Solution {
         let tail = read_optional(&mut npz, "tail")?;
         let standard_error = read_optional(&mut npz, "standard_error")?;
         let layers = read_layers(&mut npz, &meta.layers, positions.len())?;
+        let directional = read_coefficients(&mut npz, SH, None, positions.len())?.pop();
         let solution = Self {
             meta: SolutionMeta { layers: Vec::new(), ..meta },
             normals: read_vectors(&mut npz, "normals")?,
@@ -350,6 +411,7 @@ impl Solution {
             valid: read_flags(&mut npz, "valid")?,
             standard_error,
             layers,
+            directional,
             occlusion: if npz.has_array("occlusion") {
                 Some(read_numbers(&mut npz, "occlusion")?)
             } else {
@@ -388,6 +450,12 @@ fn read_layers(npz: &mut NpzReader, names: &[String], n: usize) -> Result<Vec<So
         let (path, member) = (npz.path().to_owned(), "layers".to_owned());
         return Err(ReadError::BadMember { path, member, problem }.into());
     }
-    let layer = |(name, irradiance): (&String, _)| SolutionLayer { name: name.clone(), irradiance };
+    let by_direction = read_coefficients(npz, LAYERS_SH, Some(names.len()), n)?;
+    let mut by_direction = by_direction.into_iter();
+    let layer = |(name, irradiance): (&String, _)| SolutionLayer {
+        name: name.clone(),
+        irradiance,
+        directional: by_direction.next(),
+    };
     Ok(names.iter().zip(layers).map(layer).collect())
 }

@@ -22,11 +22,25 @@ pub struct LumelLight {
     pub has_tail: bool,
     /// By half.
     pub halves: [Half; 2],
+    /// What the solve says of direct light and of all bounces at each lumel, W·m⁻². Empty if there is nothing to compare
+    /// with.
+    pub solved: [Vec<Vec3>; 2],
     /// The round that is under way, from 0.
     pub round: u32,
     /// The lumels that it measures.
     pub active: Vec<bool>,
     /// Lumels before this one have been measured in it.
+    pub done: u32,
+    /// All light by direction, where that is measured.
+    pub directional: DirectionalLight,
+}
+
+/// Where the light of each lumel comes from: measured once, after all rounds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DirectionalLight {
+    /// Coefficients of harmonics, W·m⁻², by harmonic and lumel; empty where they are not measured.
+    pub harmonics: Vec<Vec<Vec3>>,
+    /// Lumels before this one have been measured.
     pub done: u32,
 }
 
@@ -37,6 +51,8 @@ pub struct Half {
     pub samples: Vec<f32>,
     /// The luminance of all light, W·m⁻².
     pub totals: Vec<f32>,
+    /// That of all bounces.
+    pub bounced: Vec<f32>,
 }
 
 /// Light that half of the samples of a round say some lumels have.
@@ -51,14 +67,17 @@ pub struct PartLight {
 impl LumelLight {
     /// Nothing yet: all lumels are to be measured.
     pub fn new(n_lumels: usize, n_sources: usize, has_tail: bool) -> Self {
-        let half = Half { samples: vec![0.0; n_lumels], totals: vec![0.0; n_lumels] };
+        let none = || vec![0.0; n_lumels];
+        let half = Half { samples: none(), totals: none(), bounced: none() };
         Self {
             sources: vec![vec![Vec3::ZERO; n_lumels]; n_sources],
             has_tail,
             halves: [half.clone(), half],
+            solved: [const { Vec::new() }; 2],
             round: 0,
             active: vec![true; n_lumels],
             done: 0,
+            directional: DirectionalLight::default(),
         }
     }
 
@@ -68,17 +87,20 @@ impl LumelLight {
     /// What is wrong, in words.
     pub fn check(&self) -> Result<(), String> {
         let n = self.len();
-        let halves = self.halves.iter().flat_map(|half| [&half.samples, &half.totals]);
+        let halves = self.halves.iter().flat_map(|half| [&half.samples, &half.totals, &half.bounced]);
         if halves.clone().any(|values| values.len() != n)
-            || self.sources.iter().any(|source| source.len() != n)
+            || self.sources.iter().chain(&self.directional.harmonics).any(|source| source.len() != n)
+            || self.solved.iter().any(|solved| ![0, n].contains(&solved.len()))
         {
             return Err(format!("has {n} lumels, but other parts of the light have not"));
         }
-        if self.done as usize > n {
-            return Err(format!("has {n} lumels, of which {} are done", self.done));
+        let done = self.done.max(self.directional.done);
+        if done as usize > n {
+            return Err(format!("has {n} lumels, of which {done} are done"));
         }
         let finite = halves.flatten().all(|value| value.is_finite());
-        if !finite || !self.sources.iter().flatten().all(|value| value.is_finite()) {
+        let light = self.sources.iter().chain(&self.directional.harmonics);
+        if !finite || !light.flatten().all(|value| value.is_finite()) {
             return Err("has light that is no finite number".to_owned());
         }
         Ok(())
@@ -151,17 +173,50 @@ impl LumelLight {
 
     fn add_lumel(&mut self, (half, lumel): (usize, usize), place: usize, samples: f32, part: &PartLight) {
         let before: f32 = self.halves.iter().map(|half| half.samples[lumel]).sum();
-        let mut total = 0.0;
-        for (source, new) in self.sources.iter_mut().zip(&part.sources) {
+        let (mut direct, mut bounced) = (0.0, 0.0);
+        for (k, (source, new)) in self.sources.iter_mut().zip(&part.sources).enumerate() {
             let (mean, new) = (&mut source[lumel], new[place]);
             // Differences, so that what is equal stays itself.
             *mean += (new - *mean) * (samples / (before + samples));
-            total += luminance(new);
+            *if k == 0 { &mut direct } else { &mut bounced } += luminance(new);
         }
         let half = &mut self.halves[half];
-        let (mean, count) = (&mut half.totals[lumel], &mut half.samples[lumel]);
-        *count += samples;
-        *mean += (total - *mean) * (samples / *count);
+        half.samples[lumel] += samples;
+        let share = samples / half.samples[lumel];
+        let means = [(&mut half.totals[lumel], direct + bounced), (&mut half.bounced[lumel], bounced)];
+        means.into_iter().for_each(|(mean, new)| *mean += (new - *mean) * share);
+    }
+
+    /// Begins to measure light by direction in so many harmonics, unless that has begun.
+    pub fn begin_directional(&mut self, harmonics: usize) {
+        if self.directional.harmonics.len() != harmonics {
+            let dark = vec![Vec3::ZERO; self.len()];
+            self.directional = DirectionalLight { harmonics: vec![dark; harmonics], done: 0 };
+        }
+    }
+
+    /// The next lumels to be measured by direction: at most so many. `None` if all are done.
+    pub fn next_directional_part(&self, most: usize) -> Option<Range<usize>> {
+        let begin = self.directional.done as usize;
+        (begin < self.len()).then(|| begin..self.len().min(begin + most.max(1)))
+    }
+
+    /// Adds the coefficients of the lumels of a range, lumel by lumel.
+    ///
+    /// # Panics
+    /// If there are not as many as the range has lumels.
+    pub fn add_directional<'a>(
+        &mut self,
+        range: Range<usize>,
+        coefficients: impl ExactSizeIterator<Item = &'a [Vec3]>,
+    ) {
+        assert_eq!(coefficients.len(), range.len(), "coefficients of each lumel");
+        self.directional.done = range.end as u32;
+        for (lumel, coefficients) in range.zip(coefficients) {
+            for (harmonic, value) in self.directional.harmonics.iter_mut().zip(coefficients) {
+                harmonic[lumel] = *value;
+            }
+        }
     }
 
     /// The samples of each half of the round, as a multiple of those of the first: with all before, they double.

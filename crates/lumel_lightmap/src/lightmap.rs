@@ -2,6 +2,7 @@
 
 use crate::{Dilation, Filter, LumelLight, LumelLighting, Seams};
 use glam::Vec3;
+use lumel_basis::HARMONICS;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 use lumel_uv::{Atlas, Coverage};
 use std::borrow::Cow;
@@ -9,7 +10,7 @@ use std::sync::Arc;
 
 /// Halves of a sequence of samples complement each other: light is so much more exact than their difference says. Measured: 1.4
 /// to 1.7 times in the Cornell box, 1.2 times in the atrium.
-const COMPLEMENT: f32 = 1.3;
+pub(crate) const COMPLEMENT: f32 = 1.3;
 
 /// Light on the lumels of an atlas.
 #[derive(Clone, Debug)]
@@ -35,6 +36,16 @@ impl LightmapLayer {
     /// The name of the layer of ambient occlusion, 1 where nothing is near.
     pub const OCCLUSION: &str = "occlusion";
 
+    /// The name of the layer of a coefficient of harmonics, W·m⁻², by its place among them; it may be negative.
+    pub fn of_harmonic(harmonic: usize) -> String {
+        format!("sh{harmonic}")
+    }
+
+    /// The place of a coefficient among harmonics, if this is the layer of one.
+    pub fn harmonic(&self) -> Option<usize> {
+        (0..HARMONICS).find(|&harmonic| self.name == Self::of_harmonic(harmonic))
+    }
+
     /// The name of the layer of light after so many reflections.
     pub fn of_bounce(bounce: usize) -> String {
         if bounce == 0 { "direct".to_owned() } else { format!("bounce {bounce}") }
@@ -45,7 +56,8 @@ impl Lightmap {
     /// What was measured, less its noise if that is wanted, with seams closed and the light of lumels that were not measured taken
     /// from their neighbours.
     ///
-    /// The layers are "irradiance", "direct", "bounce 1" and so on, "tail" if there is one, "noisy" if noise was taken off, which
+    /// The layers are "irradiance", "direct", "bounce 1" and so on, "tail" if there is one, the coefficients "sh0", "sh1" and so on of
+    /// light by direction, from which the same noise is taken, "noisy" if noise was taken off, which
     /// has all light with it, "error", the standard error of all light, and [`OCCLUSION`](LightmapLayer::OCCLUSION) if `openness`
     /// is given, which is treated like light.
     ///
@@ -83,6 +95,10 @@ impl Lightmap {
     /// All light and its parts, less their noise if that is wanted.
     fn calmed(atlas: &Arc<Atlas>, coverage: &Coverage, light: &LumelLight, denoises: bool) -> Self {
         let n_lumels = atlas.lumel_count();
+        let light = match denoises {
+            true => Cow::Owned(light.shrunk(atlas, coverage)),
+            false => Cow::Borrowed(light),
+        };
         let sources = match denoises {
             true => Cow::Owned(light.with_fireflies_spread(atlas, coverage)),
             false => Cow::Borrowed(&light.sources),
@@ -92,7 +108,9 @@ impl Lightmap {
         let n_bounces = light.bounces().len();
         let part = |k: usize| if k < n_bounces { LightmapLayer::of_bounce(k) } else { "tail".to_owned() };
         let parts = sources.iter().enumerate().map(|(k, source)| (part(k), source));
-        let layers = std::iter::once((String::new(), &all)).chain(parts);
+        let harmonics = light.directional.harmonics.iter().enumerate();
+        let harmonics = harmonics.map(|(k, values)| (LightmapLayer::of_harmonic(k), values));
+        let layers = std::iter::once((String::new(), &all)).chain(parts).chain(harmonics);
         let layers = layers
             .map(|(name, values)| LightmapLayer { name, values: on_pages(coverage, values, n_lumels) })
             .collect();
@@ -129,7 +147,8 @@ impl Lightmap {
         let dilation = Dilation::new(&self.atlas, coverage, &self.valid);
         let seams = Seams::new(scene, &self.atlas, &dilation);
         for layer in &mut self.layers {
-            seams.close(&mut layer.values);
+            let may_be_negative = layer.harmonic().is_some();
+            seams.close(&mut layer.values, if may_be_negative { Vec3::NEG_INFINITY } else { Vec3::ZERO });
             dilation.fill(&mut layer.values);
         }
     }

@@ -79,13 +79,13 @@ impl Seams {
         if self.weight > 0.0 { (sum / (3.0 * self.weight)).sqrt() } else { 0.0 }
     }
 
-    /// Makes the jumps small. No light becomes negative.
-    pub fn close(&self, values: &mut [Vec3]) {
+    /// Makes the jumps small. No value is brought below `least`, which is zero for light.
+    pub fn close(&self, values: &mut [Vec3], least: Vec3) {
         let changes: Vec<Vec<DVec3>> = self.groups.par_iter().map(|group| group.change(values)).collect();
         for (group, changes) in self.groups.iter().zip(changes) {
             for (&lumel, change) in group.lumels.iter().zip(changes) {
                 let value = &mut values[lumel as usize];
-                *value = (value.as_dvec3() + change).as_vec3().max(value.min(Vec3::ZERO));
+                *value = (value.as_dvec3() + change).as_vec3().max(value.min(least));
             }
         }
     }

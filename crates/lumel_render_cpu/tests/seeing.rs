@@ -6,11 +6,11 @@ mod support;
 
 use glam::{Vec2, Vec3};
 use lumel_accel::{BruteForce, Bvh};
-use lumel_basis::{Lighting, VertexLighting};
+use lumel_basis::{IncidentRadiance, Lighting, Shading, VertexLighting, spherical_harmonics};
 use lumel_render_cpu::*;
 use lumel_scene::{
-    Camera, Encoding, Irradiance, Light, Material, Radiance, Scene, SceneBuilder, Sides, SurfacePoint,
-    Texture, TextureId, TextureRef, TriId, UvTransform,
+    Camera, Encoding, Irradiance, Light, Material, NormalMap, Radiance, Scene, SceneBuilder, Sides,
+    SurfacePoint, Texture, TextureId, TextureRef, TriId, UvTransform,
 };
 use std::sync::atomic::AtomicBool;
 use support::*;
@@ -273,7 +273,7 @@ fn mapped(texel: [f32; 3], rotation: f32, back: bool) -> [u8; 3] {
     let mut material = grey(0.5);
     material.sides = Sides::Both;
     let transform = UvTransform { rotation, offset: Vec2::ZERO, scale: Vec2::ONE };
-    material.normal_texture = Some(TextureRef { texture: TextureId(0), transform });
+    material.normal_texture = Some(NormalMap::new(TextureRef { texture: TextureId(0), transform }));
     let mesh = if back { square_from_behind(0.0, 9.0, 0) } else { square(0.0, 9.0, 0) };
     let texture = Texture::from_floats("normals", 1, 1, vec![texel]).unwrap();
     normal_pixel(&built(SceneBuilder { textures: vec![texture], ..scene(vec![mesh], vec![material]) }))
@@ -300,7 +300,7 @@ fn normal_maps_turn_normals_in_the_frame_of_their_texture() {
 #[test]
 fn light_is_read_with_the_normal_that_is_shown() {
     let mut material = grey(0.5);
-    material.normal_texture = Some(TextureRef::plain(TextureId(0)));
+    material.normal_texture = Some(NormalMap::new(TextureRef::plain(TextureId(0))));
     let texture = Texture::from_floats("normals", 1, 1, vec![[9.0 / 13.0, 0.5, 12.5 / 13.0]]).unwrap();
     let builder = scene(vec![square(0.0, 9.0, 0)], vec![material]);
     let scene = built(SceneBuilder { textures: vec![texture], ..builder });
@@ -313,12 +313,71 @@ fn light_is_read_with_the_normal_that_is_shown() {
 #[test]
 fn normal_maps_without_texture_coordinates_are_left_out() {
     let mut material = grey(0.5);
-    material.normal_texture = Some(TextureRef::plain(TextureId(0)));
+    material.normal_texture = Some(NormalMap::new(TextureRef::plain(TextureId(0))));
     let mut mesh = square(0.0, 9.0, 0);
     mesh.uvs.clear();
     let texture = Texture::from_floats("normals", 1, 1, vec![[1.0, 0.5, 0.5]]).unwrap();
-    let scene = built(SceneBuilder { textures: vec![texture], ..scene(vec![mesh], vec![material]) });
-    assert_eq!(normal_pixel(&scene), [128, 128, 255]);
+    let builder = SceneBuilder { textures: vec![texture], ..scene(vec![mesh], vec![material]) };
+    let (scene, warnings) = builder.build().unwrap();
+    assert_eq!((normal_pixel(&scene), warnings.len()), ([128, 128, 255], 1));
+}
+
+/// Light from one direction, whose irradiance is 1 on a surface that faces it.
+struct Sun(Vec3);
+
+impl Lighting for Sun {
+    fn irradiance(&self, _: SurfacePoint, normal: Vec3) -> Irradiance {
+        Irradiance::splat(self.0.dot(normal).max(0.0))
+    }
+
+    fn incident(&self, _: SurfacePoint) -> Option<IncidentRadiance> {
+        IncidentRadiance::new(&spherical_harmonics(self.0).map(Vec3::splat))
+    }
+}
+
+/// What is shown of half the irradiance on a square with a normal map of one texel.
+fn relief(texel: [u8; 3], relief: Relief, lighting: &dyn Lighting) -> u8 {
+    let mut material = grey(0.5);
+    material.normal_texture = Some(NormalMap::new(TextureRef::plain(TextureId(0))));
+    let [r, g, b] = texel;
+    let texture = Texture::from_bytes("normals", 1, 1, vec![[r, g, b, 255]], Encoding::Linear).unwrap();
+    let builder = scene(vec![square(0.0, 9.0, 0)], vec![material]);
+    let scene = built(SceneBuilder { textures: vec![texture], ..builder });
+    let tracer = BruteForce::new(&scene);
+    let view = View { relief, ..View::new(&scene, &tracer, lighting) };
+    // White surfaces of irradiance 1 have a radiance of 1/2.
+    let stops = Exposure::Stops(Radiance::splat(0.5).cosine_sample().0.x.log2());
+    let display = Display { exposure: stops, show: Show::Irradiance, ..plain() };
+    shoot(&view, &camera(), 3, &display).unwrap().pixel(1, 1).unwrap()[0]
+}
+
+#[test]
+fn bumps_are_lit_from_the_side_of_the_light() {
+    let sun = Sun(Vec3::new(0.6, 0.0, 0.8));
+    let [flat, right, left, up] = [[128, 128, 255], [177, 128, 245], [78, 128, 245], [128, 177, 245]];
+    let show = |texel, shading| relief(texel, Relief { shading, ..Relief::default() }, &sun);
+    let scalar = srgb_byte(0.4);
+    for shading in Shading::ALL {
+        assert!(show(flat, shading).abs_diff(scalar) <= 1, "{shading}");
+        assert!(show(right, shading) > scalar + 8 && show(left, shading) < scalar - 8, "{shading}");
+        assert!(show(up, shading) < scalar && show(up, shading) > show(left, shading), "{shading}");
+    }
+    // The whole range of normals gets more or less what it should.
+    let truth = srgb_byte(0.5 * Vec3::new(5.0, 0.0, 12.0).normalize().dot(sun.0));
+    assert!(show(right, Shading::NonLinear).abs_diff(truth) < 12, "{truth}");
+    let off = Relief { maps: NormalMaps::Off, ..Relief::default() };
+    assert_eq!(relief(right, off, &sun), scalar);
+    // Where directions are not known, the map changes nothing.
+    let even = |_: SurfacePoint, _: Vec3| Irradiance::splat(0.8);
+    assert_eq!(relief(right, Relief::default(), &even), scalar);
+}
+
+#[test]
+fn green_points_up_or_down_as_asked() {
+    let sun = Sun(Vec3::new(0.0, 0.6, 0.8));
+    let show = |maps| relief([128, 177, 245], Relief { maps, ..Relief::default() }, &sun);
+    let [off, up, down] = [NormalMaps::Off, NormalMaps::Up, NormalMaps::Down].map(show);
+    assert!(up > off + 8 && down < off - 8, "{up} {off} {down}");
 }
 
 #[test]

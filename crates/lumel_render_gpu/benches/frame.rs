@@ -8,7 +8,7 @@
 use cpu_time::ProcessTime;
 use glam::{Vec2, Vec3};
 use lumel_basis::VertexLighting;
-use lumel_render_cpu::{Scale, ToneMapper};
+use lumel_render_cpu::{Relief, Scale, ToneMapper};
 use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples};
 use lumel_scene::{Camera, Encoding, Material, Radiance, Scene, Texture, TextureId, TextureRef, UvTransform};
 use lumel_testkit::mesh::{Facing, quad, sphere};
@@ -57,6 +57,8 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
                 light,
                 rect_lights: &[],
                 look,
+                relief: Relief::default(),
+                ripple: None,
                 wireframe: false,
                 grid: false,
                 overlay: None,

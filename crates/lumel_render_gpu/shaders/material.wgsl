@@ -11,9 +11,11 @@ struct Material {
     /// The same for emission.
     emission_u: vec4<f32>,
     emission_v: vec4<f32>,
-    /// The same for the normal map. The last of the first row is -1 on back faces, otherwise 1.
+    /// The same for the normal map.
     normal_u: vec4<f32>,
     normal_v: vec4<f32>,
+    /// What red and green of the normal map are along the tangent and the bitangent: two columns.
+    normal_tilt: vec4<f32>,
     /// The same for alpha.
     alpha_u: vec4<f32>,
     alpha_v: vec4<f32>,

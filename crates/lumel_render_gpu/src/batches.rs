@@ -1,9 +1,9 @@
-//! Triangles in the order they are drawn: grouped by material and side.
+//! Triangles in the order they are drawn: grouped by material.
 
 use crate::corners::Corners;
 use crate::pipelines::Detail;
 use glam::Vec3;
-use lumel_scene::{Scene, Transparency, TriId};
+use lumel_scene::{Material, Scene, Transparency, TriId};
 use lumel_uv::Atlas;
 use std::ops::Range;
 
@@ -12,22 +12,17 @@ use std::ops::Range;
 pub(crate) struct Group {
     /// Index of the material.
     pub(crate) material: usize,
-    /// -1 for back faces of two-sided surfaces, otherwise 1.
-    pub(crate) side: f32,
     /// Range of the indices.
     pub(crate) indices: Range<u32>,
     /// Their attributes.
     pub(crate) detail: Detail,
 }
 
-/// Corners of all triangles by material and side, each in the scene's order, and where the groups are.
+/// Corners of all triangles by material, each in the scene's order, and where the groups are.
 pub(crate) fn grouped(scene: &Scene, atlas: Option<&Atlas>) -> (Corners, Vec<Group>) {
-    let slot = |tri: TriId| {
-        let back = usize::from(scene.traced(tri) != tri);
-        2 * scene.material_id(tri).index() + back
-    };
+    let slot = |tri: TriId| scene.material_id(tri).index();
     let triangles = || (0..scene.triangle_count() as u32).map(TriId);
-    let mut counts = vec![0_u32; 2 * scene.materials().len()];
+    let mut counts = vec![0_u32; scene.materials().len()];
     triangles().for_each(|tri| counts[slot(tri)] += 1);
     let mut end = 0;
     let ranges: Vec<Range<u32>> = counts
@@ -46,16 +41,16 @@ pub(crate) fn grouped(scene: &Scene, atlas: Option<&Atlas>) -> (Corners, Vec<Gro
         *place += 1;
     }
     let indices: Vec<[u32; 3]> = tris.iter().map(|&tri| scene.triangle(tri)).collect();
-    let group = |(slot, range): (usize, Range<u32>)| {
+    let group = |(material, range): (usize, Range<u32>)| {
         let vertices = indices[range.start as usize..range.end as usize].as_flattened();
-        let material = &scene.materials()[slot / 2];
+        let Material { albedo_texture, emission_texture, transparency, .. } = &scene.materials()[material];
+        let emits = scene.materials()[material].emits();
         Group {
-            material: slot / 2,
-            side: if slot % 2 == 0 { 1.0 } else { -1.0 },
+            material,
             detail: Detail {
-                albedo_map: material.albedo_texture.is_some(),
-                emission_map: material.emission_texture.is_some() && material.emits(),
-                transparent: scene.has_transparent() && material.transparency != Transparency::default(),
+                albedo_map: albedo_texture.is_some(),
+                emission_map: emission_texture.is_some() && emits,
+                transparent: scene.has_transparent() && *transparency != Transparency::default(),
                 tint: vertices.iter().any(|v| scene.tints()[*v as usize] != Vec3::ONE),
             },
             indices: 3 * range.start..3 * range.end,
@@ -76,7 +71,7 @@ mod tests {
     use lumel_testkit::{mesh, scene};
 
     #[test]
-    fn every_triangle_is_in_the_group_of_its_material_and_side() {
+    fn every_triangle_is_in_the_group_of_its_material() {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
         let wall = |material, z| mesh::quad(corners.map(|p| p + Vec3::Z * z), [2, 1], material);
         let mut tinted = wall(0, 0.0);
@@ -86,9 +81,8 @@ mod tests {
         let (scene, _) =
             scene::scene(vec![wall(1, 1.0), tinted, wall(1, 2.0)], materials, vec![]).build().unwrap();
         let (corners, groups) = grouped(&scene, None);
-        let found: Vec<_> =
-            groups.iter().map(|g| (g.material, g.side, g.indices.clone(), g.detail.tint)).collect();
-        assert_eq!(found, [(0, 1.0, 0..12, true), (1, 1.0, 12..36, false), (1, -1.0, 36..60, false)]);
+        let found: Vec<_> = groups.iter().map(|g| (g.material, g.indices.clone(), g.detail.tint)).collect();
+        assert_eq!(found, [(0, 0..12, true), (1, 12..60, false)]);
         let mut ours = corners.indices.clone();
         let mut theirs = scene.triangles().to_vec();
         ours.sort_unstable();

@@ -2,13 +2,14 @@
 
 use crate::display::Shown;
 use crate::layout::View;
+use crate::light::Moments;
 use crate::memory::buffer;
-use crate::model::Model;
+use crate::model::{Batch, Model};
 use crate::overlay::Hidden;
-use crate::pipelines::{Detail, Key, Layer, Pipelines, Quantity, Reading, Value};
+use crate::pipelines::{Detail, Green, Key, Layer, Pipelines, Quantity, Reading, Shade, Tilt, Value};
 use crate::rect_lights::{RectLightInstance, instances};
 use crate::shaders::MAX_F16;
-use crate::{Frame, Gpu, Lit, Look, LumelBuffer, Target, Values};
+use crate::{Frame, Gpu, LightBuffer, Lit, Look, LumelBuffer, Target, Values};
 
 /// Draws a frame on a target.
 pub(crate) fn draw(
@@ -19,7 +20,8 @@ pub(crate) fn draw(
     frame: &Frame<'_>,
 ) {
     let shown = Shown::of(&frame.look);
-    let view = View::new(frame.camera, frame.model.near, target.size(), shown.exposure);
+    let ripple = frame.ripple.map(|rippled| rippled.ripple);
+    let view = View::new(frame.camera, frame.model.near, target.size(), shown.exposure, ripple);
     if let Some(view) = &view {
         gpu.queue().write_buffer(&target.view_values, 0, bytemuck::bytes_of(view));
     }
@@ -138,6 +140,7 @@ impl Draw<'_> {
                 (vertices, self.no_lumels, Reading::Vertices)
             }
         };
+        let shade = self.shade(light);
         pass.set_bind_group(3, &lumels.group, &[]);
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(0, positions.slice(..));
@@ -145,20 +148,11 @@ impl Draw<'_> {
         let quantity = match self.frame.look {
             Look::Radiance { .. } => Quantity::Radiance,
             Look::Albedo => Quantity::Albedo,
-            Look::Irradiance { .. } | Look::FalseColor { .. } | Look::Plain
-                if reading != Reading::Vertices =>
-            {
-                let value = match self.frame.look {
-                    Look::Irradiance { .. } => Value::Irradiance,
-                    Look::FalseColor { .. } => Value::Luminance,
-                    _ => Value::Color,
-                };
-                pass.set_vertex_buffer(2, normals.slice(..));
-                pass.set_vertex_buffer(3, places.slice(..));
-                return self.everything(pass, Key::LumelValue(value, reading, samples));
+            Look::Irradiance { .. } => return self.light(pass, Value::Irradiance, reading, shade),
+            Look::FalseColor { .. } => return self.light(pass, Value::Luminance, reading, shade),
+            Look::Plain if reading != Reading::Vertices => {
+                return self.light(pass, Value::Color, reading, None);
             }
-            Look::Irradiance { .. } => return self.everything(pass, Key::Value(Value::Irradiance, samples)),
-            Look::FalseColor { .. } => return self.everything(pass, Key::Value(Value::Luminance, samples)),
             Look::Plain => {
                 pass.set_vertex_buffer(2, normals.slice(..));
                 return self.everything(pass, Key::Plain(samples));
@@ -172,6 +166,15 @@ impl Draw<'_> {
                 Quantity::Radiance => batch.detail,
                 Quantity::Albedo => Detail { emission_map: false, ..batch.detail },
             };
+            let tilt = self.tilt(batch);
+            if let (Some((shade, moments)), Quantity::Radiance) = (&shade, quantity)
+                && tilt != Tilt::default()
+            {
+                last = None;
+                let key = Key::Relief(Value::Radiance, detail, reading, tilt, *shade, samples);
+                self.relief(pass, batch, key, moments);
+                continue;
+            }
             let key = match (detail == Detail::default(), quantity) {
                 (true, Quantity::Radiance) if reading == Reading::Vertices => {
                     Key::Value(Value::Radiance, samples)
@@ -193,6 +196,71 @@ impl Draw<'_> {
         }
     }
 
+    /// What tilts the normals of a batch.
+    fn tilt(&self, batch: &Batch) -> Tilt {
+        let ripple = self.frame.ripple.is_some_and(|rippled| rippled.materials.contains(&batch.material_id));
+        Tilt { map: Green::of(self.frame.relief.maps).filter(|_| batch.has_normal_map), ripple }
+    }
+
+    /// How light on tilted normals is found, and what is known of it; `None` if there are none or it is not known.
+    fn shade(&self, light: &LightBuffer) -> Option<(Shade, Moments)> {
+        let is_tilted = self.frame.model.batches.iter().any(|batch| self.tilt(batch) != Tilt::default());
+        let moments = light.moments().filter(|_| is_tilted)?;
+        Some((Shade::new(self.frame.relief.shading, moments.kind), moments))
+    }
+
+    /// Light as it arrives, which does not depend on materials but for their normals.
+    fn light(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        value: Value,
+        reading: Reading,
+        shade: Option<(Shade, Moments)>,
+    ) {
+        let Model { normals, places, .. } = self.frame.model;
+        let samples = self.target.samples();
+        let plain = match reading {
+            Reading::Vertices => Key::Value(value, samples),
+            _ => Key::LumelValue(value, reading, samples),
+        };
+        let set_plain = |pass: &mut wgpu::RenderPass<'_>| {
+            if reading != Reading::Vertices {
+                pass.set_vertex_buffer(2, normals.slice(..));
+                pass.set_vertex_buffer(3, places.slice(..));
+            }
+        };
+        let Some((shade, moments)) = shade else {
+            set_plain(pass);
+            return self.everything(pass, plain);
+        };
+        for batch in &self.frame.model.batches {
+            let tilt = self.tilt(batch);
+            if tilt != Tilt::default() {
+                let key = Key::Relief(value, Detail::default(), reading, tilt, shade, samples);
+                self.relief(pass, batch, key, &moments);
+                continue;
+            }
+            set_plain(pass);
+            pass.set_pipeline(&self.pipeline(plain));
+            pass.set_bind_group(1, &self.frame.model.materials, &[batch.material]);
+            pass.draw_indexed(batch.indices.clone(), 0, 0..1);
+        }
+    }
+
+    /// Triangles whose normals are tilted. Leaves texture coordinates in place.
+    fn relief(&self, pass: &mut wgpu::RenderPass<'_>, batch: &Batch, key: Key, moments: &Moments) {
+        let Model { normals, uvs, tangents, places, tints, no_tint, .. } = self.frame.model;
+        let is_tinted = matches!(key, Key::Relief(_, Detail { tint: true, .. }, ..));
+        pass.set_pipeline(&self.pipeline(key));
+        pass.set_bind_group(1, &self.frame.model.materials, &[batch.material]);
+        pass.set_bind_group(2, &batch.textures, &[]);
+        let tint = if is_tinted { tints } else { no_tint };
+        for (slot, buffer) in (2..).zip([uvs, tint, places, normals, tangents, &moments.buffer]) {
+            pass.set_vertex_buffer(slot, buffer.slice(..));
+        }
+        pass.draw_indexed(batch.indices.clone(), 0, 0..1);
+    }
+
     /// All triangles at once, for quantities that do not depend on materials.
     fn everything(&self, pass: &mut wgpu::RenderPass<'_>, key: Key) {
         pass.set_pipeline(&self.pipeline(key));
@@ -206,8 +274,9 @@ impl Draw<'_> {
         let model = self.frame.model;
         pass.set_vertex_buffer(1, model.normals.slice(..));
         pass.set_vertex_buffer(2, model.uvs.slice(..));
+        pass.set_vertex_buffer(3, model.tangents.slice(..));
         for batch in &model.batches {
-            pass.set_pipeline(&self.pipeline(Key::Normals(batch.has_normal_map, self.target.samples())));
+            pass.set_pipeline(&self.pipeline(Key::Normals(self.tilt(batch), self.target.samples())));
             pass.set_bind_group(1, &model.materials, &[batch.material]);
             pass.set_bind_group(2, &batch.textures, &[]);
             pass.draw_indexed(batch.indices.clone(), 0, 0..1);

@@ -2,7 +2,7 @@
 
 use crate::{LightBuffer, LumelBuffer, Model, Overlay};
 use lumel_lightmap::Filter;
-use lumel_render_cpu::{Scale, ToneMapper};
+use lumel_render_cpu::{Relief, Rippled, Scale, ToneMapper};
 use lumel_scene::{Camera, Radiance, RectLight};
 
 /// Everything that a picture depends on.
@@ -18,6 +18,10 @@ pub struct Frame<'a> {
     pub rect_lights: &'a [RectLight],
     /// What is shown and how.
     pub look: Look,
+    /// Which normals are shown, and how light that is known by direction is found on them.
+    pub relief: Relief,
+    /// Waves over some of the surfaces.
+    pub ripple: Option<Rippled<'a>>,
     /// Whether triangle edges are drawn over the picture, if [`Gpu::draws_wireframes`](crate::Gpu).
     pub wireframe: bool,
     /// Whether borders of lumels are drawn over the picture, if the model has an atlas.

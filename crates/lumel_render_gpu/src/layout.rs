@@ -1,6 +1,7 @@
 //! Data as the shaders read it: order and padding are those of the structs of the same names in `shaders/`.
 
 use bytemuck::{Pod, Zeroable};
+use lumel_render_cpu::Ripple;
 use lumel_scene::{AlphaMode, Camera, Material, TextureRef, Transparency, UvTransform};
 
 /// The camera and the exposure: `view.wgsl`.
@@ -14,12 +15,12 @@ pub(crate) struct View {
     up: [f32; 3],
     closer: f32,
     forward: [f32; 3],
-    unused: f32,
+    phase: f32,
     size: [f32; 2],
-    end: [f32; 2],
+    ripple: [f32; 2],
 }
 
-/// A material on one side of its faces: `material.wgsl`.
+/// A material: `material.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct MaterialValues {
@@ -28,6 +29,7 @@ pub(crate) struct MaterialValues {
     albedo_uv: [[f32; 4]; 2],
     emission_uv: [[f32; 4]; 2],
     normal_uv: [[f32; 4]; 2],
+    normal_tilt: [f32; 4],
     alpha_uv: [[f32; 4]; 2],
 }
 
@@ -53,7 +55,13 @@ const CLOSEST: f32 = 0.02;
 impl View {
     /// `exposure` multiplies linear values. `None` for a camera without a view; see
     /// [`lumel_render_cpu::Lens`].
-    pub(crate) fn new(camera: &Camera, near: f32, size: [u32; 2], exposure: f32) -> Option<Self> {
+    pub(crate) fn new(
+        camera: &Camera,
+        near: f32,
+        size: [u32; 2],
+        exposure: f32,
+        ripple: Option<Ripple>,
+    ) -> Option<Self> {
         let [width, height] = size.map(|n| n as f32);
         let aspect = (f64::from(size[0]) / f64::from(size[1])) as f32;
         lumel_render_cpu::Lens::new(camera, aspect).ok()?;
@@ -68,9 +76,9 @@ impl View {
             up: (up / h).to_array(),
             closer: 1.0 + (CLOSER + CLOSER_PIXELS * pixel).min(CLOSEST),
             forward: forward.to_array(),
-            unused: 0.0,
+            phase: ripple.map_or(0.0, |ripple| ripple.phase),
             size: [width, height],
-            end: [0.0; 2],
+            ripple: ripple.map_or([1.0, 0.0], |ripple| [ripple.length, ripple.slope]),
         })
     }
 }
@@ -79,10 +87,9 @@ impl View {
 const DITHERED: f32 = -1.0;
 
 impl MaterialValues {
-    /// `side` is -1 on back faces of two-sided surfaces, otherwise 1.
-    pub(crate) fn new(material: &Material, side: f32) -> Self {
+    pub(crate) fn new(material: &Material) -> Self {
         let rows = |map: Option<TextureRef>| uv_rows(map.map_or(UvTransform::default(), |map| map.transform));
-        let [normal_u, normal_v] = rows(material.normal_texture);
+        let normals = material.normal_texture;
         let Transparency { mode, alpha, texture, transmission } = material.transparency;
         // Opaque, unless it is glass.
         let alpha = if mode == AlphaMode::Opaque { 1.0 } else { alpha };
@@ -93,7 +100,8 @@ impl MaterialValues {
             emission: material.emission.0.extend(cutoff).to_array(),
             albedo_uv: rows(material.albedo_texture),
             emission_uv: rows(material.emission_texture),
-            normal_uv: [[normal_u[0], normal_u[1], normal_u[2], side], normal_v],
+            normal_uv: rows(normals.map(|map| map.image)),
+            normal_tilt: normals.map(|map| map.tangent_from_texel().to_cols_array()).unwrap_or_default(),
             alpha_uv: rows(texture),
         }
     }
@@ -138,8 +146,9 @@ mod tests {
             ("up", offset_of!(View, up)),
             ("closer", offset_of!(View, closer)),
             ("forward", offset_of!(View, forward)),
-            ("unused", offset_of!(View, unused)),
+            ("phase", offset_of!(View, phase)),
             ("size", offset_of!(View, size)),
+            ("ripple", offset_of!(View, ripple)),
         ]);
         assert_eq!(members, ours);
     }
@@ -157,6 +166,7 @@ mod tests {
             ("emission_v", offset_of!(MaterialValues, emission_uv) + 16),
             ("normal_u", offset_of!(MaterialValues, normal_uv)),
             ("normal_v", offset_of!(MaterialValues, normal_uv) + 16),
+            ("normal_tilt", offset_of!(MaterialValues, normal_tilt)),
             ("alpha_u", offset_of!(MaterialValues, alpha_uv)),
             ("alpha_v", offset_of!(MaterialValues, alpha_uv) + 16),
         ]);

@@ -1,8 +1,11 @@
 //! Light at the vertices of a model.
 
+use crate::Gpu;
 use crate::corners::gathered;
+use crate::memory::buffer;
 use glam::Vec3;
-use std::sync::Arc;
+use lumel_basis::{Directional, Harmonics, IncidentRadiance};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// One linear RGB value per vertex of a [`Model`](crate::Model), on the device: usually irradiance, W·m⁻².
 ///
@@ -13,6 +16,15 @@ pub struct LightBuffer {
     vertices: usize,
     /// The vertex of the scene that each of the device is, if they differ.
     sources: Option<Arc<[u32]>>,
+    /// Where light by direction is known.
+    moments: Mutex<Option<Moments>>,
+}
+
+/// Coefficients of incident light on the device: see `shading.wgsl`.
+#[derive(Clone, Debug)]
+pub(crate) struct Moments {
+    pub(crate) kind: Directional,
+    pub(crate) buffer: wgpu::Buffer,
 }
 
 /// Larger values would overflow in the formulas of the tone mappers, which clamp to it as well.
@@ -28,7 +40,7 @@ impl LightBuffer {
             usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        Self { buffer, vertices, sources }
+        Self { buffer, vertices, sources, moments: Mutex::default() }
     }
 
     /// Number of values.
@@ -54,9 +66,62 @@ impl LightBuffer {
 impl LightBuffer {
     /// Replaces the values: those of the scene's vertices. NaN becomes zero, so that it does not spread over triangles.
     pub(crate) fn set(&self, queue: &wgpu::Queue, values: &[Vec3]) {
-        let number = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(-BRIGHTEST, BRIGHTEST) };
         let values: Vec<[f32; 3]> = values.iter().map(|value| value.to_array().map(number)).collect();
         let values = gathered(self.sources.as_deref(), &values);
         queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(&values));
     }
+
+    /// What is known of light by direction.
+    pub(crate) fn moments(&self) -> Option<Moments> {
+        // A thread that panicked has left no incomplete buffer behind.
+        self.moments.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Replaces light by direction: that at the scene's vertices, or `None` where it is not known. NaN becomes zero.
+    pub(crate) fn set_moments(&self, gpu: &Gpu, light: Option<&[IncidentRadiance]>) {
+        let mut moments = self.moments.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((light, first)) = light.and_then(|light| Some((light, light.first()?))) else {
+            *moments = None;
+            return;
+        };
+        let kind = first.kind();
+        let bytes = match kind {
+            Directional::Off | Directional::Sh1 => self.packed(light, two_bands),
+            Directional::Sh2 => self.packed(light, three_bands),
+        };
+        match &*moments {
+            Some(known) if known.kind == kind => gpu.queue().write_buffer(&known.buffer, 0, &bytes),
+            _ => {
+                let buffer = buffer(gpu, "light by direction", wgpu::BufferUsages::VERTEX, &bytes);
+                *moments = Some(Moments { kind, buffer });
+            }
+        }
+    }
+
+    fn packed<const N: usize>(
+        &self,
+        light: &[IncidentRadiance],
+        pack: impl Fn(&Harmonics<Vec3>) -> [[f32; 4]; N],
+    ) -> Vec<u8> {
+        let values: Vec<[[f32; 4]; N]> =
+            light.iter().map(|light| pack(light.coefficients()).map(|four| four.map(number))).collect();
+        let values = gathered(self.sources.as_deref(), &values);
+        values.iter().flatten().flatten().flat_map(|number| number.to_le_bytes()).collect()
+    }
+}
+
+fn number(x: f32) -> f32 {
+    if x.is_nan() { 0.0 } else { x.clamp(-BRIGHTEST, BRIGHTEST) }
+}
+
+/// The bands 0 and 1 of each channel.
+fn two_bands(c: &Harmonics<Vec3>) -> [[f32; 4]; 3] {
+    [0, 1, 2].map(|channel| [c[0], c[1], c[2], c[3]].map(|c| c[channel]))
+}
+
+/// The same, four of band 2 of each channel, and the last of all.
+fn three_bands(c: &Harmonics<Vec3>) -> [[f32; 4]; 7] {
+    let [red, green, blue] = two_bands(c);
+    let [red_2, green_2, blue_2] = [0, 1, 2].map(|channel| [c[4], c[5], c[6], c[7]].map(|c| c[channel]));
+    [red, green, blue, red_2, green_2, blue_2, c[8].extend(0.0).to_array()]
 }

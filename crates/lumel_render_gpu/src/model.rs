@@ -7,8 +7,8 @@ use crate::memory::{buffer, within_memory};
 use crate::pipelines::{Detail, Layouts};
 use crate::texture::{Blank, Image};
 use crate::{Gpu, RenderError};
-use glam::{Vec2, Vec3};
-use lumel_scene::Scene;
+use glam::{Vec2, Vec3, Vec4};
+use lumel_scene::{MaterialId, Scene};
 use lumel_uv::Atlas;
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,6 +25,8 @@ pub struct Model {
     pub(crate) positions: wgpu::Buffer,
     pub(crate) normals: wgpu::Buffer,
     pub(crate) uvs: wgpu::Buffer,
+    /// A single one where the scene has none.
+    pub(crate) tangents: wgpu::Buffer,
     /// In the atlas; a single one where there is none.
     pub(crate) places: wgpu::Buffer,
     /// A single one where the scene has none.
@@ -49,6 +51,7 @@ pub(crate) struct Batch {
     pub(crate) indices: Range<u32>,
     pub(crate) detail: Detail,
     pub(crate) has_normal_map: bool,
+    pub(crate) material_id: MaterialId,
     /// Offset of the material, bytes.
     pub(crate) material: u32,
     pub(crate) textures: wgpu::BindGroup,
@@ -114,15 +117,21 @@ impl Model {
         let images: Vec<Image> = scene.textures().iter().map(|t| blank.upload(gpu, t)).collect();
         let has_tints = groups.iter().any(|group| group.detail.tint);
         let tints = if has_tints { corners.of(scene.tints()) } else { vec![Vec3::ONE] };
+        let tangents = match scene.tangents() {
+            [] => vec![Vec4::ZERO],
+            tangents => corners.of(tangents),
+        };
         let places = if corners.places.is_empty() { &[Place::default()][..] } else { &corners.places };
         let batch = |(slot, group): (usize, &Group)| {
             let material = &scene.materials()[group.material];
             let alpha = material.transparency.texture;
-            let maps = [material.albedo_texture, material.emission_texture, material.normal_texture, alpha];
+            let normals = material.normal_texture.map(|map| map.image);
+            let maps = [material.albedo_texture, material.emission_texture, normals, alpha];
             Batch {
                 indices: group.indices.clone(),
                 detail: group.detail,
-                has_normal_map: material.normal_texture.is_some(),
+                has_normal_map: material.normal_texture.is_some() && !scene.tangents().is_empty(),
+                material_id: MaterialId(group.material as u32),
                 material: (slot * MATERIAL_STRIDE) as u32,
                 textures: blank.textures(gpu, layouts, &images, maps),
             }
@@ -130,6 +139,7 @@ impl Model {
         let vertices = |label, bytes: &[u8]| buffer(gpu, label, wgpu::BufferUsages::VERTEX, bytes);
         let numbers = |label, values: &[Vec3]| vertices(label, bytemuck::cast_slice(&finite(values)));
         let rect_light = |image| blank.rect_light(gpu, layouts, image);
+        let normals = corners.of(scene.normals()).into_iter().map(|normal| normal.extend(0.0));
         let values = values_of(scene, &groups);
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let material_values = buffer(gpu, "materials", usage, &values);
@@ -140,8 +150,9 @@ impl Model {
             near: (NEAR * scene.bounds().diagonal()).clamp(1e-12, 1e30),
             sources: corners.sources.clone(),
             positions: numbers("positions", &corners.of(scene.positions())),
-            normals: vertices("normals", bytemuck::cast_slice(&packed_normals(&corners.of(scene.normals())))),
+            normals: vertices("normals", bytemuck::cast_slice(&packed(normals))),
             uvs: vertices("texture coordinates", bytemuck::cast_slice(&finite_uvs(&corners.of(scene.uvs())))),
+            tangents: vertices("tangents", bytemuck::cast_slice(&packed(tangents))),
             places: vertices("places", bytemuck::cast_slice(places)),
             tints: numbers("tints", &tints),
             no_tint: numbers("no tint", &[Vec3::ONE]),
@@ -161,11 +172,11 @@ impl Model {
     }
 }
 
-/// One material per group, side included.
+/// One material per group.
 fn values_of(scene: &Scene, groups: &[Group]) -> Vec<u8> {
     let mut bytes = vec![0; groups.len() * MATERIAL_STRIDE];
     for (slot, group) in bytes.chunks_exact_mut(MATERIAL_STRIDE).zip(groups) {
-        let values = MaterialValues::new(&scene.materials()[group.material], group.side);
+        let values = MaterialValues::new(&scene.materials()[group.material]);
         slot[..size_of::<MaterialValues>()].copy_from_slice(bytemuck::bytes_of(&values));
     }
     bytes
@@ -210,8 +221,8 @@ fn finite_uvs(uvs: &[Vec2]) -> Vec<[f32; 2]> {
     uvs.iter().map(|uv| if uv.is_finite() { uv.to_array() } else { [0.0; 2] }).collect()
 }
 
-/// Normals in 16 bits per axis: half a thousandth of a degree.
-fn packed_normals(normals: &[Vec3]) -> Vec<[i16; 4]> {
+/// Unit vectors in 16 bits per axis: half a thousandth of a degree.
+fn packed(vectors: impl IntoIterator<Item = Vec4>) -> Vec<[i16; 4]> {
     let pack = |x: f32| (x.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16;
-    normals.iter().map(|n| [pack(n.x), pack(n.y), pack(n.z), 0]).collect()
+    vectors.into_iter().map(|v| v.to_array().map(pack)).collect()
 }

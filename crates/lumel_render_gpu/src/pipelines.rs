@@ -4,7 +4,9 @@ use crate::Gpu;
 use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
 use crate::shaders::{self, Shader};
 use crate::vertices::{self, Attribute};
+use lumel_basis::{Directional, Shading};
 use lumel_lightmap::Filter;
+use lumel_render_cpu::NormalMaps;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -66,6 +68,76 @@ pub(crate) struct Detail {
     pub(crate) transparent: bool,
 }
 
+/// Where green of a normal map points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Green {
+    Up,
+    Down,
+}
+
+impl Green {
+    /// `None` if normal maps are not shown.
+    pub(crate) fn of(maps: NormalMaps) -> Option<Self> {
+        match maps {
+            NormalMaps::Off => None,
+            NormalMaps::Up => Some(Self::Up),
+            NormalMaps::Down => Some(Self::Down),
+        }
+    }
+
+    fn sign(self) -> f64 {
+        match self {
+            Self::Up => 1.0,
+            Self::Down => -1.0,
+        }
+    }
+}
+
+/// What tilts normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Tilt {
+    /// A normal map, if there is one.
+    pub(crate) map: Option<Green>,
+    /// Waves.
+    pub(crate) ripple: bool,
+}
+
+impl Tilt {
+    /// Constants of `tilt.wgsl`.
+    fn constants(self) -> Vec<(&'static str, f64)> {
+        let number = |flag: bool| f64::from(u8::from(flag));
+        let green = self.map.map_or(1.0, Green::sign);
+        vec![
+            ("HAS_NORMAL_MAP", number(self.map.is_some())),
+            ("IS_RIPPLED", number(self.ripple)),
+            ("GREEN", green),
+        ]
+    }
+
+    fn tangent(self) -> Attribute {
+        if self.map.is_some() { vertices::TANGENT } else { vertices::NO_TANGENT }
+    }
+}
+
+/// How light is found on tilted normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Shade {
+    /// Its place in `Shading::ALL`.
+    shading: u8,
+    /// Whether band 2 is known.
+    three_bands: bool,
+}
+
+impl Shade {
+    pub(crate) fn new(shading: Shading, kind: Directional) -> Self {
+        let three_bands = kind == Directional::Sh2;
+        // Without band 2, l2 is zh3.
+        let shading = if shading == Shading::Quadratic && !three_bands { Shading::Zh3 } else { shading };
+        let place = Shading::ALL.iter().position(|s| *s == shading).unwrap_or(0);
+        Self { shading: place as u8, three_bands }
+    }
+}
+
 /// Visible marks, or those behind surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Layer {
@@ -80,8 +152,9 @@ pub(crate) enum Key {
     /// Of lumels; where they are not known, of vertices.
     LumelValue(Value, Reading, Samples),
     Surface(Quantity, Detail, Reading, Samples),
-    /// With or without a normal map.
-    Normals(bool, Samples),
+    /// Light on surfaces whose normals are tilted.
+    Relief(Value, Detail, Reading, Tilt, Shade, Samples),
+    Normals(Tilt, Samples),
     Plain(Samples),
     RectLight(Samples),
     Tone(Curve),
@@ -257,9 +330,40 @@ impl Pipelines {
                 let groups = vec![view, Some(material), Some(textures), lumels];
                 scene(Shader::Surface, samples, groups, vertices, constants)
             }
-            Key::Normals(mapped, samples) => {
-                let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV];
-                let constants = vec![("HAS_NORMAL_MAP", number(mapped))];
+            Key::Relief(value, detail, reading, tilt, shade, samples) => {
+                let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
+                let from_lumels = reading != Reading::Vertices;
+                let place = if from_lumels { vertices::PLACE } else { vertices::NO_PLACE };
+                let (entry, moments) = match shade.three_bands {
+                    false => ("vertex", vertices::TWO_BANDS),
+                    true => ("vertex_of_three_bands", vertices::THREE_BANDS),
+                };
+                let vertices = vec![
+                    vertices::POSITION,
+                    vertices::LIGHT,
+                    vertices::UV,
+                    tint,
+                    place,
+                    vertices::NORMAL,
+                    tilt.tangent(),
+                    moments,
+                ];
+                let mut constants = tilt.constants();
+                constants.extend([
+                    ("VALUE", f64::from(value as u8)),
+                    ("HAS_ALBEDO_MAP", number(detail.albedo_map)),
+                    ("HAS_EMISSION_MAP", number(detail.emission_map)),
+                    ("IS_TRANSPARENT", number(detail.transparent)),
+                    ("READING", f64::from(reading as u8)),
+                    ("SHADING", f64::from(shade.shading)),
+                ]);
+                let groups = vec![view, Some(material), Some(textures), lumels];
+                let recipe = scene(Shader::Relief, samples, groups, vertices, constants);
+                Recipe { entries: [entry, "fragment"], ..recipe }
+            }
+            Key::Normals(tilt, samples) => {
+                let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV, tilt.tangent()];
+                let constants = tilt.constants();
                 scene(
                     Shader::Normals,
                     samples,

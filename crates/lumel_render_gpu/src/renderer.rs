@@ -7,7 +7,7 @@ use crate::read;
 use crate::texture::{self, Blank};
 use crate::{Frame, Gpu, LightBuffer, LumelBuffer, Model, RenderError, Samples, Target, Tile};
 use glam::Vec3;
-use lumel_basis::{Lighting, VertexCountError, irradiance_at_vertices};
+use lumel_basis::{Lighting, VertexCountError, incident_at_vertices, irradiance_at_vertices};
 use lumel_render_cpu::{Picture, false_color_map};
 use lumel_scene::Scene;
 use lumel_uv::Atlas;
@@ -79,6 +79,7 @@ impl Renderer {
         let values = irradiance_at_vertices(scene, lighting)?;
         VertexCountError::check(values.len(), light.len())?;
         light.set(self.gpu.queue(), &values);
+        light.set_moments(&self.gpu, incident_at_vertices(scene, lighting).as_deref());
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! The sources of the shaders, composed from the files in `shaders/`.
 
 use glam::Vec3;
+use lumel_render_cpu::Ripple;
 use lumel_scene::{MAX_ALBEDO, Radiosity, luminance};
 
 /// One composed shader.
@@ -9,6 +10,7 @@ pub(crate) enum Shader {
     Value,
     LumelValue,
     Surface,
+    Relief,
     Normals,
     Plain,
     RectLight,
@@ -19,10 +21,11 @@ pub(crate) enum Shader {
 
 impl Shader {
     /// In the order of their numbers.
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Value,
         Self::LumelValue,
         Self::Surface,
+        Self::Relief,
         Self::Normals,
         Self::Plain,
         Self::RectLight,
@@ -35,6 +38,8 @@ impl Shader {
 const VIEW: &str = include_str!("../shaders/view.wgsl");
 const MATERIAL: &str = include_str!("../shaders/material.wgsl");
 const TEXTURES: &str = include_str!("../shaders/textures.wgsl");
+const PAINT: &str = include_str!("../shaders/paint.wgsl");
+const TILT: &str = include_str!("../shaders/tilt.wgsl");
 const LUMELS: &str = include_str!("../shaders/lumels.wgsl");
 const HEADLIGHT: &str = include_str!("../shaders/headlight.wgsl");
 const SCREEN: &str = include_str!("../shaders/screen.wgsl");
@@ -44,8 +49,20 @@ pub(crate) fn source(shader: Shader) -> String {
     let parts: &[&str] = match shader {
         Shader::Value => &[VIEW, MATERIAL, include_str!("../shaders/value.wgsl")],
         Shader::LumelValue => &[VIEW, LUMELS, HEADLIGHT, include_str!("../shaders/lumel_value.wgsl")],
-        Shader::Surface => &[VIEW, MATERIAL, TEXTURES, LUMELS, include_str!("../shaders/surface.wgsl")],
-        Shader::Normals => &[VIEW, MATERIAL, TEXTURES, include_str!("../shaders/normals.wgsl")],
+        Shader::Surface => {
+            &[VIEW, MATERIAL, TEXTURES, PAINT, LUMELS, include_str!("../shaders/surface.wgsl")]
+        }
+        Shader::Relief => &[
+            VIEW,
+            MATERIAL,
+            TEXTURES,
+            PAINT,
+            LUMELS,
+            TILT,
+            include_str!("../shaders/shading.wgsl"),
+            include_str!("../shaders/relief.wgsl"),
+        ],
+        Shader::Normals => &[VIEW, MATERIAL, TEXTURES, TILT, include_str!("../shaders/normals.wgsl")],
         Shader::Plain => &[VIEW, HEADLIGHT, include_str!("../shaders/plain.wgsl")],
         Shader::RectLight => &[VIEW, include_str!("../shaders/rect_light.wgsl")],
         Shader::Tone => &[SCREEN, include_str!("../shaders/tone.wgsl")],
@@ -68,6 +85,8 @@ pub(crate) const MAX_PAGES: usize = 256;
 /// Constants that are defined elsewhere.
 fn constants() -> String {
     let [r, g, b] = [Vec3::X, Vec3::Y, Vec3::Z].map(luminance);
+    let waves =
+        Ripple::WAVES.map(|w| format!("vec4<f32>({:?}, {:?}, {:?}, {:?})", w.x, w.y, w.z, w.w)).join(", ");
     let inverse_pi = Radiosity(Vec3::ONE).radiance().0.x;
     format!(
         "const LUMINANCE = vec3<f32>({r:?}, {g:?}, {b:?});\n\
@@ -75,7 +94,8 @@ fn constants() -> String {
          const MAX_ALBEDO: f32 = {MAX_ALBEDO:?};\n\
          const SHADOW_END: f32 = {SHADOW_END:?};\n\
          const MAX_F16: f32 = {MAX_F16:?};\n\
-         const MAX_PAGES: u32 = {MAX_PAGES}u;\n\n"
+         const MAX_PAGES: u32 = {MAX_PAGES}u;\n\
+         const WAVES = array<vec4<f32>, 4>({waves});\n\n"
     )
 }
 

@@ -23,6 +23,8 @@ const fn per_instance(formats: &'static [VertexFormat]) -> Attribute {
 pub(crate) const POSITION: Attribute = per_vertex(&[Float32x3]);
 pub(crate) const LIGHT: Attribute = per_vertex(&[Float32x3]);
 pub(crate) const NORMAL: Attribute = per_vertex(&[Snorm16x4]);
+pub(crate) const TANGENT: Attribute = per_vertex(&[Snorm16x4]);
+pub(crate) const NO_TANGENT: Attribute = Attribute { constant: true, ..TANGENT };
 pub(crate) const UV: Attribute = per_vertex(&[Float32x2]);
 pub(crate) const TINT: Attribute = per_vertex(&[Float32x3]);
 pub(crate) const NO_TINT: Attribute = Attribute { constant: true, ..TINT };
@@ -30,6 +32,10 @@ pub(crate) const NO_TINT: Attribute = Attribute { constant: true, ..TINT };
 /// Place on a page of the atlas, lumels, the page, and the first and last places of the chart.
 pub(crate) const PLACE: Attribute = per_vertex(&[Float32x2, Uint32, Float32x4]);
 pub(crate) const NO_PLACE: Attribute = Attribute { constant: true, ..PLACE };
+
+/// Coefficients of incident light by channel: the bands 0 and 1, and the bands 0 to 2.
+pub(crate) const TWO_BANDS: Attribute = per_vertex(&[Float32x4; 3]);
+pub(crate) const THREE_BANDS: Attribute = per_vertex(&[Float32x4; 7]);
 
 /// Centre, half edges, radiance.
 pub(crate) const RECT_LIGHT: Attribute = per_instance(&[Float32x3; 4]);

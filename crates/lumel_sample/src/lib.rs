@@ -38,6 +38,7 @@ pub use sampler::{Sampler, SamplerKind, Stream, UnknownSampler};
 pub use warp::{
     Equirectangular, SphericalCap, SphericalRectangle, SphericalTriangle, concentric_disk,
     concentric_disk_inverse, cosine_hemisphere, cosine_hemisphere_inverse, cosine_hemisphere_pdf,
-    uniform_hemisphere, uniform_hemisphere_inverse, uniform_hemisphere_pdf, uniform_sphere,
-    uniform_sphere_inverse, uniform_sphere_pdf, uniform_triangle, uniform_triangle_inverse,
+    mixed_hemisphere, mixed_hemisphere_inverse, mixed_hemisphere_pdf, uniform_hemisphere,
+    uniform_hemisphere_inverse, uniform_hemisphere_pdf, uniform_sphere, uniform_sphere_inverse,
+    uniform_sphere_pdf, uniform_triangle, uniform_triangle_inverse,
 };

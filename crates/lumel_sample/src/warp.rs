@@ -5,11 +5,13 @@
 //! one point. Spheres and hemispheres have z up; a [`Frame`](crate::Frame) turns them.
 
 mod equirectangular;
+mod mixed_hemisphere;
 mod spherical_cap;
 mod spherical_rectangle;
 mod spherical_triangle;
 
 pub use equirectangular::Equirectangular;
+pub use mixed_hemisphere::{mixed_hemisphere, mixed_hemisphere_inverse, mixed_hemisphere_pdf};
 pub use spherical_cap::SphericalCap;
 pub use spherical_rectangle::SphericalRectangle;
 pub use spherical_triangle::SphericalTriangle;
@@ -90,12 +92,19 @@ pub fn concentric_disk_inverse(point: Vec2) -> [f32; 2] {
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
-    // A coordinate of zero stands for [0, 2⁻²⁴): its middle keeps the direction off the horizon.
+    let (point, below_one) = inside_disk(u);
+    point.extend(below_one.sqrt())
+}
+
+/// A uniform point inside the unit disk, and how far its squared length is below one: more than zero.
+#[inline]
+fn inside_disk(u: [f32; 2]) -> (Vec2, f32) {
+    // A coordinate of zero stands for [0, 2⁻²⁴): its middle keeps the point off the circle.
     let centred = |x: f32| 2.0 * x.clamp(f32::EPSILON / 4.0, ONE_MINUS_EPS) - 1.0;
     let (a, b) = (centred(u[0]), centred(u[1]));
     let radius = a.abs().max(b.abs());
     // (1 − r)(1 + r) is free of the cancellation that 1 − x² − y² suffers at the horizon.
-    concentric_from_centred(a, b).extend(((1.0 - radius) * (1.0 + radius)).sqrt())
+    (concentric_from_centred(a, b), (1.0 - radius) * (1.0 + radius))
 }
 
 /// Density of [`cosine_hemisphere`] in sr⁻¹; `cos` is the cosine to +z. Zero below the horizon.

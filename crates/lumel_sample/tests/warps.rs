@@ -162,6 +162,7 @@ fn assert_directions_fit(warp: impl Fn([f32; 2]) -> Vec3, pdf: impl Fn(f32) -> f
 #[test]
 fn hemisphere_and_sphere_samples_follow_their_densities() {
     assert_directions_fit(cosine_hemisphere, cosine_hemisphere_pdf);
+    assert_directions_fit(mixed_hemisphere, mixed_hemisphere_pdf);
     assert_directions_fit(uniform_hemisphere, uniform_hemisphere_pdf);
     assert_directions_fit(uniform_sphere, |_| uniform_sphere_pdf());
 }
@@ -169,6 +170,7 @@ fn hemisphere_and_sphere_samples_follow_their_densities() {
 #[test]
 fn densities_vanish_below_the_horizon() {
     assert_eq!(cosine_hemisphere_pdf(-0.5), 0.0);
+    assert_eq!(mixed_hemisphere_pdf(-0.5), 0.0);
     assert_eq!(uniform_hemisphere_pdf(-0.5), 0.0);
     assert_eq!(cosine_hemisphere_pdf(1.0), 1.0 / PI);
 }
@@ -176,6 +178,7 @@ fn densities_vanish_below_the_horizon() {
 #[test]
 fn hemisphere_and_sphere_inverses_undo_the_warps() {
     assert_invertible(cosine_hemisphere, cosine_hemisphere_inverse, |_| false);
+    assert_invertible(mixed_hemisphere, mixed_hemisphere_inverse, |_| false);
     // u₀ = 0 is the pole: the turn is lost.
     assert_invertible(uniform_hemisphere, uniform_hemisphere_inverse, |u| u[0] == 0.0);
     assert_invertible(uniform_sphere, uniform_sphere_inverse, |u| u[0] == 0.0);
@@ -185,9 +188,12 @@ fn hemisphere_and_sphere_inverses_undo_the_warps() {
 fn directions_are_unit_and_hemispheres_stay_above_the_horizon() {
     let samples = random_stream(3);
     for u in grid().chain((0..N_SAMPLES).map(|i| samples.sample_2d(i))) {
-        for direction in [cosine_hemisphere(u), uniform_hemisphere(u)] {
+        // The mixed one is rounded twice as often.
+        let directions =
+            [(cosine_hemisphere(u), 2e-7), (uniform_hemisphere(u), 2e-7), (mixed_hemisphere(u), 4e-7)];
+        for (direction, rounding) in directions {
             assert!(direction.z > 0.0, "{u:?}: {direction}");
-            assert!((direction.length() - 1.0).abs() < 2e-7, "{u:?}: {direction}");
+            assert!((direction.length() - 1.0).abs() < rounding, "{u:?}: {direction}");
         }
         assert!((uniform_sphere(u).length() - 1.0).abs() < 2e-7, "{u:?}");
     }

@@ -5,7 +5,7 @@ use crate::error::{MAX_TRIANGLES, SceneError};
 use crate::face_list::{FaceList, Given};
 use crate::scene::Scene;
 use crate::transparency::Looks;
-use crate::{SceneBuilder, Warnings, check, coincident, normals, resolution, sanitize};
+use crate::{SceneBuilder, Warnings, check, coincident, normals, resolution, sanitize, tangents};
 
 impl SceneBuilder {
     /// Checks, cleans and freezes the scene. What had to be left out is in the warnings.
@@ -13,7 +13,8 @@ impl SceneBuilder {
     /// A scene far from its origin is [recentred](Self::recenter). Triangles that are fully transparent, have positions
     /// that are not finite or an area below 1e-12 of the squared diagonal are dropped, and so are all but one of those in
     /// the same place that face the same way; two that face opposite ways become the sides of one surface. Missing normals
-    /// are made; vertices are split where neighbouring faces turn sharply. Faces of two-sided materials get a second face
+    /// are made, and so are missing tangents of normal maps; vertices are split where neighbouring faces turn sharply and where
+    /// texture coordinates of normal maps are mirrored. Faces of two-sided materials get a second face
     /// for the back, with vertices of its own. The order of vertices is kept,
     /// split-off ones follow those of their object, and those of back sides come last. [`Scene::input_mesh`] leads
     /// back to the vertices and faces as they were given here.
@@ -49,6 +50,7 @@ impl SceneBuilder {
             };
             note_copies(normals::fill_missing(&mut object, &mut warnings));
             note_copies(split_at_creases(&mut object));
+            note_copies(tangents::fill_missing(&mut object, &self.materials, &mut warnings));
             faces.append(object, Given { vertex_count, vertices, face_count, faces: kept });
         }
         if faces.triangles.is_empty() {

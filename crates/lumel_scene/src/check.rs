@@ -44,6 +44,7 @@ fn object(mesh: &ObjectMesh, n_materials: usize) -> Result<(), SceneError> {
     let counts = [
         ("normals", mesh.normals.len()),
         ("texture coordinates", mesh.uvs.len()),
+        ("tangents", mesh.tangents.len()),
         ("lightmap coordinates", mesh.lightmap_uvs.len()),
         ("vertex colours", mesh.tints.len()),
         ("vertex alphas", mesh.alphas.len()),
@@ -69,7 +70,8 @@ fn object(mesh: &ObjectMesh, n_materials: usize) -> Result<(), SceneError> {
 fn materials(materials: &[Material], n_textures: usize) -> Result<(), SceneError> {
     for material in materials {
         let alpha = material.transparency.texture;
-        let used = [material.albedo_texture, material.emission_texture, material.normal_texture, alpha];
+        let normal = material.normal_texture.map(|map| map.image);
+        let used = [material.albedo_texture, material.emission_texture, normal, alpha];
         for used in used.into_iter().flatten() {
             let user = || format!("material \"{}\"", material.name);
             texture_index(used.texture, n_textures, user)?;

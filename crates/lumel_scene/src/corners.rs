@@ -99,6 +99,7 @@ fn copy_vertex(mesh: &mut ObjectMesh, vertex: u32) -> u32 {
     again(&mut mesh.positions, vertex);
     again(&mut mesh.normals, vertex);
     again(&mut mesh.uvs, vertex);
+    again(&mut mesh.tangents, vertex);
     again(&mut mesh.lightmap_uvs, vertex);
     again(&mut mesh.tints, vertex);
     again(&mut mesh.alphas, vertex);

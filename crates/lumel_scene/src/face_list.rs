@@ -6,7 +6,7 @@ use crate::runs::Runs;
 use crate::shells::Shells;
 use crate::transparency::{Look, Looks};
 use crate::{Material, MaterialId, ObjectId, Sides, TriId};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
 
 /// Triangles and vertices of all objects in one list.
@@ -15,6 +15,8 @@ pub(crate) struct FaceList {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) normals: Vec<Vec3>,
     pub(crate) uvs: Vec<Vec2>,
+    /// Empty where no object has any, else zero for vertices that have none.
+    pub(crate) tangents: Vec<Vec4>,
     /// Empty where no object has any, else no number for vertices that have none.
     pub(crate) lightmap_uvs: Vec<Vec2>,
     pub(crate) tints: Vec<Vec3>,
@@ -64,6 +66,8 @@ impl FaceList {
             self.normals.push(mesh.normals[old]);
             self.uvs.push(mesh.uvs.get(old).copied().unwrap_or_default());
             self.tints.push(mesh.tints.get(old).copied().unwrap_or(Vec3::ONE));
+            let tangent = mesh.tangents.get(old).copied();
+            push_if_any(&mut self.tangents, tangent, Vec4::ZERO, self.positions.len());
             push_if_any(
                 &mut self.lightmap_uvs,
                 mesh.lightmap_uvs.get(old).copied(),
@@ -150,6 +154,9 @@ impl FaceList {
         self.normals.push(-self.normals[front]);
         self.uvs.push(self.uvs[front]);
         self.tints.push(self.tints[front]);
+        // What bulges on the front is hollow on the back: there, the whole frame is reversed.
+        let tangent = self.tangents.get(front).map(|tangent| -*tangent);
+        push_if_any(&mut self.tangents, tangent, Vec4::ZERO, self.positions.len());
         let lightmap_uv = self.lightmap_uvs.get(front).copied();
         push_if_any(&mut self.lightmap_uvs, lightmap_uv, Vec2::NAN, self.positions.len());
         let alpha = self.alphas.get(front).copied();

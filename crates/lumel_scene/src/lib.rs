@@ -24,6 +24,7 @@ mod light;
 mod light_names;
 mod material;
 mod mesh;
+mod normal_map;
 mod normals;
 mod offset;
 mod origin;
@@ -34,6 +35,7 @@ mod sanitize;
 mod scene;
 mod shells;
 mod sky;
+mod tangents;
 mod tessellate;
 #[cfg(test)]
 mod testing;
@@ -58,6 +60,7 @@ pub use light::{
 };
 pub use material::{MAX_ALBEDO, Material, Sides, TextureRef, UvTransform};
 pub use mesh::{Face, ObjectMesh, Smoothing};
+pub use normal_map::NormalMap;
 pub use offset::{Margins, RayOrigins, lift_from, offset_from};
 pub use origin::{origin_for, rounding_of};
 pub use refine::{Bisection, Part, Refinement};

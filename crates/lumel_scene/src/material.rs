@@ -1,6 +1,6 @@
 //! Diffuse materials.
 
-use crate::{Radiance, TextureId, Transparency};
+use crate::{NormalMap, Radiance, TextureId, Transparency};
 use glam::{Vec2, Vec3};
 
 /// The largest albedo per channel that a surface may have.
@@ -87,8 +87,8 @@ pub struct Material {
     pub emission: Radiance,
     /// Emission over the surface, relative to `emission`.
     pub emission_texture: Option<TextureRef>,
-    /// Tangent-space normals, green up, linear.
-    pub normal_texture: Option<TextureRef>,
+    /// How normals are tilted over the surface.
+    pub normal_texture: Option<NormalMap>,
     /// Which sides it has.
     pub sides: Sides,
     /// How light passes through it.

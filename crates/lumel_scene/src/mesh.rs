@@ -1,7 +1,7 @@
 //! The meshes that a scene is built from.
 
 use crate::{MaterialId, triangle};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Which faces share a normal at a vertex that has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +37,9 @@ pub struct ObjectMesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, `v` down: empty, or one per position.
     pub uvs: Vec<Vec2>,
+    /// Tangents for normal maps: empty, or one per position. The last number is the sign of `normal × tangent`, along which
+    /// images have their top. Zero stands for "none given"; any length is accepted.
+    pub tangents: Vec<Vec4>,
     /// The place of each vertex in a lightmap of the object's own, or of one that objects share, `v` down: empty, or one per
     /// position. No number stands for "none given".
     pub lightmap_uvs: Vec<Vec2>,

@@ -157,6 +157,10 @@ pub(crate) fn materials(
         material.albedo = sound(material.albedo);
         material.emission = Radiance(sound(material.emission.0));
         transparency(material, &subject, warnings);
+        if let Some(map) = material.normal_texture.as_mut().filter(|map| !map.scale.is_finite()) {
+            warnings.push(&subject, "the scale of its normal map is not a finite number: 1 is used instead");
+            map.scale = Vec2::ONE;
+        }
         let texture = material.albedo_texture.map_or(Vec3::ONE, |t| textures[t.texture.index()].max());
         let brightest = (material.albedo * texture * tint).max_element();
         if brightest > MAX_ALBEDO {

@@ -13,7 +13,7 @@ use crate::{
     Albedo, AlphaMode, Barycentrics, Camera, FaceSide, Light, MAX_ALBEDO, Material, MaterialId, ObjectId,
     Radiance, SceneError, SceneHash, Sky, SurfacePoint, Texture, TextureRef, TriId, check, triangle,
 };
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::sync::{Arc, OnceLock};
 
 /// Surfaces and lights; never changes after it is built. Coordinates are relative to an [origin](Self::origin).
@@ -219,6 +219,12 @@ impl Scene {
         &self.unlit.faces.uvs
     }
 
+    /// Tangents of the vertices, unit length, and the sign of `normal × tangent`, along which normal maps have their top.
+    /// Empty where no material has a normal map, else zero where there is none.
+    pub fn tangents(&self) -> &[Vec4] {
+        &self.unlit.faces.tangents
+    }
+
     /// Places of the vertices in a lightmap, as files have them, `v` down: empty where no object has any, else no number for
     /// vertices that have none.
     pub fn lightmap_uvs(&self) -> &[Vec2] {
@@ -365,9 +371,12 @@ impl Scene {
 
     /// Interpolated vertex normal, unit length.
     pub fn shading_normal(&self, at: SurfacePoint) -> Vec3 {
+        self.vertex_normal(at).try_normalize().unwrap_or_else(|| self.geometric_normal(at.tri))
+    }
+
+    /// The same as it is interpolated: of any length.
+    pub(crate) fn vertex_normal(&self, at: SurfacePoint) -> Vec3 {
         self.interpolate(&self.unlit.faces.normals, at)
-            .try_normalize()
-            .unwrap_or_else(|| self.geometric_normal(at.tri))
     }
 
     /// Interpolated texture coordinate.

@@ -3,7 +3,7 @@
 use crate::edge_length::EdgeLength;
 use crate::mesh::{Face, ObjectMesh};
 use crate::triangle::{area, least_height, longest_edge};
-use crate::{SceneBuilder, SceneError, Warnings, normals};
+use crate::{Material, SceneBuilder, SceneError, Warnings, normals, tangents};
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -25,7 +25,7 @@ impl SceneBuilder {
     /// even across objects: what was closed stays closed. Of edges of equal length the one opposite the smallest
     /// position goes first, so that the order of the corners does not matter either.
     ///
-    /// Missing normals are made first: smooth ones are those of the given mesh. Positions, normals, texture
+    /// Missing normals and tangents are made first: smooth ones are those of the given mesh. Positions, normals, tangents, texture
     /// coordinates and vertex colours are interpolated. Edges that are short enough stay, and so do those that no
     /// number lies between the ends of. Faces and objects that [`SceneBuilder::build`] would drop or refuse are left
     /// alone, dropped ones at the end of their object.
@@ -98,7 +98,7 @@ impl SceneBuilder {
     fn split(&mut self, rule: &Rule) -> Warnings {
         let mut warnings = Warnings::default();
         for object in self.objects.iter_mut().filter(|o| has_whole_attributes(o)) {
-            rule.split(object, &mut warnings);
+            rule.split(object, &self.materials, &mut warnings);
         }
         warnings
     }
@@ -106,8 +106,8 @@ impl SceneBuilder {
 
 /// Whether each attribute is there for all vertices or none.
 fn has_whole_attributes(object: &ObjectMesh) -> bool {
-    let ObjectMesh { normals, uvs, lightmap_uvs, tints, alphas, .. } = object;
-    let counts = [normals.len(), uvs.len(), lightmap_uvs.len(), tints.len(), alphas.len()];
+    let ObjectMesh { normals, uvs, tangents, lightmap_uvs, tints, alphas, .. } = object;
+    let counts = [normals.len(), uvs.len(), tangents.len(), lightmap_uvs.len(), tints.len(), alphas.len()];
     counts.iter().all(|&n| n == 0 || n == object.positions.len())
 }
 
@@ -146,11 +146,12 @@ impl Rule {
     }
 
     /// Splits the triangles of one object.
-    fn split(&self, object: &mut ObjectMesh, warnings: &mut Warnings) {
+    fn split(&self, object: &mut ObjectMesh, materials: &[Material], warnings: &mut Warnings) {
         let faces = std::mem::take(&mut object.faces);
         let (sound, other) = faces.into_iter().partition(|f| self.is_sound(object, f));
         object.faces = sound;
         normals::fill_missing(object, warnings);
+        tangents::fill_missing(object, materials, warnings);
         let sound = std::mem::take(&mut object.faces);
         let mut midpoints = HashMap::new();
         let mut pending = Vec::new();
@@ -256,6 +257,9 @@ fn add_middle(object: &mut ObjectMesh, a: u32, b: u32) -> u32 {
     object.normals.push((object.normals[i] + object.normals[j]).try_normalize().unwrap_or(Vec3::ZERO));
     if !object.uvs.is_empty() {
         object.uvs.push(0.5 * (object.uvs[i] + object.uvs[j]));
+    }
+    if !object.tangents.is_empty() {
+        object.tangents.push(tangents::middle(object.tangents[i], object.tangents[j]));
     }
     if !object.lightmap_uvs.is_empty() {
         object.lightmap_uvs.push(0.5 * (object.lightmap_uvs[i] + object.lightmap_uvs[j]));
@@ -597,8 +601,11 @@ mod tests {
         let far = 16_777_216.0;
         let mut fine = mesh("far", &[[far, 0.0, 0.0], [far + 2.0, 0.0, 0.0], [far, 3.0, 0.0]], &[[0, 1, 2]]);
         // As part of a wide scene, which keeps its origin.
-        Rule { length: EdgeLength::Uniform(0.5), smallest_area: 0.0 }
-            .split(&mut fine, &mut Warnings::default());
+        Rule { length: EdgeLength::Uniform(0.5), smallest_area: 0.0 }.split(
+            &mut fine,
+            &[],
+            &mut Warnings::default(),
+        );
         // Up and down there is room for halves; along x the next number after `far` is 2 away.
         assert!((6..1000).contains(&fine.faces.len()), "{}", fine.faces.len());
         assert!(fine.positions.iter().all(|p| p.x == far || p.x == far + 2.0));

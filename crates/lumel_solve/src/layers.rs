@@ -1,6 +1,7 @@
 //! The light of some emitters, apart from that of the others.
 
 use crate::SolveState;
+use crate::directional::by_direction;
 use crate::integrals::{Integrals, scaled};
 use crate::observer::{Observer, Step};
 use crate::solver::{Operator, SolveError, measured_step};
@@ -11,13 +12,14 @@ use lumel_transport::{Control, EmitterMask, Job, Source};
 ///
 /// The solve is repeated for each, with as many bounces, the same samples and the same factors for its tail. As light is
 /// linear, layers of masks that make up all emitters add up to the total, to the rounding of single precision. On stored
-/// rays a layer costs its own shadow rays and no hemisphere ray.
+/// rays a layer costs its own shadow rays and no hemisphere ray. With operators of a final gather or of directional light, these
+/// are finished for each layer too.
 ///
 /// # Errors
 /// When it is cancelled or the transport fails; `state` is as before then.
 pub fn solve_layers(
     operator: Operator<'_>,
-    final_gather: Option<Operator<'_>>,
+    [final_gather, directional]: [Option<Operator<'_>>; 2],
     integrals: &Integrals,
     masks: &[EmitterMask],
     state: &mut SolveState,
@@ -25,7 +27,7 @@ pub fn solve_layers(
     observer: &dyn Observer,
 ) -> Result<(), SolveError> {
     let tail_factors = state.tail.as_ref().and_then(|_| integrals.tail_factors(&state.bounces));
-    let mut layers = Vec::with_capacity(masks.len());
+    let (mut layers, mut by_directions) = (Vec::with_capacity(masks.len()), Vec::new());
     for (number, mask) in (0..).zip(masks) {
         let step = Step::Layer(number);
         observer.step_started(step);
@@ -41,9 +43,12 @@ pub fn solve_layers(
             layer.gathered = Some(crate::solver::gathered(operator, &layer, control)?);
         }
         layers.push(layer.total());
+        if let Some(operator) = directional {
+            by_directions.push(by_direction(operator, Some(mask), &layer, control)?);
+        }
         observer.step_done(step, state);
     }
-    state.layers = layers;
+    (state.layers, state.directional_layers) = (layers, by_directions);
     Ok(())
 }
 

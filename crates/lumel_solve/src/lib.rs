@@ -4,9 +4,10 @@
 //! [`Transport`](lumel_transport::Transport) applies the operator, a [`Basis`](lumel_basis::Basis) says which
 //! coefficients are next to each other, a [`Schedule`] decides what is transported next and when enough has been.
 //! [`solve_to_error`] solves eight times at once, with samples of their own, and adds samples where the spread of the
-//! eight is still above a target. [`solve_layers`] tells the light of some emitters from that of the others.
+//! eight is still above a target. [`solve_layers`] tells the light of some emitters from that of the others, [`solve_directional`] where light comes from.
 
 mod accuracy;
+mod directional;
 mod integrals;
 mod layers;
 mod observer;
@@ -17,6 +18,7 @@ mod solver;
 mod state;
 
 pub use accuracy::{Accuracy, CONFIDENCE_95, Ended, Errors, REPLICATES, Target, mean_and_error};
+pub use directional::solve_directional;
 pub use integrals::Integrals;
 pub use layers::{mix, solve_layers};
 pub use observer::{Observer, Silent, Snapshot, Step};

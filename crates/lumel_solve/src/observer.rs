@@ -13,6 +13,8 @@ pub enum Step {
     Bounce(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// Measuring where all light comes from.
+    Directional,
     /// Adding samples where the error is above a target, and solving all replicates with them.
     Round(u32),
     /// Finding the part of this layer of emitters.

@@ -71,7 +71,7 @@ impl Problem<'_> {
             return;
         }
         state.rounds.truncate(errors.accuracy.rounds as usize);
-        (state.errors, state.tail) = (None, None);
+        (state.errors, state.tail, state.directional) = (None, None, None);
         // The same rays bring the same bounces, however many there are.
         state.bounces.truncate(wanted.unwrap_or(usize::MAX));
     }

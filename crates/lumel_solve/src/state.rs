@@ -29,6 +29,10 @@ pub struct SolveState {
     pub rounds: Vec<Vec<bool>>,
     /// The part of the total that each layer of emitters causes, where layers were asked for.
     pub layers: Vec<Field>,
+    /// The total by direction, where that was asked for: further channels beside the same irradiance.
+    pub directional: Option<Field>,
+    /// The layers by direction, where both were asked for.
+    pub directional_layers: Vec<Field>,
 }
 
 impl SolveState {
@@ -54,7 +58,7 @@ impl SolveState {
     }
 
     /// The light that surfaces reflect once more into all bounces but the direct light, and into the tail.
-    pub(crate) fn gatherable(&self) -> Field {
+    pub fn gatherable(&self) -> Field {
         let Some((last, before)) = self.bounces.split_last() else { return Field::zeros(self.node_count()) };
         // Beyond the last bounce, its light and all later light bounce into the tail.
         let into_tail = self.tail.iter().flat_map(|tail| [last, tail]);
@@ -69,6 +73,8 @@ impl SolveState {
     /// Removes what only a finished solve has: it is made from the bounces.
     pub(crate) fn reopen(&mut self) {
         (self.tail, self.gathered, self.errors) = (None, None, None);
+        self.directional = None;
         self.layers.clear();
+        self.directional_layers.clear();
     }
 }

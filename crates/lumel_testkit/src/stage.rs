@@ -6,10 +6,12 @@ use crate::stored::StoredPasses;
 use glam::{DVec3, Vec3};
 use lumel_accel::{Bvh, InstructionSet, RayTracer, SeeThrough, tracer_of};
 use lumel_basis::{
-    AreaReceivers, ElementId, Field, PointReceivers, Receivers, VertexBasis, reflecting_areas,
+    AreaReceivers, Directional, ElementId, Field, PointReceivers, Receivers, VertexBasis, reflecting_areas,
 };
 use lumel_scene::{Scene, SceneBuilder};
-use lumel_transport::{Control, CpuTransport, Job, Measured, Plan, Source, Transport, accumulate};
+use lumel_transport::{
+    Control, CpuTransport, DirectionalTransport, Job, Measured, Plan, Source, Transport, accumulate,
+};
 use std::sync::{Arc, Mutex};
 
 /// A scene that rays can be traced in.
@@ -88,6 +90,18 @@ impl Stage {
                 Box::new(StoredPasses { scene, tracer, basis, receivers, plan, stored })
             }
         }
+    }
+
+    /// The operator from the vertices to some receivers that measures light by direction.
+    pub fn directional<R: Receivers + 'static>(
+        &self,
+        receivers: R,
+        kind: Directional,
+        plan: Plan,
+    ) -> Box<dyn Transport> {
+        let (scene, tracer) = (self.scene.clone(), self.tracer.clone());
+        let inner = CpuTransport::new(scene, tracer, self.basis.clone(), Arc::new(receivers), plan);
+        Box::new(DirectionalTransport::new(inner, kind))
     }
 
     /// The operator from the vertices to points with normals.

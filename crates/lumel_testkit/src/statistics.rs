@@ -1,6 +1,6 @@
 //! Means with their errors, and when to believe them.
 
-use lumel_basis::Field;
+use lumel_basis::{Field, NodeId};
 use std::fmt::Display;
 
 /// Relative error of a few operations in f32; the only tolerance of what has no variance.
@@ -43,6 +43,12 @@ impl Estimate {
     /// The replicates' values of one node of a field, first channel.
     pub fn of_node(fields: &[Field], node: usize) -> Self {
         Self::new(fields.iter().map(|field| f64::from(field.values()[node].x)))
+    }
+
+    /// The replicates' values of one node of a field in a channel.
+    pub fn of_channel(fields: &[Field], node: usize, channel: usize) -> Self {
+        let value = |field: &Field| f64::from(field.coefficients(NodeId(node as u32))[channel].x);
+        Self::new(fields.iter().map(value))
     }
 
     /// How far from the truth the mean may lie when this is one of `comparisons`.

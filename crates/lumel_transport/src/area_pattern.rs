@@ -220,6 +220,13 @@ impl<'a> AreaChunk<'a> {
     }
 }
 
+impl AreaChunk<'_> {
+    /// Where the ray of a sample of an element stands, slot by slot with the elements side by side.
+    pub(crate) fn place(&self, element: usize, number: u32) -> usize {
+        self.pattern.slot(number, self.keys[element].1) as usize * self.elements.len() + element
+    }
+}
+
 /// Weights, 1 on average, that make a mean over places of the unit square exact for polynomials over the triangle that the
 /// square is mapped to.
 ///

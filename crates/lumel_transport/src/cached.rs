@@ -4,6 +4,7 @@ use crate::area_pattern::AreaPatterns;
 use crate::arrivals::Arrivals;
 use crate::ends::StoredEnd;
 use crate::group::Group;
+use crate::hemisphere::HemisphereDensity;
 use crate::hidden;
 use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
 use crate::measure::{self, Reader, VALIDITY_RAYS};
@@ -27,6 +28,9 @@ use std::sync::Arc;
 const SHARED_BOUNCE: u32 = 1;
 const SHARED_PASS: u32 = 0;
 
+/// The pass of light [by direction](crate::DirectionalTransport), whose rays all jobs share.
+pub const DIRECTIONAL_PASS: u32 = 2;
+
 /// Rays whose light is summed in single precision before it goes into a sum in double precision.
 const BLOCK: usize = 16;
 
@@ -40,15 +44,15 @@ pub struct CachedTransport<B, R> {
     pub(crate) inner: CpuTransport<B, R>,
     pub(crate) rows: Arc<Rows>,
     reflectance: Arc<Reflectance>,
-    areas: Option<AreaRows>,
+    pub(crate) areas: Option<AreaRows>,
 }
 
 /// How areas are sampled.
-struct AreaRows {
+pub(crate) struct AreaRows {
     /// By the stored rays.
-    rays: AreaPatterns,
+    pub(crate) rays: AreaPatterns,
     /// By shadow rays, if from some of the same places.
-    lights: Option<AreaPatterns>,
+    pub(crate) lights: Option<AreaPatterns>,
 }
 
 /// What an operator has stored and others of the same surfaces may share.
@@ -77,7 +81,7 @@ pub(crate) struct ChunkRows<'a> {
 }
 
 impl ChunkRows<'_> {
-    fn per_element(&self) -> usize {
+    pub(crate) fn per_element(&self) -> usize {
         self.ends.len() / self.elements.len().max(1)
     }
 
@@ -176,7 +180,7 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
         Rows::bytes_for(self.inner.order.rays(&self.inner.plan), self.reflectance.varies())
     }
 
-    fn chunk_rows(&self, chunk: u32, control: &Control) -> Result<ChunkRows<'_>, TransportError> {
+    pub(crate) fn chunk_rows(&self, chunk: u32, control: &Control) -> Result<ChunkRows<'_>, TransportError> {
         let (slot, elements) = (&self.rows.chunks[chunk as usize], self.inner.elements(chunk));
         if let Some(ends) = slot.get() {
             return Ok(ChunkRows { elements, ends });
@@ -307,18 +311,26 @@ fn key_of<B: Basis, R: Receivers>(inner: &CpuTransport<B, R>) -> RowsKey {
         sampler: plan.sampler,
         seed: plan.seed,
         portion: plan.portion,
+        density: inner.density,
     }
 }
 
 impl RowsKey {
     /// The sample points that all elements share.
     pub(crate) fn shared(&self) -> StreamKey {
-        StreamKey::new(self.seed).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+        StreamKey::new(self.seed).bounce(SHARED_BOUNCE).pass(self.pass())
+    }
+
+    fn pass(&self) -> u32 {
+        match self.density {
+            HemisphereDensity::Cosine => SHARED_PASS,
+            HemisphereDensity::Mixed => DIRECTIONAL_PASS,
+        }
     }
 
     /// The sample points of an element with this [stream](Receivers::stream).
     pub(crate) fn of(&self, stream: u32) -> StreamKey {
-        StreamKey::new(self.seed).element(stream).bounce(SHARED_BOUNCE).pass(SHARED_PASS)
+        StreamKey::new(self.seed).element(stream).bounce(SHARED_BOUNCE).pass(self.pass())
     }
 }
 

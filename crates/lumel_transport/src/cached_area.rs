@@ -31,7 +31,7 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
     }
 
     /// A part of the samples that rays are stored of.
-    fn area_chunk<'a>(&self, part: &'a AreaPart<'_>, elements: &'a [ElementId]) -> AreaChunk<'a> {
+    pub(crate) fn area_chunk<'a>(&self, part: &'a AreaPart<'_>, elements: &'a [ElementId]) -> AreaChunk<'a> {
         AreaChunk::new(elements, part, |element| self.row_key(element))
     }
 
@@ -115,6 +115,6 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
 }
 
 /// The places in a chunk of the elements that a job measures.
-fn measured(job: &Job<'_>, rows: ChunkRows<'_>) -> Vec<usize> {
+pub(crate) fn measured(job: &Job<'_>, rows: ChunkRows<'_>) -> Vec<usize> {
     (0..rows.elements.len()).filter(|&i| job.measures(rows.elements[i])).collect()
 }

@@ -2,6 +2,7 @@
 
 use crate::balance::Balance;
 use crate::emitters::{Emitter, EmitterMask};
+use crate::hemisphere::HemisphereDensity;
 use crate::job::{Control, TransportError};
 use crate::light_points::LightPoints;
 use crate::light_tree::LightTree;
@@ -26,6 +27,8 @@ pub(crate) struct Direct<'a> {
     /// The lights that shine; `None` for all.
     pub(crate) mask: Option<&'a EmitterMask>,
     pub(crate) plan: &'a Plan,
+    /// Of the hemisphere rays that find some lights too.
+    pub(crate) density: HemisphereDensity,
     pub(crate) control: &'a Control,
 }
 
@@ -76,7 +79,7 @@ impl Direct<'_> {
     /// A light as a site sees it that samples it with this probability.
     pub(crate) fn view<'a>(&'a self, l: usize, site: &'a Site, probability: f64) -> Option<LightView<'a>> {
         let view = self.lights.view(self.scene, l, site, self.plan.light_sampling)?;
-        let balance = || Balance::new(self.plan).when_chosen(probability);
+        let balance = || Balance::new(self.plan, self.density).when_chosen(probability);
         Some(if self.lights.is_combined(l) { view.combined(balance()) } else { view })
     }
 
@@ -151,16 +154,17 @@ impl Direct<'_> {
 
     /// Lights without an area: one shadow ray each, nothing random.
     fn delta_lights(&self, site: &Site, tally: &mut Tally) {
-        self.delta_arrivals(site, |target, value| {
+        self.delta_arrivals(site, |target, arriving, cos| {
             let passed = self.passed(site, target, tally);
             if passed != Vec3::ZERO {
-                tally.sum += value * passed.as_dvec3();
+                tally.sum += (arriving * cos).as_dvec3() * passed.as_dvec3();
             }
         });
     }
 
-    /// What lights without an area send to a site if nothing is in the way, and where from.
-    pub(crate) fn delta_arrivals(&self, site: &Site, mut each: impl FnMut(Vec3, DVec3)) {
+    /// What lights without an area send to a site if nothing is in the way: where from, the irradiance of a surface that faces
+    /// it, and the cosine to the site's normal.
+    pub(crate) fn delta_arrivals(&self, site: &Site, mut each: impl FnMut(Vec3, Vec3, f32)) {
         for (_, light) in self.lights.delta.iter().filter(|(emitter, _)| self.shines(*emitter)) {
             let (target, arriving) = match light {
                 DeltaLight::Point(point) => {
@@ -180,7 +184,7 @@ impl Direct<'_> {
             let Some(direction) = (target - site.origin).try_normalize() else { continue };
             let cos = site.frame.normal.dot(direction);
             if cos > 0.0 && arriving != Vec3::ZERO && arriving.is_finite() {
-                each(target, (arriving * cos).as_dvec3());
+                each(target, arriving, cos);
             }
         }
     }

@@ -11,6 +11,7 @@ use crate::plan::LightSampling;
 use crate::shadow_batch::Batch;
 use crate::shadow_rays::share;
 use glam::{DVec3, Vec3};
+use lumel_accel::Ray;
 use lumel_basis::Site;
 use lumel_sample::{Dim, StreamKey};
 use smallvec::{SmallVec, smallvec};
@@ -33,7 +34,7 @@ impl<'a> AreaSites<'a> {
     }
 
     /// Where the sample in a slot of an element stands.
-    fn at(&self, element: usize, slot: u32) -> usize {
+    pub(crate) fn at(&self, element: usize, slot: u32) -> usize {
         let number = self.pattern.number(slot, self.keys[element].1);
         element * self.samples() + number as usize
     }
@@ -79,12 +80,12 @@ impl Direct<'_> {
             batch.begin_element();
             for (number, site) in sites.iter().enumerate() {
                 let (Some(site), at) = (site, element * area.samples() + number) else { continue };
-                self.delta_arrivals(site, |target, value| {
-                    batch.add(site, target, (number as u32, at), value)
+                self.delta_arrivals(site, |target, arriving, cos| {
+                    batch.add(site, target, (number as u32, at), (arriving * cos).as_dvec3())
                 });
             }
         }
-        let mut add_lit = |at: usize, value: DVec3, passed: Vec3| {
+        let mut add_lit = |_: &Ray, at: usize, value: DVec3, passed: Vec3| {
             if passed != Vec3::ZERO {
                 values[at] += value * passed.as_dvec3();
             }
@@ -162,7 +163,7 @@ impl Direct<'_> {
                 }
             }
             let mut seen: SmallVec<[(f64, u32); CHUNK]> = smallvec![(0.0, 0); area.keys.len()];
-            n_rays += batch.trace(self.tracer, |at, _, passed| {
+            n_rays += batch.trace(self.tracer, |_, at, _, passed| {
                 let (n_lit, n) = &mut seen[at / area.samples()];
                 *n_lit += share(passed);
                 *n += 1;
@@ -187,7 +188,7 @@ impl Direct<'_> {
             }
         }
         n_rays
-            + batch.trace(self.tracer, |at, value, passed| {
+            + batch.trace(self.tracer, |_, at, value, passed| {
                 values[at] += value * (passed.as_dvec3() - betas[at / area.samples()]);
             })
     }

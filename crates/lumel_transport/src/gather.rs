@@ -4,7 +4,7 @@
 //! of neighbouring origins through one cell of theirs. The second spreads less where neighbours are close to each
 //! other compared with what they look at. Which is taken has no influence on the result.
 
-use crate::hemisphere;
+use crate::hemisphere::{self, HemisphereDensity};
 use crate::job::{Control, TransportError};
 use crate::order::CHUNK;
 use glam::Vec3;
@@ -27,6 +27,7 @@ const SAME_FACING: f32 = 0.95;
 /// The hemisphere rays of a group.
 #[derive(Default)]
 pub(crate) struct Gather {
+    density: HemisphereDensity,
     directions: Vec<Vec3>,
     /// Where each ray starts; empty where all of a site start there.
     origins: Vec<Vec3>,
@@ -35,16 +36,21 @@ pub(crate) struct Gather {
 }
 
 impl Gather {
+    /// No rays yet, of a density.
+    pub(crate) fn new(density: HemisphereDensity) -> Self {
+        Self { density, ..Self::default() }
+    }
+
     /// Adds the rays of a site through points of the unit square, in the order of their cells.
     pub(crate) fn add(&mut self, site: &Site, points: &[[f32; 2]]) {
-        self.directions.extend(points.iter().map(|&u| hemisphere::direction(site, u)));
+        self.directions.extend(points.iter().map(|&u| self.density.direction(site, u)));
     }
 
     /// Adds the rays of an area, each from a site of its own, through points in the order of their cells.
     pub(crate) fn add_sites<'a>(&mut self, sites: impl Iterator<Item = &'a Site>, points: &[[f32; 2]]) {
         for (site, &u) in sites.zip(points) {
             self.origins.push(site.origin);
-            self.directions.push(hemisphere::direction(site, u));
+            self.directions.push(self.density.direction(site, u));
         }
     }
 

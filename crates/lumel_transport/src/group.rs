@@ -35,6 +35,11 @@ impl Group {
         self.sums(|sums, i, node, weight| sums.push(node, weight, values[i]))
     }
 
+    /// The sums of the group, from all channels at each site.
+    pub(crate) fn moments<'a>(&self, values: impl Fn(usize) -> &'a [DVec3]) -> Sums {
+        self.sums(|sums, i, node, weight| sums.push_channels(node, weight, values(i)))
+    }
+
     /// The sums of the group, from how much of each site is hidden.
     pub(crate) fn hidden(&self, shares: &[f64]) -> Sums {
         self.sums(|sums, i, node, weight| sums.push_hidden(node, weight, shares[i]))

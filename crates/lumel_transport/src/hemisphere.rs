@@ -6,7 +6,7 @@ use crate::lights::LightSet;
 use glam::Vec3;
 use lumel_accel::{Bundle, Ray};
 use lumel_basis::{Basis, Field, NodeWeights, Site};
-use lumel_sample::cosine_hemisphere;
+use lumel_sample::{cosine_hemisphere, cosine_hemisphere_pdf, mixed_hemisphere, mixed_hemisphere_pdf};
 use lumel_scene::{Irradiance, Scene};
 
 /// The cosine-distributed direction of a site for `u` in the unit square.
@@ -15,6 +15,43 @@ use lumel_scene::{Irradiance, Scene};
 #[inline]
 pub fn direction(site: &Site, u: [f32; 2]) -> Vec3 {
     site.frame.to_world(cosine_hemisphere(u))
+}
+
+/// How densely hemisphere rays lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum HemisphereDensity {
+    /// By the cosine to the normal: best for irradiance.
+    #[default]
+    Cosine,
+    /// Half by the cosine and half evenly: for moments, which do not vanish at the horizon.
+    Mixed,
+}
+
+impl HemisphereDensity {
+    /// The direction of a site for `u` in the unit square.
+    #[inline]
+    pub(crate) fn direction(self, site: &Site, u: [f32; 2]) -> Vec3 {
+        match self {
+            Self::Cosine => direction(site, u),
+            Self::Mixed => site.frame.to_world(mixed_hemisphere(u)),
+        }
+    }
+
+    /// The density in a direction at this cosine to the normal, sr⁻¹.
+    #[inline]
+    pub(crate) fn pdf(self, cos: f32) -> f32 {
+        match self {
+            Self::Cosine => cosine_hemisphere_pdf(cos),
+            Self::Mixed => mixed_hemisphere_pdf(cos),
+        }
+    }
+
+    /// What a ray in such a direction adds to the irradiance of a surface that faces it, per what a cosine-distributed one
+    /// adds to that of the receiver: 1 / πp.
+    #[inline]
+    pub(crate) fn per_cosine_sample(self, cos: f32) -> f32 {
+        cosine_hemisphere_pdf(1.0) / self.pdf(cos)
+    }
 }
 
 /// A hemisphere ray of a site.

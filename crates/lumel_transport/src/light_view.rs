@@ -5,7 +5,7 @@ use crate::lights::AreaLight;
 use crate::plan::LightSampling;
 use crate::sky_light::SkyLight;
 use crate::{cap, polygon};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lumel_basis::Site;
 use lumel_sample::{SphericalCap, SphericalRectangle, SphericalTriangle, concentric_disk, uniform_triangle};
 use lumel_scene::{
@@ -99,6 +99,15 @@ pub(crate) struct LightSample {
     pub(crate) target: Vec3,
     /// What it contributes to the mean if nothing is in the way.
     pub(crate) unblocked: Irradiance,
+    /// The cosine to the site's normal, above zero.
+    pub(crate) cos: f32,
+}
+
+impl LightSample {
+    /// What it would contribute to a surface that faces it, W·m⁻².
+    pub(crate) fn facing(&self) -> DVec3 {
+        (self.unblocked.0 / self.cos).as_dvec3()
+    }
 }
 
 impl<'a> LightView<'a> {
@@ -267,7 +276,7 @@ impl<'a> LightView<'a> {
         let pdf_solid_angle =
             self.balance.map_or(pdf_solid_angle, |balance| balance.combined_pdf(pdf_solid_angle, cos));
         let unblocked = Irradiance(radiance.0 * (cos / pdf_solid_angle as f32));
-        (cos > 0.0).then_some(LightSample { target: self.front.before(target), unblocked })
+        (cos > 0.0).then_some(LightSample { target: self.front.before(target), unblocked, cos })
     }
 
     /// A point chosen with a density per area: `L cos θ cos θₗ / (r² p)`.
@@ -285,7 +294,11 @@ impl<'a> LightView<'a> {
             return (cos_light > 0.0).then(|| self.in_solid_angle(target, radiance, pdf)).flatten();
         }
         let unblocked = Irradiance(radiance.0 * (cos * cos_light / (distance_squared * pdf_area)));
-        (cos > 0.0 && cos_light > 0.0).then_some(LightSample { target: self.front.before(target), unblocked })
+        (cos > 0.0 && cos_light > 0.0).then_some(LightSample {
+            target: self.front.before(target),
+            unblocked,
+            cos,
+        })
     }
 }
 

@@ -402,5 +402,13 @@ pub(crate) fn direct<'a, B, R>(
     mask: Option<&'a EmitterMask>,
     control: &'a Control,
 ) -> Direct<'a> {
-    Direct { scene: &op.scene, tracer: &*op.tracer, lights: &op.lights, mask, plan: &op.plan, control }
+    Direct {
+        scene: &op.scene,
+        tracer: &*op.tracer,
+        lights: &op.lights,
+        mask,
+        plan: &op.plan,
+        density: op.density,
+        control,
+    }
 }

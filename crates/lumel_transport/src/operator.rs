@@ -1,5 +1,6 @@
 //! What an operator on this machine is made of.
 
+use crate::hemisphere::HemisphereDensity;
 use crate::job::{Job, Shape, Source};
 use crate::lights::LightSet;
 use crate::order::Order;
@@ -22,6 +23,8 @@ pub struct CpuTransport<B, R> {
     pub(crate) receivers: Arc<R>,
     pub(crate) lights: Arc<LightSet>,
     pub(crate) plan: Plan,
+    /// How densely its hemisphere rays lie.
+    pub(crate) density: HemisphereDensity,
     /// The elements that are measured, in the order of chunks.
     pub(crate) order: Order,
     /// What decides those elements and their sites.
@@ -51,7 +54,8 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     ) -> Self {
         let lights = Arc::new(LightSet::new(&scene, &plan));
         let elements = receivers.identity();
-        Self { scene, tracer, basis, receivers, lights, plan, order, elements }
+        let density = HemisphereDensity::default();
+        Self { scene, tracer, basis, receivers, lights, plan, density, order, elements }
     }
 
     /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
@@ -67,6 +71,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
             receivers: Arc::clone(&self.receivers),
             lights: Arc::clone(&self.lights),
             plan,
+            density: self.density,
             elements: if whole { self.elements } else { order.identity_within(&self.elements) },
             order,
         }

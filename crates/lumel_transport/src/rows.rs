@@ -5,6 +5,7 @@
 
 use crate::carried::Carried;
 use crate::ends::StoredEnd;
+use crate::hemisphere::HemisphereDensity;
 use lumel_basis::Identity;
 use lumel_sample::SamplerKind;
 use std::mem::size_of;
@@ -29,6 +30,7 @@ pub(crate) struct RowsKey {
     pub(crate) sampler: SamplerKind,
     pub(crate) seed: u64,
     pub(crate) portion: u32,
+    pub(crate) density: HemisphereDensity,
 }
 
 impl RowsKey {

@@ -47,7 +47,7 @@ impl Batch {
     pub(crate) fn trace(
         &mut self,
         tracer: &dyn RayTracer,
-        mut each: impl FnMut(usize, DVec3, Vec3),
+        mut each: impl FnMut(&Ray, usize, DVec3, Vec3),
     ) -> usize {
         self.transpose();
         let is_transposed = self.is_narrower_transposed();
@@ -59,7 +59,7 @@ impl Batch {
         let (n_rays, traced) = (rays.len(), if is_transposed { &*arranged } else { &*rays });
         let mut tell = |k: usize, passed| {
             let (at, value) = values[if is_transposed { transposed[k] } else { k }];
-            each(at, value, passed);
+            each(&traced[k], at, value, passed);
         };
         if tracer.is_see_through() {
             passed.clear();

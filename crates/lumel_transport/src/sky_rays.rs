@@ -2,16 +2,17 @@
 //!
 //! Where rays end is stored without their directions; these follow from the sample points.
 
+use crate::Emitter;
 use crate::area_pattern::AreaChunk;
 use crate::balance::Balance;
 use crate::ends::RayEnd;
 use crate::group::Group;
+use crate::hemisphere::HemisphereDensity;
 use crate::job::Source;
 use crate::operator::CpuTransport;
 use crate::plan::Plan;
 use crate::sky_light::SkyLight;
 use crate::trace::Rays;
-use crate::{Emitter, hemisphere};
 use glam::{DVec3, Vec3};
 use lumel_basis::{Basis, ElementId, Receivers, Site};
 use lumel_sample::{CellOrder, Dim, StreamKey};
@@ -22,6 +23,7 @@ pub(crate) struct SkyRays<'a> {
     sky: &'a Sky,
     light: Option<&'a SkyLight>,
     plan: &'a Plan,
+    density: HemisphereDensity,
     rays: Vec<Outgoing>,
 }
 
@@ -38,7 +40,13 @@ impl<'a> SkyRays<'a> {
         let Source::Emitters(mask) = source else { return None };
         let sky = op.scene.sky();
         let varies = sky.uniform().is_none() && mask.is_none_or(|mask| mask.shines(Emitter::Sky));
-        varies.then(|| Self { sky, light: op.lights.sky_light(), plan: &op.plan, rays: Vec::new() })
+        varies.then(|| Self {
+            sky,
+            light: op.lights.sky_light(),
+            plan: &op.plan,
+            density: op.density,
+            rays: Vec::new(),
+        })
     }
 
     /// Adds the rays of [`trace::at_points`](crate::trace::at_points), element by element.
@@ -74,7 +82,7 @@ impl<'a> SkyRays<'a> {
 
     fn add<'s>(&mut self, sites: impl Iterator<Item = &'s Site>, points: &[[f32; 2]]) {
         self.rays.extend(sites.zip(points).map(|(site, &u)| {
-            let direction = hemisphere::direction(site, u);
+            let direction = self.density.direction(site, u);
             Outgoing { direction, cos: site.frame.normal.dot(direction) }
         }));
     }
@@ -86,8 +94,9 @@ impl<'a> SkyRays<'a> {
         }
         let Outgoing { direction, cos } = self.rays[at];
         let whole = self.sky.radiance(direction).cosine_sample();
-        let share =
-            self.light.map_or(1.0, |light| Balance::new(self.plan).ray_share(light.pdf(direction), cos));
+        let share = self
+            .light
+            .map_or(1.0, |light| Balance::new(self.plan, self.density).ray_share(light.pdf(direction), cos));
         (whole.0 * share).as_dvec3()
     }
 }

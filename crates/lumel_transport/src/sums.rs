@@ -46,6 +46,13 @@ impl Sums {
         self.values.push(value * weight);
     }
 
+    /// Adds an entry for a measurement of all channels.
+    pub fn push_channels(&mut self, node: NodeId, weight: f64, values: &[DVec3]) {
+        self.nodes.push(node);
+        self.weights.push(weight);
+        self.values.extend(values.iter().map(|value| *value * weight));
+    }
+
     /// Adds an entry for a measurement of validity alone: the share of sites that nobody can see.
     pub fn push_hidden(&mut self, node: NodeId, weight: f64, share: f64) {
         self.push(node, weight, DVec3::ZERO);
@@ -65,6 +72,17 @@ impl Sums {
             sums.values.push(if are_hidden { DVec3::ZERO } else { value });
         }
         sums
+    }
+
+    /// An entry for each node of each element, of sums by channel of the same measurements.
+    pub(crate) fn of_channels(channels: &[Vec<ElementSums>]) -> Self {
+        let mut all = Self::of_elements(&channels[0], false);
+        let others: Vec<Self> = channels[1..].iter().map(|sums| Self::of_elements(sums, false)).collect();
+        let of_entry = |(i, first): (usize, &DVec3)| {
+            [*first].into_iter().chain(others.iter().map(|sums| sums.values[i])).collect::<Vec<_>>()
+        };
+        all.values = all.values.iter().enumerate().flat_map(of_entry).collect();
+        all
     }
 }
 
@@ -91,6 +109,11 @@ impl ElementSums {
             }
             None => self.0.push((node, weight, value)),
         }
+    }
+
+    /// Whether nothing was measured.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// Adds what another measurement of the same element has found, with more samples, to the nodes that are here: its

@@ -3,6 +3,7 @@
 use crate::balance::Balance;
 use crate::emitters::{Emitter, EmitterMask};
 use crate::ends::RayEnd;
+use crate::hemisphere::HemisphereDensity;
 use crate::job::Source;
 use crate::lights::LightSet;
 use crate::operator::CpuTransport;
@@ -17,6 +18,7 @@ pub(crate) struct SurfaceRays<'a> {
     lights: &'a LightSet,
     mask: Option<&'a EmitterMask>,
     plan: &'a Plan,
+    density: HemisphereDensity,
     sites: Vec<Site>,
     rays_per_site: usize,
 }
@@ -25,8 +27,9 @@ impl<'a> SurfaceRays<'a> {
     /// `None` where hemisphere rays bring nothing from these surfaces.
     pub(crate) fn new<B, R>(op: &'a CpuTransport<B, R>, source: Source<'a>) -> Option<Self> {
         let Source::Emitters(mask) = source else { return None };
-        let CpuTransport { scene, lights, plan, .. } = op;
-        let new = || Self { scene, lights, mask, plan, sites: Vec::new(), rays_per_site: 1 };
+        let CpuTransport { scene, lights, plan, density, .. } = op;
+        let new =
+            || Self { scene, lights, mask, plan, density: *density, sites: Vec::new(), rays_per_site: 1 };
         lights.combines().then(new)
     }
 
@@ -66,7 +69,7 @@ impl<'a> SurfaceRays<'a> {
             return 1.0;
         };
         let direction = (self.scene.position(point) - site.origin).normalize_or_zero();
-        let balance = Balance::new(self.plan).when_chosen(probability);
+        let balance = Balance::new(self.plan, self.density).when_chosen(probability);
         balance.ray_share(view.pdf(point, direction), site.frame.normal.dot(direction))
     }
 }

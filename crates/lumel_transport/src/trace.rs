@@ -27,7 +27,7 @@ pub(crate) fn at_points<B: Basis, R: Receivers>(
     control: &Control,
     mut each: impl FnMut(usize, RayEnd, f32),
 ) -> Result<(), TransportError> {
-    let (mut gather, mut cells) = (Gather::default(), CellOrder::default());
+    let (mut gather, mut cells) = (Gather::new(op.density), CellOrder::default());
     for (&element, site) in group.elements.iter().zip(&group.sites) {
         control.check()?;
         let stream = op.plan.stream(rays.per_element, key(element), rays.dim);
@@ -61,7 +61,7 @@ pub(crate) fn over_areas_with<B: Basis, R: Receivers>(
     mut distance: impl FnMut(usize, f32),
 ) -> Result<Vec<Option<RayEnd>>, TransportError> {
     let (lanes, samples) = (chunk.elements.len(), chunk.pattern.len());
-    let (mut gather, mut cells) = (Gather::default(), CellOrder::default());
+    let (mut gather, mut cells) = (Gather::new(op.density), CellOrder::default());
     let mut sites = Vec::with_capacity(lanes);
     let mut all = Vec::with_capacity(samples as usize);
     for (&element, &(key, turn)) in chunk.elements.iter().zip(&chunk.keys) {

@@ -12,7 +12,7 @@ use anyhow::Context;
 use glam::DVec3;
 use lumel::VertexLighting;
 use lumel_export::write_png;
-use lumel_render_cpu::{Picture, View, meter};
+use lumel_render_cpu::{Picture, Relief, View, meter};
 use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -161,6 +161,8 @@ pub fn without_window(
             light: Lit::One((&buffer).into()),
             rect_lights: &lamps,
             look: Look::Radiance { stops, tone: prefs.tone(), white: prefs.white },
+            relief: Relief::default(),
+            ripple: None,
             wireframe: false,
             grid: false,
             overlay: None,

@@ -1,6 +1,7 @@
 //! Which bounces are shown.
 
 use glam::{DVec3, Vec3};
+use lumel_basis::Coefficients;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
@@ -84,6 +85,8 @@ pub struct Illumination {
     pub standard_error: Option<VertexValues>,
     /// The parts of all light that single lights cause, where a solve with layers has told them apart.
     pub layers: Vec<Layer>,
+    /// All light by direction, where a solve has measured it.
+    pub directional: Option<Arc<Coefficients>>,
 }
 
 /// The light of one light, or of all that share its name.
@@ -93,6 +96,8 @@ pub struct Layer {
     pub name: String,
     /// Its part of all light.
     pub values: VertexValues,
+    /// The same by direction, where that was measured.
+    pub directional: Option<Arc<Coefficients>>,
     /// What it is multiplied by where all light is shown; 1 as solved.
     pub share: f32,
 }
@@ -202,6 +207,7 @@ mod tests {
         let layer = |x: f32, share| Layer {
             name: "lamp".to_owned(),
             values: Arc::new(vec![Vec3::splat(x), Vec3::splat(10.0 * x)]),
+            directional: None,
             share,
         };
         let mut light = light();

@@ -5,11 +5,12 @@ mod kinks;
 mod probes;
 mod refiner;
 
+use crate::assembly::StoredRays;
 use crate::settings::{BounceLimit, Layers, Settings, TargetError};
 use crate::{Baker, Tail};
 use glam::Vec3;
 use lumel_accel::Refined;
-use lumel_basis::Field;
+use lumel_basis::{Directional, Field};
 use lumel_export::{NextRefinement, RefinementState};
 use lumel_scene::{Bisection, SceneError, SurfacePoint};
 use lumel_solve::{Silent, SolveError, SolveState};
@@ -188,7 +189,9 @@ impl Baker {
     ) -> Result<Self, SolveError> {
         let scene = self.scene().refined(mesh.splits()).map_err(|error| failed(&error))?;
         let tracer = Refined::new(Arc::clone(self.tracer()), scene.clone());
-        Ok(Self::with_stored(Arc::new(scene), Arc::new(tracer), settings, coarser.and_then(Self::stored)))
+        let none = StoredRays::default();
+        let stored = coarser.map_or(&none, Self::stored);
+        Ok(Self::with_stored(Arc::new(scene), Arc::new(tracer), settings, stored))
     }
 
     fn probes<'a>(&'a self, reflecting: Option<&'a Field>) -> Probes<'a> {
@@ -212,8 +215,9 @@ fn failed(error: &SceneError) -> SolveError {
 impl Settings {
     /// What is solved to see where the mesh is too coarse.
     fn quick(&self, bounces: u32) -> Self {
-        let (bounces, target_error, layers) = (BounceLimit::Count(bounces), TargetError::Off, Layers::Off);
+        let (bounces, target_error) = (BounceLimit::Count(bounces), TargetError::Off);
+        let (layers, directional) = (Layers::Off, Directional::Off);
         let direct_samples = self.direct_samples.div_ceil(DIRECT_PART);
-        Self { bounces, target_error, layers, direct_samples, tail: Tail::Off, ..self.clone() }
+        Self { bounces, target_error, layers, directional, direct_samples, tail: Tail::Off, ..self.clone() }
     }
 }

@@ -4,6 +4,7 @@ mod about;
 mod adaptive;
 mod bounce_limit;
 mod compare;
+mod directional;
 mod error;
 mod layers;
 mod memory;

@@ -3,6 +3,7 @@
 use super::bounce_limit::BounceLimit;
 use super::table::Settings;
 use super::target_error::TargetError;
+use lumel_basis::Directional;
 use lumel_solve::Stop;
 use lumel_transport::Plan;
 
@@ -24,10 +25,11 @@ impl Settings {
         }
     }
 
-    /// Those of a solve whose light is only carried, to be gathered by lumels: a target error is theirs, and what they gather is a
-    /// mean over many nodes of the basis.
+    /// Those of a solve whose light is only carried, to be gathered by lumels: a target error and light by direction are theirs, and
+    /// what they gather is a mean over many nodes of the basis.
     pub fn carrying(&self) -> Self {
-        Self { target_error: TargetError::Off, ..self.clone() }
+        let directional = Directional::Off;
+        Self { target_error: TargetError::Off, directional, ..self.clone() }
     }
 
     /// When to stop.

@@ -17,6 +17,7 @@ use super::solver_kind::SolverKind;
 use super::tail::Tail;
 use super::target_error::TargetError;
 use super::value::{Choice, Slot, Value};
+use lumel_basis::Directional;
 use lumel_sample::SamplerKind;
 use lumel_transport::{EmitterSampling, LightSampling};
 use serde::{Deserialize, Serialize};
@@ -328,6 +329,20 @@ settings! {
         offered: None,
     }
 
+    /// What to keep of where light comes from, for normal maps.
+    ///
+    /// Irradiance stays what it is, bit by bit. Beside it are coefficients of the light that arrives, which are measured once in the
+    /// end, of all light and of each layer: by half as many shadow rays and hemisphere rays as the settings say, which are
+    /// spread over directions more evenly.
+    DIRECTIONAL = directional: Directional {
+        presets: always(Directional::Off),
+        label: "Directional",
+        placeholder: "KIND",
+        influence: Influence::Sum,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
     /// Shadow rays per vertex and light.
     DIRECT_SAMPLES = direct_samples: u32 {
         presets: [16, 64, 256],
@@ -463,7 +478,7 @@ mod tests {
     use serde_json::{Value as Json, json};
 
     /// A value of each setting that is not its default, and one that it cannot have.
-    const EXAMPLES: [(&str, &str, &str); 17] = [
+    const EXAMPLES: [(&str, &str, &str); 18] = [
         ("projection", "area", "lightmap"),
         ("adaptive", "3 %", "fine"),
         ("max_vertices", "1000", "0"),
@@ -471,6 +486,7 @@ mod tests {
         ("remainder", "0.25", "1"),
         ("tail", "geometric", "long"),
         ("layers", "lights", "rooms"),
+        ("directional", "sh1", "sh3"),
         ("direct_samples", "3", "0"),
         ("indirect_samples", "5", "16777217"),
         ("sampler", "halton", "dice"),

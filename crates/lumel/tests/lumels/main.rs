@@ -4,6 +4,7 @@
 
 mod closed_forms;
 mod denoising;
+mod directional;
 mod leaks;
 mod lines;
 mod refining;

@@ -10,8 +10,8 @@ pub(crate) use atlas::AtlasArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};
-use lumel::{LightBasis, LightmapEntry, LightmapTarget, OcclusionEntry, SolutionSelection, spec};
-use lumel_render_cpu::{Exposure, MAX_SAMPLES, Show, ToneMapper};
+use lumel::{LightBasis, LightmapEntry, LightmapTarget, OcclusionEntry, Shading, SolutionSelection, spec};
+use lumel_render_cpu::{Exposure, MAX_SAMPLES, NormalMaps, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
 pub(crate) use shared::{ProgressMode, RunArgs, SceneArgs, Tessellation, ThreadArgs};
 use std::ffi::OsString;
@@ -147,7 +147,7 @@ pub(crate) struct BakeArgs {
 
     /// Continue from a checkpoint or solution of the same scene, lights and settings.
     ///
-    /// Only --bounces, --remainder, --tail and --layers may differ. The result has the same bits as an uninterrupted bake.
+    /// Only --bounces, --remainder, --tail, --layers and --directional may differ. The result has the same bits as an uninterrupted bake.
     ///
     /// With a target error, --bounces and --tail may differ, too: the samples of all finished rounds are used again, and
     /// errors are computed again for the new sum. A bake from the start may choose other vertices for its rounds.
@@ -303,6 +303,14 @@ pub(crate) struct RenderArgs {
     /// The quantity to show.
     #[arg(long, value_name = "WHAT", default_value = "radiance", value_parser = parse::named_show())]
     pub(crate) show: Show,
+
+    /// Whether normal maps are shown. Light tilts with them where the solution knows its directions.
+    #[arg(long, value_name = "WHICH", default_value = "up", value_parser = parse::named_normal_maps())]
+    pub(crate) normal_maps: NormalMaps,
+
+    /// How light on tilted normals is found, where the solution knows its directions.
+    #[arg(long, value_name = "HOW", default_value = "nonlinear", value_parser = parse::named_shading())]
+    pub(crate) shading: Shading,
 
     /// Exposure in stops (EV): light is multiplied by 2^EV; auto meters the scene. For radiance and irradiance.
     #[arg(long, value_name = "EV|auto", default_value = "auto", allow_negative_numbers = true)]

@@ -142,7 +142,8 @@ mod tests {
     use crate::args::{Cli, Command};
     use clap::Parser;
     use lumel::{
-        BounceLimit, Layers, LightSampling, Memory, Projection, SamplerKind, Settings, SolverKind, Tail,
+        BounceLimit, Directional, Layers, LightSampling, Memory, Projection, SamplerKind, Settings,
+        SolverKind, Tail,
     };
 
     /// Every setting other than by default. A new setting belongs here.
@@ -155,6 +156,7 @@ mod tests {
             remainder: 0.25,
             tail: Tail::Geometric,
             layers: Layers::Lights,
+            directional: Directional::Sh2,
             direct_samples: 3,
             indirect_samples: 5,
             sampler: SamplerKind::Halton,

@@ -229,7 +229,9 @@ fn load_resumed(baker: &Baker, file: &Path) -> anyhow::Result<Resumed> {
     });
     resumed.map_err(|error| {
         let hint = match error {
-            ResumeError::Settings { .. } => "only --bounces, --remainder, --tail and --layers may differ",
+            ResumeError::Settings { .. } => {
+                "only --bounces, --remainder, --tail, --layers and --directional may differ"
+            }
             ResumeError::TargetError | ResumeError::Basis => "leave out --resume",
             ResumeError::Scene(_) | ResumeError::Lighting => "use the scene and lights it was baked with",
         };

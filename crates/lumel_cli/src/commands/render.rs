@@ -13,10 +13,12 @@ use crate::report;
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
-    Camera, LightFile, Lighting, LightmapSolution, RayTracer, Scene, SolutionSelection, VertexLighting,
-    tracer_of,
+    Camera, Coefficients, LightFile, Lighting, LightmapSolution, RayTracer, Scene, SolutionSelection,
+    VertexLighting, tracer_of,
 };
-use lumel_render_cpu::{Display, Exposure, FalseColor, Picture, Resolution, Show, ToneMapper, camera_for};
+use lumel_render_cpu::{
+    Display, Exposure, FalseColor, Picture, Relief, Resolution, Show, ToneMapper, camera_for,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -67,12 +69,13 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
         let Loaded { scene, warnings, .. } = load::load_whole(&args.scene)?;
         load::warn(&warnings, &args.scene, &run.console);
         let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
-        return draw(args, display, &scene, &solution.lightmap.lighting(layer), run);
+        return draw(args, display, &scene, &solution.lightmap.by_direction(layer), run);
     }
     let tessellation = args.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, &tessellation, Meshes::Split, &run.console)?;
-    let light = light(args, &scene, &run.console)?;
-    draw(args, display, &scene, &VertexLighting::new(&scene, &light)?, run)
+    let (light, directional) = light(args, &scene, &run.console)?;
+    let lighting = VertexLighting::new(&scene, &light)?.with_incident(directional.as_ref())?;
+    draw(args, display, &scene, &lighting, run)
 }
 
 /// Draws and writes the image of a lit scene. `None` if cancelled.
@@ -87,7 +90,8 @@ fn draw(
     let camera = camera(args.camera.as_ref(), scene, &*tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
-    let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera };
+    let relief = Relief { maps: args.normal_maps, shading: args.shading };
+    let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera, relief };
     let _heeding = run.interrupt.heed();
     let result = picture::write(&args.output, &subject, &resolution, display, run.interrupt.picture());
     if result.is_err() && run.interrupt.is_requested() {
@@ -96,8 +100,12 @@ fn draw(
     result.map(Some)
 }
 
-fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<Vec<Vec3>> {
-    let Some(path) = &args.solution else { return Ok(vec![Vec3::ZERO; scene.vertex_count()]) };
+fn light(
+    args: &RenderArgs,
+    scene: &Scene,
+    console: &Console,
+) -> anyhow::Result<(Vec<Vec3>, Option<Coefficients>)> {
+    let Some(path) = &args.solution else { return Ok((vec![Vec3::ZERO; scene.vertex_count()], None)) };
     let fitting = LightFile::irradiance_for(path, scene, &selection(args)?).map_err(load::light_hint)?;
     if !fitting.same_lighting {
         warn_of_changes(path, console);
@@ -105,7 +113,7 @@ fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<
     if !fitting.complete {
         console.warning(&format!("this is the checkpoint of an unfinished bake: {}", path.display()));
     }
-    Ok(fitting.irradiance)
+    Ok((fitting.irradiance, fitting.directional))
 }
 
 /// A lightmap of the scene and the layer to show.

@@ -174,6 +174,7 @@ pub(crate) enum Step {
     Bounce(usize),
     /// A final gather of all indirect light.
     FinalGather,
+    Directional,
     /// More samples where the error is above the target.
     Round(u32),
     /// Measuring the light of some emitters alone.
@@ -286,6 +287,7 @@ impl From<lumel::Step> for Step {
             lumel::Step::Validity => Self::Validity,
             lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
             lumel::Step::FinalGather => Self::FinalGather,
+            lumel::Step::Directional => Self::Directional,
             lumel::Step::Round(round) => Self::Round(round),
             lumel::Step::Layer(layer) => Self::Layer(layer),
         }
@@ -300,6 +302,7 @@ impl Step {
             Self::Bounce(0) => "direct".to_owned(),
             Self::Bounce(k) => format!("bounce {k}"),
             Self::FinalGather => "final gather".to_owned(),
+            Self::Directional => "directional".to_owned(),
             Self::Round(round) => format!("round {}", round + 1),
             Self::Layer(layer) => format!("layer {}", layer + 1),
         }
@@ -329,7 +332,9 @@ impl Summary {
         let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
         let rounds = (0..rounds).map(|round| report(Step::Round(round), None));
         let layers = (0..state.layers.len() as u32).map(|layer| report(Step::Layer(layer), None));
-        let gather = seconds_of(Step::FinalGather).map(|_| report(Step::FinalGather, None));
+        let finishers = [Step::FinalGather, Step::Directional];
+        let finished = |step: Step| seconds_of(step).map(|_| report(step, None));
+        let [gather, directional] = finishers.map(finished);
         Self {
             scene: scene.name().to_owned(),
             vertices: scene.vertex_count(),
@@ -338,7 +343,14 @@ impl Summary {
             adaptive: None,
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
             method: baker.method().to_string(),
-            steps: validity.into_iter().chain(bounces).chain(gather).chain(rounds).chain(layers).collect(),
+            steps: validity
+                .into_iter()
+                .chain(bounces)
+                .chain(gather)
+                .chain(rounds)
+                .chain(directional)
+                .chain(layers)
+                .collect(),
             resumed_bounces: 0,
             remainder: baker.remainder(state),
             tail: solution.tail.is_some(),

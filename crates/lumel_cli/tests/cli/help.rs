@@ -31,6 +31,8 @@ const FLAGS: [(&str, &[&str]); 6] = [
             "--camera",
             "--bounce",
             "--show",
+            "--normal-maps",
+            "--shading",
             "--exposure",
             "--tone",
             "--range",

@@ -3,7 +3,7 @@
 use super::binary::Binary;
 use super::page_image::{FineImage, PageImages};
 use super::primitive::Primitive;
-use crate::pixels::{self, opacity_pixels, srgb_pixels};
+use crate::pixels::{self, linear_pixels, opacity_pixels, srgb_pixels};
 use crate::png::encode_png;
 use glam::Vec3;
 use lumel_scene::{
@@ -30,6 +30,8 @@ pub(super) struct Materials {
     index: BTreeMap<(MaterialId, usize), usize>,
     /// Whether a material of the scene has textures beside light.
     textured: BTreeSet<MaterialId>,
+    /// Whether it has a normal map.
+    normal_mapped: BTreeSet<MaterialId>,
     /// Whether it shows the light of pages.
     by_page: bool,
     json: Vec<Value>,
@@ -91,12 +93,21 @@ struct Image {
     fine: Option<FineImage>,
 }
 
+/// What an image holds of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Content {
+    Color,
+    ColorAndAlpha,
+    Normals,
+    /// Those whose green points down.
+    FlippedNormals,
+}
+
 /// The textures of a file under construction.
 #[derive(Default)]
 struct Images {
     list: Vec<Image>,
-    /// By texture, and whether with its alpha.
-    index: BTreeMap<(TextureId, bool), usize>,
+    index: BTreeMap<(TextureId, Content), usize>,
     /// By place in [`PageImages`].
     pages: BTreeMap<usize, usize>,
     extensions: BTreeSet<&'static str>,
@@ -113,6 +124,7 @@ impl Materials {
         let mut materials = Self {
             index: BTreeMap::new(),
             textured: BTreeSet::new(),
+            normal_mapped: BTreeSet::new(),
             by_page: pages.is_some(),
             json: Vec::new(),
             images: Vec::new(),
@@ -123,7 +135,11 @@ impl Materials {
         for (id, page) in used {
             let material = &scene.materials()[id.index()];
             let mut json = describe(scene, material, appearance.of(material), &mut images)?;
-            let slots = [&json["pbrMetallicRoughness"]["baseColorTexture"], &json["emissiveTexture"]];
+            if json.get("normalTexture").is_some() {
+                materials.normal_mapped.insert(id);
+            }
+            let surface = &json["pbrMetallicRoughness"];
+            let slots = [&surface["baseColorTexture"], &json["emissiveTexture"], &json["normalTexture"]];
             if slots.iter().any(|slot| !slot.is_null()) {
                 materials.textured.insert(id);
             }
@@ -149,6 +165,11 @@ impl Materials {
     /// Whether it has textures that are placed by `TEXCOORD_0`.
     pub(super) fn is_textured(&self, material: MaterialId) -> bool {
         self.textured.contains(&material)
+    }
+
+    /// Whether it has a normal map.
+    pub(super) fn is_normal_mapped(&self, material: MaterialId) -> bool {
+        self.normal_mapped.contains(&material)
     }
 
     /// Adds materials, textures, samplers and images to the document.
@@ -244,6 +265,12 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
             images.extensions.insert(STRENGTH);
         }
     }
+    if let Some(map) = material.normal_texture.filter(|_| shown != Shown::Emission) {
+        let content = if map.scale.y < 0.0 { Content::FlippedNormals } else { Content::Normals };
+        let mut texture = images.reference(scene, map.image, content)?;
+        texture["scale"] = json!(map.scale.x);
+        json["normalTexture"] = texture;
+    }
     if matches!(shown, Shown::Reflection | Shown::Colors) {
         json["extensions"][UNLIT] = json!({});
         images.extensions.insert(UNLIT);
@@ -295,16 +322,17 @@ impl Images {
     ) -> io::Result<(Vec3, Option<Value>)> {
         let Some(texture) = texture else { return Ok((factor, None)) };
         let largest = pixels::largest(&scene.textures()[texture.texture.index()]);
-        Ok((factor * largest, Some(self.reference(scene, texture, with_alpha)?)))
+        let content = if with_alpha { Content::ColorAndAlpha } else { Content::Color };
+        Ok((factor * largest, Some(self.reference(scene, texture, content)?)))
     }
 
     /// A material's reference to a texture, which is added if it is new.
-    fn reference(&mut self, scene: &Scene, texture: TextureRef, with_alpha: bool) -> io::Result<Value> {
-        let index = match self.index.get(&(texture.texture, with_alpha)) {
+    fn reference(&mut self, scene: &Scene, texture: TextureRef, content: Content) -> io::Result<Value> {
+        let index = match self.index.get(&(texture.texture, content)) {
             Some(&index) => index,
             None => {
-                self.list.push(encode(&scene.textures()[texture.texture.index()], with_alpha)?);
-                self.index.insert((texture.texture, with_alpha), self.list.len() - 1);
+                self.list.push(encode(&scene.textures()[texture.texture.index()], content)?);
+                self.index.insert((texture.texture, content), self.list.len() - 1);
                 self.list.len() - 1
             }
         };
@@ -327,17 +355,24 @@ fn transform(transform: &UvTransform) -> Option<Value> {
     useful.then(|| json!({ "offset": offset.to_array(), "rotation": rotation, "scale": scale.to_array() }))
 }
 
-/// glTF takes textures of colours as sRGB: others are converted, and brighter ones scaled to fit.
-fn encode(texture: &Texture, with_alpha: bool) -> io::Result<Image> {
+/// glTF takes textures of colours as sRGB: others are converted, and brighter ones scaled to fit. Normals are linear, with green
+/// up.
+fn encode(texture: &Texture, content: Content) -> io::Result<Image> {
     let (width, height) = texture.size();
     let mut png = Vec::new();
-    let colors = srgb_pixels(texture);
-    if with_alpha {
-        let pixel = |([r, g, b], [alpha, ..]): ([u8; 3], [u8; 3])| [r, g, b, alpha];
-        let pixels: Vec<[u8; 4]> = colors.into_iter().zip(opacity_pixels(texture)).map(pixel).collect();
-        encode_png(&mut png, width, height, &pixels, &[])?;
-    } else {
-        encode_png(&mut png, width, height, &colors, &[])?;
+    match content {
+        Content::Color => encode_png(&mut png, width, height, &srgb_pixels(texture), &[])?,
+        Content::ColorAndAlpha => {
+            let pixel = |([r, g, b], [alpha, ..]): ([u8; 3], [u8; 3])| [r, g, b, alpha];
+            let colors = srgb_pixels(texture).into_iter();
+            let pixels: Vec<[u8; 4]> = colors.zip(opacity_pixels(texture)).map(pixel).collect();
+            encode_png(&mut png, width, height, &pixels, &[])?;
+        }
+        Content::Normals => encode_png(&mut png, width, height, &linear_pixels(texture), &[])?,
+        Content::FlippedNormals => {
+            let flipped = linear_pixels(texture).into_iter().map(|[r, g, b]| [r, u8::MAX - g, b]);
+            encode_png(&mut png, width, height, &flipped.collect::<Vec<_>>(), &[])?;
+        }
     }
     let wrap = [texture.wrap_u, texture.wrap_v].map(|wrap| match wrap {
         Wrap::Repeat => 10497,

@@ -2,7 +2,7 @@
 
 use super::binary::Binary;
 use super::material::Materials;
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 use lumel_scene::{Bounds, MaterialId, ObjectId, Scene, TriId};
 use lumel_uv::Atlas;
 use serde_json::{Value, json};
@@ -61,14 +61,24 @@ pub(super) fn place(atlas: &Atlas, corner: u32) -> Vec2 {
     atlas.texture_coordinates(TriId(corner / 3))[corner as usize % 3]
 }
 
+/// Which vertices have an attribute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Only {
+    All,
+    /// Those whose material has textures.
+    Textured,
+    /// Those whose material has a normal map.
+    NormalMapped,
+}
+
 /// What each vertex has.
 pub(super) struct Attribute<'a> {
     /// What glTF calls it.
     pub(super) name: &'static str,
     /// Number of components.
     pub(super) width: usize,
-    /// Only where the material has textures.
-    pub(super) only_textured: bool,
+    /// Which vertices have it.
+    pub(super) only: Only,
     /// The components at a corner, and zeros after them.
     pub(super) value: Box<dyn Fn(MaterialId, u32) -> [f32; 4] + 'a>,
 }
@@ -84,12 +94,24 @@ impl<'a> Attribute<'a> {
             components[..WIDTH].copy_from_slice(&value(material, corner));
             components
         };
-        Self { name, width: WIDTH, only_textured: false, value: Box::new(padded) }
+        Self { name, width: WIDTH, only: Only::All, value: Box::new(padded) }
     }
 
     fn stride(&self) -> u64 {
         4 * self.width as u64
     }
+}
+
+/// Tangents, where normal maps have any; any frame where they make no difference.
+pub(super) fn tangents(scene: &Scene) -> Option<Attribute<'_>> {
+    let tangent = |_, corner| {
+        let vertex = vertex(scene, corner);
+        let tangent = scene.tangents()[vertex];
+        let any = || scene.normals()[vertex].any_orthonormal_vector().extend(1.0);
+        if tangent == Vec4::ZERO { any() } else { tangent }.to_array()
+    };
+    let attribute = Attribute { only: Only::NormalMapped, ..Attribute::new("TANGENT", tangent) };
+    (!scene.tangents().is_empty()).then_some(attribute)
 }
 
 /// All numbers of a file, attribute by attribute: indices first.
@@ -166,7 +188,11 @@ impl Streams<'_> {
     }
 
     fn has(&self, primitive: &Primitive, attribute: &Attribute<'_>) -> bool {
-        !attribute.only_textured || self.materials.is_textured(primitive.material)
+        match attribute.only {
+            Only::All => true,
+            Only::Textured => self.materials.is_textured(primitive.material),
+            Only::NormalMapped => self.materials.is_normal_mapped(primitive.material),
+        }
     }
 
     fn with(&self, attribute: &Attribute<'_>) -> impl Iterator<Item = &Primitive> {

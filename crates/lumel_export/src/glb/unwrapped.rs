@@ -1,7 +1,7 @@
 //! Scenes whose vertices know their place in an atlas.
 
 use super::material::{Appearance, Materials};
-use super::primitive::{Attribute, Primitive, Streams, place, split, vertex};
+use super::primitive::{Attribute, Primitive, Streams, place, split, tangents, vertex};
 use super::write;
 use crate::ExportError;
 use glam::Vec3;
@@ -62,6 +62,7 @@ pub(super) fn placed_attributes<'a>(scene: &'a Scene, atlas: &'a Atlas) -> Vec<A
     } else if scene.tints().iter().any(|tint| *tint != Vec3::ONE) {
         attributes.push(Attribute::new("COLOR_0", move |_, corner| tint(corner).to_array()));
     }
+    attributes.extend(tangents(scene));
     attributes.extend([
         Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array()),
         Attribute::new("TEXCOORD_1", |_, corner| place(atlas, corner).to_array()),

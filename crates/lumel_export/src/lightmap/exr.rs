@@ -9,10 +9,12 @@ use ::exr::prelude::{
     LineOrder, Text, f16,
 };
 use glam::Vec3;
+use lumel_basis::band_of;
 use lumel_lightmap::Lightmap;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 /// How exact the numbers of an image are.
@@ -30,6 +32,10 @@ pub enum Precision {
 /// The first layer is in channels `R`, `G` and `B`, irradiance in W·m⁻² (lux if the lights are photometric), linear
 /// Rec. 709; each other one in three channels below its name, such as `direct.R`. `valid` is 1 where light was measured, and
 /// 0 where it comes from other lumels. Compressed without loss.
+///
+/// Light by direction is in `sh0`, the coefficient of band 0 of incident radiance, W·m⁻², and in `sh1` to `sh3`, or to `sh8`,
+/// which are divided by it and by √(2l + 1): 1 at most, and −1 at least. They are those of real spherical harmonics in world space
+/// in the order of [`Harmonics`](lumel_basis::Harmonics).
 ///
 /// The attribute `lumel` is a JSON object with the page, lumels per metre, gutter and hash of the atlas, and `attributes`.
 ///
@@ -57,8 +63,10 @@ pub fn write_lightmap_exr(
         if !names.insert(prefix.clone()) {
             return Err(ExportError::content(path, format!("two layers are called \"{}\"", layer.name)));
         }
+        let shares = shares(lightmap, i, lumels.clone());
+        let written = shares.as_deref().unwrap_or(&layer.values[lumels.clone()]);
         for (k, channel) in ["R", "G", "B"].into_iter().enumerate() {
-            let values = layer.values[lumels.clone()].iter().map(|value: &Vec3| value[k]).collect();
+            let values = written.iter().map(|value: &Vec3| value[k]).collect();
             channels.push(AnyChannel::new(text(&format!("{prefix}{channel}")), samples(values)));
         }
     }
@@ -81,6 +89,20 @@ pub fn write_lightmap_exr(
             other => io::Error::other(other.to_string()),
         })
     })
+}
+
+/// A coefficient of a higher band as a share of that of band 0, which is at most one; `None` for all other layers.
+fn shares(lightmap: &Lightmap, layer: usize, lumels: Range<usize>) -> Option<Vec<Vec3>> {
+    let layers = &lightmap.layers;
+    let band = band_of(layers[layer].harmonic()?);
+    let base = layers.iter().find(|layer| layer.harmonic() == Some(0)).filter(|_| band > 0)?;
+    let most = (2.0 * band as f32 + 1.0).sqrt();
+    let share = |lumel: usize| {
+        let (value, base) = (layers[layer].values[lumel], base.values[lumel]);
+        let share = value / (most * base);
+        Vec3::select(base.cmpgt(Vec3::ZERO), share, Vec3::ZERO).clamp(Vec3::NEG_ONE, Vec3::ONE)
+    };
+    Some(lumels.map(share).collect())
 }
 
 fn described(lightmap: &Lightmap, page: usize, attributes: &[(&str, &str)]) -> LayerAttributes {

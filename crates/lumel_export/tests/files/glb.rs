@@ -1,11 +1,12 @@
 use crate::scenes::{AtVertices, colourful, light_on, plain, textured_square};
 use crate::tools::run_if_installed;
 use glam::{Vec2, Vec3};
+use lumel_basis::{Coefficients, Directional, IncidentRadiance, VertexLighting};
 use lumel_export::{ColorScale, ExportError, write_glb};
 use lumel_import::{ImportOptions, load};
 use lumel_scene::{
-    Albedo, Encoding, Filter, Irradiance, Material, Radiance, Scene, Texture, TextureId, TextureRef,
-    UvTransform,
+    Albedo, Encoding, Filter, Irradiance, Material, NormalMap, Radiance, Scene, Sides, SurfacePoint, Texture,
+    TextureId, TextureRef, TriId, UvTransform,
 };
 use serde_json::Value;
 use std::fs;
@@ -94,6 +95,54 @@ fn written(scene: &Scene, exposure: ColorScale) -> (Glb, f32) {
     let path = folder.path().join("a.glb");
     let exposure = write_glb(&path, scene, &AtVertices(light_on(scene)), exposure).unwrap();
     (Glb::read(&path), exposure)
+}
+
+#[test]
+fn light_by_direction_is_in_attributes_of_vertices() {
+    let scene = plain("box");
+    let irradiance = light_on(&scene);
+    for kind in [Directional::Sh1, Directional::Sh2] {
+        let of = |vertex: usize, k: usize| Vec3::new(1.0, 0.5, 0.25) * (1.0 + vertex as f32 - 0.3 * k as f32);
+        let n = kind.harmonics();
+        let values = (0..n * scene.vertex_count()).map(|i| of(i / n, i % n)).collect();
+        let coefficients = Coefficients::new(kind, values).unwrap();
+        let lighting = VertexLighting::new(&scene, &irradiance).unwrap();
+        let lighting = lighting.with_incident(Some(&coefficients)).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.glb");
+        write_glb(&path, &scene, &lighting, ColorScale::Auto).unwrap();
+        let glb = Glb::read(&path);
+        let mut found = 0;
+        for primitive in glb.primitives() {
+            let attributes = &primitive["attributes"];
+            let positions = glb.vectors(&attributes["POSITION"]);
+            let four = |name: &str| {
+                glb.words(&attributes[name], 4).into_iter().map(f32::from_le_bytes).collect::<Vec<_>>()
+            };
+            let [green, blue] = [four("_SH1G"), four("_SH1B")];
+            let direction = glb.vectors(&attributes["_DIRECTION"]);
+            for (i, position) in positions.iter().enumerate() {
+                let at = |v: &usize| {
+                    scene.positions()[*v] == *position && (green[4 * i] - of(*v, 0).y).abs() < 1e-6
+                };
+                let Some(vertex) = (0..scene.vertex_count()).find(at) else { continue };
+                found += 1;
+                let expected = [0, 1, 2, 3].map(|k| of(vertex, k).z);
+                assert_eq!(blue[4 * i..][..4], expected);
+                let light = IncidentRadiance::new(coefficients.of(vertex)).unwrap();
+                assert_eq!(direction[i], light.dominant());
+                if kind == Directional::Sh2 {
+                    assert_eq!(four("_SH2R")[4 * i + 1], of(vertex, 5).x);
+                    assert_eq!(glb.vectors(&attributes["_SH22"])[i], of(vertex, 8));
+                }
+            }
+            assert_eq!(attributes.get("_SH2G").is_some(), kind == Directional::Sh2);
+        }
+        assert!(found >= scene.vertex_count());
+        assert!(glb.json["asset"]["extras"]["_SH1R"].is_string());
+    }
+    let (glb, _) = written(&scene, ColorScale::Auto);
+    assert!(glb.primitives().all(|primitive| primitive["attributes"].get("_SH1R").is_none()));
 }
 
 #[test]
@@ -398,4 +447,42 @@ fn the_khronos_validator_finds_nothing() {
         write_glb(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
         validate(&path);
     }
+}
+
+#[test]
+fn normal_maps_come_back_with_their_tangents() {
+    let transform = UvTransform { rotation: 0.4, scale: Vec2::new(-2.0, 2.0), ..UvTransform::default() };
+    let image = TextureRef { texture: TextureId(0), transform };
+    let texels = vec![[200, 100, 220, 255], [60, 128, 230, 255], [128, 128, 255, 255], [128, 60, 240, 255]];
+    let bumps = Texture::from_bytes("bumps", 2, 2, texels, Encoding::Linear).unwrap();
+    let bumpy = |map| Material { normal_texture: Some(map), ..Material::diffuse("bumpy", Vec3::splat(0.5)) };
+    let up = NormalMap { image, scale: Vec2::splat(0.75) };
+    let materials = vec![Material { sides: Sides::Both, ..bumpy(up) }, bumpy(up.flipped())];
+    let scene = textured_square(materials, vec![bumps]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    write_glb(&path, &scene, &AtVertices(light_on(&scene)), ColorScale::Auto).unwrap();
+    validate(&path);
+    let again = load(&path, &ImportOptions::default()).unwrap();
+    assert!(again.warnings.iter().all(|warning| warning.subject == "COLOR_0"));
+    let again = again.scene.build().unwrap().0;
+    assert_eq!((again.triangle_count(), again.traced_count()), (scene.triangle_count(), 3));
+    let mut seen = Vec::new();
+    for tri in (0..scene.triangle_count() as u32).map(TriId) {
+        let found = (0..again.triangle_count() as u32).map(TriId);
+        let same = |other: &TriId| {
+            again.triangle_positions(*other) == scene.triangle_positions(tri)
+                && again.geometric_normal(*other) == scene.geometric_normal(tri)
+        };
+        let other = found.into_iter().find(same).unwrap();
+        for (u, v) in [(0.2, 0.3), (0.7, 0.1)] {
+            let [ours, theirs] = [(&scene, tri), (&again, other)].map(|(scene, tri)| {
+                scene.mapped_normal(SurfacePoint { tri, bary: [u, v].into() }, Vec2::ONE).unwrap()
+            });
+            // Flipped bytes are off by one.
+            assert!((ours - theirs).length() < 0.01, "{ours} {theirs}");
+            seen.push(ours);
+        }
+    }
+    assert!(seen.iter().any(|n| n.y < 0.0) && seen.iter().all(|n| n.y.abs() < 0.999), "{seen:?}");
 }

@@ -2,7 +2,7 @@ use crate::damage::{flips, truncations};
 use crate::scenes::{light_on, plain};
 use crate::tools::numpy;
 use glam::Vec3;
-use lumel_basis::{Lighting, irradiance_at_vertices};
+use lumel_basis::{Coefficients, Directional, Lighting, irradiance_at_vertices};
 use lumel_export::{
     Array, ArrayData, NpzReader, Solution, SolutionError, SolutionLayer, SolutionMeta, SolutionSelection,
     write_npz,
@@ -14,9 +14,14 @@ use std::path::Path;
 
 fn solution(scene: &Scene) -> Solution {
     let irradiance = light_on(scene);
+    let coefficients = |share: f32| {
+        let of_vertex = |e: &Vec3| [0, 1, 2, 3].map(|k| (share - 0.5 * k as f32) * *e);
+        Coefficients::new(Directional::Sh1, irradiance.iter().flat_map(of_vertex).collect())
+    };
     let layer = |(name, share): (&str, f32)| SolutionLayer {
         name: name.to_owned(),
         irradiance: irradiance.iter().map(|e| share * *e).collect(),
+        directional: coefficients(share),
     };
     let layers = [("window", 0.75), ("light 2", 0.25)].map(layer).to_vec();
     let half: Vec<Vec3> = irradiance.iter().map(|e| 0.5 * *e).collect();
@@ -29,6 +34,7 @@ fn solution(scene: &Scene) -> Solution {
         valid: (0..irradiance.len()).map(|v| v != 2).collect(),
         standard_error: Some(irradiance.iter().map(|e| 0.01 * *e).collect()),
         layers,
+        directional: coefficients(1.0),
         occlusion: Some((0..irradiance.len()).map(|v| 0.01 * v as f32).collect()),
         splits: vec![[0, 1], [1, 7]],
         irradiance,
@@ -56,6 +62,7 @@ fn a_solution_comes_back_bit_for_bit() {
     solution.bounces.clear();
     (solution.tail, solution.standard_error) = (None, None);
     solution.layers.clear();
+    solution.directional = None;
     solution.meta.complete = false;
     solution.meta.statistics = json!({ "seconds": 1.5 });
     assert_eq!(saved_and_loaded(&solution, &path), solution);

@@ -9,7 +9,7 @@ use gltf_json::material::NormalTexture;
 use gltf_json::texture::Info;
 use gltf_json::validation::Checked;
 use lumel_scene::{
-    AlphaMode, Encoding, Material, MaterialId, Radiance, Sides, Texture, TextureRef, Transparency,
+    AlphaMode, Encoding, Material, MaterialId, NormalMap, Radiance, Sides, Texture, TextureRef, Transparency,
     UvTransform, Warnings,
 };
 use std::collections::BTreeMap;
@@ -32,6 +32,8 @@ pub(super) struct Used {
     pub(super) id: MaterialId,
     /// Which set of texture coordinates its textures use; `None` without textures.
     pub(super) uv_set: Option<u32>,
+    /// Whether tangents are of use.
+    pub(super) has_normal_map: bool,
 }
 
 impl<'a> Materials<'a> {
@@ -62,7 +64,8 @@ impl<'a> Materials<'a> {
             (Some(index), Some(material)) => self.convert(index, material, warnings),
             _ => (Material::default(), None),
         };
-        let used = Used { id: MaterialId(self.converted.len() as u32), uv_set };
+        let has_normal_map = converted.normal_texture.is_some();
+        let used = Used { id: MaterialId(self.converted.len() as u32), uv_set, has_normal_map };
         self.converted.push(converted);
         *index.map_or(&mut self.default, |index| &mut self.known[index]) = Some(used);
         Ok(used)
@@ -125,7 +128,9 @@ impl<'a> Materials<'a> {
             bind(pbr.base_color_texture.as_ref().map(|info| Slot::color("base colour", info)));
         let emissive = material.emissive_texture.as_ref().filter(|_| emission != Vec3::ZERO);
         let emission_texture = bind(emissive.map(|info| Slot::color("emissive", info)));
-        let normal_texture = bind(material.normal_texture.as_ref().map(Slot::normal));
+        let normal_texture = material.normal_texture.as_ref().and_then(|normal| {
+            Some(NormalMap { image: bind(Some(Slot::normal(normal)))?, scale: Vec2::splat(normal.scale) })
+        });
 
         let [red, green, blue, alpha] = pbr.base_color_factor.0;
         let base = Vec3::new(red, green, blue);
@@ -182,9 +187,6 @@ fn limitations(material: &gltf_json::Material) -> Vec<&'static str> {
             Some(_) => "metal in its texture is treated as diffuse, with its base colour as albedo",
             None => "metal is treated as diffuse, with its base colour as albedo",
         });
-    }
-    if material.normal_texture.as_ref().is_some_and(|normal| normal.scale != 1.0) {
-        messages.push("the scale of its normal texture is ignored");
     }
     if let Some(extensions) = &material.extensions {
         if extensions.unlit.is_some() {

@@ -8,7 +8,7 @@ use super::own::BAKED;
 use super::pose::Pose;
 use super::skin::Influences;
 use super::topology::{self, triangle_count};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use lumel_scene::{Face, MaterialId, ObjectMesh, Smoothing, Warnings, rounding_of};
@@ -37,6 +37,8 @@ pub(super) struct Part<'a> {
     positions: Morphed<'a>,
     normals: Option<Morphed<'a>>,
     uvs: Option<Morphed<'a>>,
+    /// Where the material has a normal map.
+    tangents: Option<Morphed<'a>>,
     /// The second set of texture coordinates: places in a lightmap, whatever else materials use it for.
     lightmap_uvs: Option<Morphed<'a>>,
     colors: Option<Morphed<'a>>,
@@ -131,11 +133,16 @@ impl<'a> Source<'_, 'a> {
             let base = self.attribute(semantic, widths, count)?.map(Elements::normalized);
             base.map(|base| morphed(base, semantic)).transpose()
         };
+        let normals = attribute(&Semantic::Normals, &[3])?;
+        // The specification wants tangents without normals to be ignored.
+        let has_tangents = material.has_normal_map && normals.is_some();
+        let tangents = has_tangents.then(|| attribute(&Semantic::Tangents, &[4])).transpose()?.flatten();
         Ok(Part {
             material: material.id,
             positions: morphed(shape.positions, &Semantic::Positions)?,
-            normals: attribute(&Semantic::Normals, &[3])?,
+            normals,
             uvs,
+            tangents,
             lightmap_uvs: normalized(&Semantic::TexCoords(1), &[2])?,
             baked: attribute(&Semantic::Extras(BAKED.to_owned()), &[4])?,
             colors: normalized(&Semantic::Colors(0), &[3, 4])?,
@@ -215,6 +222,10 @@ impl Part<'_> {
         // The specification asks for flat normals where there are none.
         let smoothing = if normals.is_some() { Smoothing::default() } else { Smoothing::Flat };
         fill(&mut object.normals, first, end, Vec3::ZERO, normals);
+        let tangents = self.tangents.as_ref().map(|tangents| {
+            vertices().enumerate().map(|(i, v)| pose.tangent(i, tangents.vector(v), tangents.fourth(v)))
+        });
+        fill(&mut object.tangents, first, end, Vec4::ZERO, tangents);
         let coordinates = |uvs: &Option<Morphed<'_>>| {
             uvs.as_ref().map(|uvs| vertices().map(|v| Vec2::from(uvs.vector::<2>(v))).collect::<Vec<_>>())
         };

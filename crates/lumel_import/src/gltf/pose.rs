@@ -1,6 +1,6 @@
 //! From a mesh's own space to the world.
 
-use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3, Vec4};
 
 /// Where the vertices of a primitive stand.
 pub(super) enum Pose {
@@ -19,6 +19,13 @@ impl Pose {
     /// A normal in world space, of any length.
     pub(super) fn normal(&self, vertex: usize, normal: [f32; 3]) -> Vec3 {
         self.of(vertex).normals * Vec3::from(normal)
+    }
+
+    /// A tangent in world space, of any length, and the sign of its bitangent.
+    pub(super) fn tangent(&self, vertex: usize, tangent: [f32; 3], sign: f32) -> Vec4 {
+        let Transform { world, mirrors, .. } = self.of(vertex);
+        let along = world.transform_vector3(Vec3::from(tangent).as_dvec3()).as_vec3();
+        along.extend(if *mirrors { -sign } else { sign })
     }
 
     /// Whether a triangle shows its other side unless its corners run the other way. Corners that disagree vote.

@@ -1,13 +1,15 @@
 //! From MTL materials to diffuse ones.
 
+use super::bumps;
 use super::map::MapStatement;
 use super::statements::MtlMaterial;
 use crate::image::{Budget, TextureCache, TextureKey, read_texture};
 use crate::paths::Resolver;
 use crate::text::name_list;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lumel_scene::{
-    Encoding, Filter, Material, Radiance, Sides, Texture, TextureId, TextureRef, Transparency, Warnings,
+    Encoding, Filter, Material, NormalMap, Radiance, Sides, Texture, TextureId, TextureRef, Transparency,
+    Warnings,
 };
 use std::path::Path;
 
@@ -35,15 +37,15 @@ pub(super) struct Converter<'a> {
     textures: &'a mut TextureCache,
     warnings: &'a mut Warnings,
     n_warnings: usize,
-    height_maps: Vec<String>,
+    displaced: Vec<String>,
     glass: Vec<String>,
     shiny: Vec<String>,
 }
 
 impl<'a> Converter<'a> {
     pub(super) fn new(textures: &'a mut TextureCache, warnings: &'a mut Warnings) -> Self {
-        let (height_maps, glass, shiny) = Default::default();
-        Self { textures, warnings, n_warnings: 0, height_maps, glass, shiny }
+        let (displaced, glass, shiny) = Default::default();
+        Self { textures, warnings, n_warnings: 0, displaced, glass, shiny }
     }
 
     /// The diffuse part of a material.
@@ -61,7 +63,7 @@ impl<'a> Converter<'a> {
         material.emission_texture = self.texture(name, mtl.emission_map.as_ref(), Encoding::Srgb, resolver);
         let emission = self.factor(name, "Ke", mtl.emission, material.emission_texture);
         material.emission = Radiance(emission.unwrap_or_default());
-        material.normal_texture = self.texture(name, mtl.normal_map.as_ref(), Encoding::Linear, resolver);
+        material.normal_texture = self.normals(mtl, resolver);
         self.note_what_is_lost(mtl);
         material.transparency = self.alpha(mtl, material.albedo_texture, resolver);
         if is_glass(mtl) && !material.emits() {
@@ -135,6 +137,18 @@ impl<'a> Converter<'a> {
         self.bound(material, map, loaded)
     }
 
+    /// `norm`; without it, or if its image cannot be had, what `map_bump` makes of normals. `-bm` is a scale of either.
+    fn normals(&mut self, mtl: &MtlMaterial, resolver: &Resolver) -> Option<NormalMap> {
+        let scaled = |map: &MapStatement, image| NormalMap { image, scale: Vec2::splat(map.bump) };
+        let named = self.texture(&mtl.name, mtl.normal_map.as_ref(), Encoding::Linear, resolver);
+        if let (Some(map), Some(image)) = (&mtl.normal_map, named) {
+            return Some(scaled(map, image));
+        }
+        let map = mtl.bump_map.as_ref()?;
+        let image = self.derived(&mtl.name, map, resolver, "normals", bumps::into_normals)?;
+        Some(scaled(map, image))
+    }
+
     /// An image whose alpha, or if it has none whose brightness, is that of the surface.
     fn opacity_texture(
         &mut self,
@@ -142,12 +156,24 @@ impl<'a> Converter<'a> {
         map: &MapStatement,
         resolver: &Resolver,
     ) -> Option<TextureRef> {
+        self.derived(material, map, resolver, "opacity", Texture::into_opacity)
+    }
+
+    /// What is made of an image: a texture of its own, beside that of the image as it is.
+    fn derived(
+        &mut self,
+        material: &str,
+        map: &MapStatement,
+        resolver: &Resolver,
+        what: &str,
+        make: impl Fn(Texture) -> Texture,
+    ) -> Option<TextureRef> {
         let loaded = resolver.resolve(&map.file).map_err(|error| error.to_string()).and_then(|path| {
-            // No file inside a file: the image as a colour is another texture.
-            let source = path.join("opacity");
+            // No file inside a file.
+            let source = path.join(what);
             let (encoding, filter) = (Encoding::Linear, Filter::Linear);
             let key = TextureKey { source, encoding, wrap_u: map.wrap, wrap_v: map.wrap, filter };
-            let load = |budget: &mut Budget| read_texture(&path, encoding, budget).map(Texture::into_opacity);
+            let load = |budget: &mut Budget| read_texture(&path, encoding, budget).map(&make);
             self.textures.get_or_load(key, load).map_err(|error| error.to_string())
         });
         self.bound(material, map, loaded)
@@ -179,8 +205,8 @@ impl<'a> Converter<'a> {
     }
 
     fn note_what_is_lost(&mut self, mtl: &MtlMaterial) {
-        if mtl.has_height_map {
-            self.height_maps.push(mtl.name.clone());
+        if mtl.is_displaced {
+            self.displaced.push(mtl.name.clone());
         }
         // From 3 on, illumination models trace rays into mirrors and through glass; 10 is for shadows on photographs.
         if mtl.illumination.is_some_and(|model| (3..10).contains(&model) && !GLASS.contains(&model)) {
@@ -195,7 +221,7 @@ impl<'a> Converter<'a> {
             self.warnings.push(obj.display().to_string(), message);
         }
         let kinds = [
-            (self.height_maps, "height maps are ignored (a normal map is named by norm), materials"),
+            (self.displaced, "displacement is ignored, materials"),
             (self.glass, "light passes straight through materials that refract"),
             (self.shiny, "materials that mirror or refract are treated as diffuse"),
         ];

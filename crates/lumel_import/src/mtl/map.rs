@@ -14,6 +14,8 @@ pub(super) struct MapStatement {
     pub(super) scale: Vec2,
     /// `-clamp`.
     pub(super) wrap: Wrap,
+    /// `-bm`: how much steeper bumps are.
+    pub(super) bump: f32,
     /// Whether `-mm` changes the values, which is not supported.
     pub(super) changes_values: bool,
 }
@@ -26,6 +28,7 @@ impl MapStatement {
             offset: Vec2::ZERO,
             scale: Vec2::ONE,
             wrap: Wrap::Repeat,
+            bump: 1.0,
             changes_values: false,
         };
         let mut rest = text.trim();
@@ -70,6 +73,7 @@ impl MapStatement {
             ("-o", 1..) => self.offset = Vec2::new(x, y),
             ("-s", 1) => self.scale.x = x,
             ("-s", 2..) => self.scale = Vec2::new(x, y),
+            ("-bm", 1..) => self.bump = x,
             ("-mm", 1..) => self.changes_values = x != 0.0 || count > 1 && y != 1.0,
             _ => {}
         }
@@ -177,6 +181,7 @@ mod tests {
         assert!((down - Vec2::new(expected_up.x, 1.0 - expected_up.y)).length() < 1e-6, "{down}");
         assert_eq!(parse("wood.png").transform(), UvTransform::default());
         assert_eq!(parse("-s 2 wood.png").scale, Vec2::new(2.0, 1.0));
+        assert_eq!([parse("wood.png").bump, parse("wood.png -bm 0.25").bump], [1.0, 0.25]);
     }
 
     #[test]

@@ -1,7 +1,8 @@
-//! MTL material libraries: diffuse albedo, emission and normal maps, and warnings about the rest.
+//! MTL material libraries: diffuse albedo, emission, normal and height maps, and warnings about the rest.
 //!
 //! Libraries are optional: problems are warnings, and missing materials have an albedo of 0.5.
 
+mod bumps;
 mod convert;
 mod map;
 mod statements;

@@ -23,8 +23,10 @@ pub(super) struct MtlMaterial {
     pub(super) emission_map: Option<MapStatement>,
     /// `norm`.
     pub(super) normal_map: Option<MapStatement>,
-    /// Whether it has a `map_bump`, `bump` or `disp`.
-    pub(super) has_height_map: bool,
+    /// `map_bump` or `bump`: heights, or a normal map after all.
+    pub(super) bump_map: Option<MapStatement>,
+    /// Whether it has a `disp`.
+    pub(super) is_displaced: bool,
     /// `d`, or one minus `Tr` where there is only that.
     pub(super) opacity: Option<f32>,
     /// `map_d`.
@@ -107,7 +109,8 @@ impl MtlMaterial {
             b"map_kd" => self.albedo_map = Some(map(arguments)?),
             b"map_ke" => self.emission_map = Some(map(arguments)?),
             b"norm" | b"map_norm" => self.normal_map = Some(map(arguments)?),
-            b"map_bump" | b"bump" | b"disp" | b"map_disp" => self.has_height_map = true,
+            b"map_bump" | b"bump" => self.bump_map = Some(map(arguments)?),
+            b"disp" | b"map_disp" => self.is_displaced = true,
             b"map_d" => self.opacity_map = Some(map(arguments)?),
             b"tf" => self.filter = Some(color(arguments)?),
             b"d" => {

@@ -65,15 +65,38 @@ fn missing_textures_are_named_and_their_colours_used() {
 }
 
 #[test]
-fn normal_maps_are_linear_and_height_maps_are_not_normal_maps() {
-    let text = "Kd 1 1 1\nmap_Kd red.png\nnorm -bm 1 tex\\my normals.png\nmap_Bump -bm 0.2 red.png\nbump red.png\ndisp red.png";
+fn normal_maps_are_linear_and_come_before_height_maps() {
+    let text =
+        "Kd 1 1 1\nmap_Kd red.png\nnorm -bm 0.5 tex\\my normals.png\nmap_Bump -bm 0.2 red.png\ndisp red.png";
     let (imported, warnings) = mtl(&format!("newmtl m\n{text}\n"));
     let scene = &imported.scene;
-    let texture = scene.materials[0].normal_texture.unwrap().texture.index();
-    assert_eq!(scene.textures[texture].bytes().unwrap().1, Encoding::Linear);
+    let map = scene.materials[0].normal_texture.unwrap();
+    assert_eq!(map.scale, Vec2::splat(0.5));
+    assert_eq!(scene.textures[map.image.texture.index()].bytes().unwrap().1, Encoding::Linear);
     assert_eq!(scene.textures.len(), 2, "the height map is not loaded");
-    let expected = "test.obj: height maps are ignored (a normal map is named by norm), materials: m";
-    assert_eq!(warnings, [expected]);
+    assert_eq!(warnings, ["test.obj: displacement is ignored, materials: m"]);
+}
+
+#[test]
+fn height_maps_become_normal_maps() {
+    for statement in ["map_bump", "bump", "map_Bump"] {
+        let lost = "norm gone.png\n";
+        for before in ["", lost] {
+            let (imported, warnings) =
+                mtl(&format!("newmtl m\nKd 1 1 1\n{before}{statement} -bm 0.2 red.png\n"));
+            let scene = &imported.scene;
+            let map = scene.materials[0].normal_texture.unwrap();
+            assert_eq!(map.scale, Vec2::splat(0.2));
+            let (texels, encoding) = scene.textures[map.image.texture.index()].bytes().unwrap();
+            assert_eq!((texels[0], encoding), ([128, 128, 255, 255], Encoding::Linear));
+            assert_eq!(warnings.len(), usize::from(!before.is_empty()), "{warnings:?}");
+        }
+    }
+    let (_, warnings) = mtl("newmtl m\nKd 1 1 1\nbump gone.png\n");
+    assert!(
+        warnings[0].starts_with("material \"m\": going on without a texture: \"gone.png\""),
+        "{warnings:?}"
+    );
 }
 
 #[test]

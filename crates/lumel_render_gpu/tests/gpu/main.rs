@@ -8,5 +8,6 @@ mod golden;
 mod lumels;
 mod marks;
 mod pictures;
+mod relief;
 mod robust;
 mod scenes;

@@ -4,8 +4,8 @@ use crate::common::Subject;
 use glam::{Vec2, Vec3};
 use lumel::{Baker, BounceLimit, Control, Settings, Silent, SolveState};
 use lumel_scene::{
-    Camera, Encoding, Light, Material, MaterialId, ObjectMesh, Radiance, RectLight, Scene, SceneBuilder,
-    Sides, Texture, TextureId, TextureRef, UvTransform, Wrap,
+    Camera, Encoding, Light, Material, MaterialId, NormalMap, ObjectMesh, Radiance, RectLight, Scene,
+    SceneBuilder, Sides, Texture, TextureId, TextureRef, UvTransform, Wrap,
 };
 use lumel_testkit::mesh::{Facing, quad, sphere};
 use std::sync::{Arc, LazyLock};
@@ -59,7 +59,7 @@ pub(crate) fn everything() -> Subject {
     let mirrored = UvTransform { offset: Vec2::new(0.2, 0.7), rotation: 0.5, scale: Vec2::new(-1.5, 0.8) };
     let both = Material {
         albedo_texture: map(0, mirrored),
-        normal_texture: map(2, mirrored),
+        normal_texture: map(2, mirrored).map(NormalMap::new),
         sides: Sides::Both,
         ..Material::diffuse("both", Vec3::new(0.9, 0.8, 0.7))
     };
@@ -69,7 +69,8 @@ pub(crate) fn everything() -> Subject {
         ..Material::diffuse("emissive", Vec3::splat(0.2))
     };
     let grey = Material::diffuse("grey", Vec3::splat(0.7));
-    let bumpy = Material { normal_texture: map(2, UvTransform::default()), ..grey.clone() };
+    let bumps = map(2, UvTransform::default()).map(|image| NormalMap { image, scale: Vec2::new(0.8, -0.6) });
+    let bumpy = Material { normal_texture: bumps, ..grey.clone() };
     builder.materials = vec![both, emissive, grey, bumpy];
     builder.objects = objects();
     let rect_light = |center, texture| {

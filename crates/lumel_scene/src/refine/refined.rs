@@ -4,7 +4,7 @@ use super::parts::{Leaf, Middles, base};
 use super::refinement::{Node, Refinement};
 use crate::face_list::FaceList;
 use crate::tessellate::{middle, widest_corner};
-use crate::{MAX_TRIANGLES, Scene, SceneError, TriId};
+use crate::{MAX_TRIANGLES, Scene, SceneError, TriId, tangents};
 use glam::Vec3;
 use std::ops::{Add, Mul};
 use std::sync::Arc;
@@ -35,6 +35,7 @@ impl Scene {
             positions,
             normals: given.normals.clone(),
             uvs: given.uvs.clone(),
+            tangents: given.tangents.clone(),
             lightmap_uvs: given.lightmap_uvs.clone(),
             tints: given.tints.clone(),
             alphas: given.alphas.clone(),
@@ -46,6 +47,9 @@ impl Scene {
             let normal = (faces.normals[i] + faces.normals[j]).try_normalize().unwrap_or(faces.normals[i]);
             faces.normals.push(normal);
             push_mean(&mut faces.uvs, [i, j]);
+            if !faces.tangents.is_empty() {
+                faces.tangents.push(tangents::middle(faces.tangents[i], faces.tangents[j]));
+            }
             push_mean(&mut faces.lightmap_uvs, [i, j]);
             push_mean(&mut faces.tints, [i, j]);
             push_mean(&mut faces.alphas, [i, j]);

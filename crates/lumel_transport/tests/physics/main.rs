@@ -2,6 +2,7 @@
 
 mod classic_bugs;
 mod convergence;
+mod directional;
 mod elements;
 mod emissive;
 mod gather;

@@ -98,6 +98,7 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
             None => format!("Bounce {k}"),
         },
         Phase::FinalGather => "Final gather".to_owned(),
+        Phase::Directional => "Light by direction".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::Layer(layer) => format!("Layer {} of {}", layer + 1, progress.layers),
         Phase::StandardError => "Measuring the standard error".to_owned(),

@@ -42,7 +42,8 @@ pub fn light_from(file: &LightFile) -> Illumination {
 }
 
 fn layer(layer: &SolutionLayer) -> Layer {
-    Layer { name: layer.name.clone(), values: Arc::new(layer.irradiance.clone()), share: 1.0 }
+    let SolutionLayer { name, irradiance, directional } = layer.clone();
+    Layer { name, values: Arc::new(irradiance), directional: directional.map(Arc::new), share: 1.0 }
 }
 
 fn light_of_solution(solution: &Solution) -> Illumination {
@@ -56,5 +57,6 @@ fn light_of_solution(solution: &Solution) -> Illumination {
         valid: Arc::new(solution.valid.clone()),
         standard_error: solution.standard_error.clone().map(Arc::new),
         layers: solution.layers.iter().map(layer).collect(),
+        directional: solution.directional.clone().map(Arc::new),
     }
 }

@@ -6,6 +6,7 @@ use crate::notice::Level;
 use crate::selection::{Illumination, Layer, VertexValues};
 use glam::Vec3;
 use lumel::Scene;
+use lumel_basis::Coefficients;
 use lumel_scene::{Barycentrics, SurfacePoint, TriId};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -59,12 +60,21 @@ impl Kept {
             })
             .collect();
         let own = &*self.mesh.scene;
-        let read = |values: &VertexValues| -> VertexValues {
-            let at = |place: &Option<SurfacePoint>| {
+        // So many values at each vertex, side by side.
+        let read_all = |values: &[Vec3], n: usize| -> Vec<Vec3> {
+            let at = |place: &Option<SurfacePoint>, k: usize| {
                 let corners = place.map(|at| own.triangle(at.tri).into_iter().zip(at.bary.weights()));
-                corners.into_iter().flatten().map(|(v, weight)| values[v as usize] * weight).sum::<Vec3>()
+                corners
+                    .into_iter()
+                    .flatten()
+                    .map(|(v, weight)| values[v as usize * n + k] * weight)
+                    .sum::<Vec3>()
             };
-            Arc::new(places.iter().map(at).collect())
+            places.iter().flat_map(|place| (0..n).map(move |k| at(place, k))).collect()
+        };
+        let read = |values: &VertexValues| -> VertexValues { Arc::new(read_all(values, 1)) };
+        let read_directional = |light: &Arc<Coefficients>| {
+            Coefficients::new(light.kind(), read_all(light.values(), light.kind().harmonics())).map(Arc::new)
         };
         let is_valid = |place: &Option<SurfacePoint>| {
             let corners = place.map(|at| own.triangle(at.tri));
@@ -84,8 +94,13 @@ impl Kept {
                 .light
                 .layers
                 .iter()
-                .map(|layer| Layer { values: read(&layer.values), ..layer.clone() })
+                .map(|layer| Layer {
+                    values: read(&layer.values),
+                    directional: layer.directional.as_ref().and_then(read_directional),
+                    ..layer.clone()
+                })
                 .collect(),
+            directional: self.light.directional.as_ref().and_then(read_directional),
         }
     }
 }

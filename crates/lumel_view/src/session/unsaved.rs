@@ -156,11 +156,11 @@ impl Session {
         let (document, computed) = (self.document.as_ref()?, self.computed.as_ref()?);
         let scene = &document.scene;
         // A file holds all light as solved, whatever layers are dimmed in the window.
-        let layers = self
-            .light
-            .layers
-            .iter()
-            .map(|layer| SolutionLayer { name: layer.name.clone(), irradiance: layer.values.to_vec() });
+        let layers = self.light.layers.iter().map(|layer| SolutionLayer {
+            name: layer.name.clone(),
+            irradiance: layer.values.to_vec(),
+            directional: layer.directional.as_deref().cloned(),
+        });
         let layers = layers.collect();
         let light = Illumination { current: None, layers: Vec::new(), ..self.light.clone() };
         let n = scene.vertex_count();
@@ -181,6 +181,7 @@ impl Session {
             valid,
             standard_error: light.standard_error.as_ref().map(|e| e.to_vec()),
             layers,
+            directional: light.directional.as_deref().cloned(),
             occlusion: None,
             splits: scene.refinement().map_or(Vec::new(), |refinement| refinement.splits().to_vec()),
         })

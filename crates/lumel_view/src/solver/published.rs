@@ -27,6 +27,8 @@ pub enum Phase {
     Bounce(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// Measuring where all light comes from.
+    Directional,
     /// Adding samples where the error is above the target; 0 is the first round.
     Round(u32),
     /// Measuring the light of some emitters alone.

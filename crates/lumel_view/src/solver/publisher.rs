@@ -143,7 +143,9 @@ impl<'a> Publisher<'a> {
             Step::Bounce(bounce) => bounce,
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
-            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Layer(_) => return,
+            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => {
+                return;
+            }
         };
         // A guess for looking at, where nothing is measured yet. It is not read as the nearest function, which would
         // swing between what is measured and what is not.
@@ -199,6 +201,7 @@ impl Observer for Publisher<'_> {
             Step::Validity => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
             Step::FinalGather => Phase::FinalGather,
+            Step::Directional => Phase::Directional,
             Step::Round(round) => Phase::Round(round),
             Step::Layer(layer) => Phase::Layer(layer),
         });
@@ -211,7 +214,7 @@ impl Observer for Publisher<'_> {
         match step {
             Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
             Step::Round(_) => self.publish_round(state),
-            Step::Validity | Step::FinalGather | Step::Layer(_) => return,
+            Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => return,
         }
         if self.keep.is_some() {
             self.hand_over(|mail| mail.state = Some(state.clone()));

@@ -112,12 +112,14 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let tail = beyond_bounces(&state).map(|tail| Arc::new(reader.at_vertices(&tail)));
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
     let layers = layers(&reader, &state);
+    let directional = state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field));
     drop(reader);
     shared.publish_light(|p| {
         p.light.current = None;
         p.light.tail = tail;
         p.light.valid = valid;
         p.light.layers = layers;
+        p.light.directional = directional.map(Arc::new);
     });
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
 }
@@ -126,8 +128,14 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
 fn layers(reader: &LightReader<'_>, state: &SolveState) -> Vec<Layer> {
     let baker = reader.baker();
     let names = lumel::light_layers(baker.scene(), baker.settings()).into_iter().map(|layer| layer.name);
-    let layer = |(name, field)| Layer { name, values: Arc::new(reader.at_vertices(field)), share: 1.0 };
-    names.zip(&state.layers).map(layer).collect()
+    let by_direction = |k: usize| reader.directional_at_vertices(state.directional_layers.get(k)?);
+    let layer = |(k, (name, field))| Layer {
+        name,
+        values: Arc::new(reader.at_vertices(field)),
+        directional: by_direction(k).map(Arc::new),
+        share: 1.0,
+    };
+    names.zip(&state.layers).enumerate().map(layer).collect()
 }
 
 /// What the sum of the bounces lacks of all light: the tail, or what a final gather has made different.

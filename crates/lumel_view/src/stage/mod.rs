@@ -24,7 +24,7 @@ use content::Content;
 use eframe::egui_wgpu::RenderState;
 use lumel::{RectLight, Scene, VertexLighting};
 use lumel_lightmap::Filter;
-use lumel_render_cpu::Scale;
+use lumel_render_cpu::{Relief, Scale};
 use lumel_render_gpu::{
     Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
     Values,
@@ -202,6 +202,8 @@ impl Stage {
             light,
             rect_lights: &drawn.lamps,
             look: drawn.look,
+            relief: Relief::default(),
+            ripple: None,
             wireframe: drawn.wireframe,
             grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),

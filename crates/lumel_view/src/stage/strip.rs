@@ -11,6 +11,7 @@ use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu::FilterMode;
 use lumel::{RectLight, Scene, VertexLighting};
+use lumel_render_cpu::Relief;
 use lumel_render_gpu::{Frame, LightBuffer, Lit, Look, Model, RenderError, Renderer, Samples, Target};
 
 /// What a small picture shows.
@@ -143,6 +144,8 @@ impl Strip {
             light: Lit::One((&cell.buffer).into()),
             rect_lights: &drawn.lamps,
             look,
+            relief: Relief::default(),
+            ripple: None,
             wireframe: false,
             grid: false,
             overlay: None,

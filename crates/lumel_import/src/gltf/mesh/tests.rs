@@ -1,5 +1,5 @@
 use crate::gltf::testing::{Model, U8, U16, U32, facing, text};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use lumel_scene::Smoothing;
 use serde_json::{Value, json};
 
@@ -53,6 +53,28 @@ fn normals_stay_perpendicular_under_uneven_scale() {
     // Squeezed flat, the triangle has no area but the normal still has a direction.
     model.json["nodes"][0]["scale"] = json!([0, 1, 1]);
     assert_eq!(model.object().normals[0], Vec3::X);
+}
+
+#[test]
+fn tangents_of_normal_maps_stand_as_their_node_does() {
+    let (up, along) = ([0.0, 0.0, 1.0].repeat(3), [1.0, 0.0, 0.0, -1.0].repeat(3));
+    let mut model = with_attribute(Model::triangle(), "NORMAL", "VEC3", &up);
+    model = with_attribute(model, "TANGENT", "VEC4", &along);
+    model = with_attribute(model, "TEXCOORD_0", "VEC2", &[0.0; 6]);
+    assert!(model.object().tangents.is_empty(), "nothing asks for them");
+    let texture = model.texture([128, 128, 255]);
+    let material = model.push("materials", json!({ "normalTexture": { "index": texture, "scale": 0.5 } }));
+    model.primitive()["material"] = json!(material);
+    for (scale, expected) in [
+        ([2, 1, 1], Vec4::new(2.0, 0.0, 0.0, -1.0)),
+        ([-1, 1, 1], Vec4::new(-1.0, 0.0, 0.0, 1.0)),
+        ([-1, -1, 1], Vec4::new(-1.0, 0.0, 0.0, -1.0)),
+    ] {
+        model.json["nodes"][0]["scale"] = json!(scale);
+        assert_eq!(model.object().tangents, [expected; 3], "{scale:?}");
+    }
+    model.primitive()["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    assert!(model.object().tangents.is_empty(), "flat faces have tangents of their own");
 }
 
 #[test]

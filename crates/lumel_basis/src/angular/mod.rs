@@ -1,0 +1,11 @@
+//! Functions of direction: which moments of the light that arrives at a node are kept, and how they are read.
+
+mod coefficients;
+mod harmonics;
+mod incident;
+mod shading;
+
+pub use coefficients::Coefficients;
+pub use harmonics::{Directional, HARMONICS, Harmonics, band_of, spherical_harmonics};
+pub use incident::IncidentRadiance;
+pub use shading::{Shading, UnknownShading};
