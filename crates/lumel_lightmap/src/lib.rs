@@ -10,6 +10,7 @@
 //!
 //! All results are the same bits on any number of threads.
 
+mod by_direction;
 mod charts;
 mod denoise;
 mod dilate;
@@ -23,6 +24,7 @@ mod seams;
 mod surface;
 mod taps;
 
+pub use by_direction::LumelsByDirection;
 pub use dilate::Dilation;
 pub use light::{DirectionalLight, Half, LumelLight, PartLight};
 pub use lighting::LumelLighting;

@@ -1,9 +1,10 @@
 //! Which normals are shown, and how light on them is found.
 
+use crate::View;
 use crate::names::named;
 use glam::{Vec2, Vec3};
-use lumel_basis::{Lighting, Shading};
-use lumel_scene::{Irradiance, Scene, SurfacePoint};
+use lumel_basis::Shading;
+use lumel_scene::{Irradiance, SurfacePoint};
 
 /// Whether normal maps are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -28,28 +29,34 @@ pub struct Relief {
     pub shading: Shading,
 }
 
-impl Relief {
-    /// The normal of a surface point with its normal map, if it has one that is shown.
-    fn mapped(&self, scene: &Scene, at: SurfacePoint) -> Option<Vec3> {
-        let scale = match self.maps {
-            NormalMaps::Off => return None,
-            NormalMaps::Up => Vec2::ONE,
-            NormalMaps::Down => Vec2::new(1.0, -1.0),
+impl View<'_> {
+    /// The unit normal of a surface point where something tilts it.
+    fn tilted_normal(&self, at: SurfacePoint) -> Option<Vec3> {
+        let Self { scene, relief, ripple, .. } = *self;
+        let scale = match relief.maps {
+            NormalMaps::Off => None,
+            NormalMaps::Up => Some(Vec2::ONE),
+            NormalMaps::Down => Some(Vec2::new(1.0, -1.0)),
         };
-        scene.mapped_normal(at, scale)
+        let mapped = scale.and_then(|scale| scene.mapped_normal(at, scale));
+        let Some(rippled) = ripple.filter(|r| r.materials.contains(&scene.material_id(at.tri))) else {
+            return mapped;
+        };
+        let normal = mapped.unwrap_or_else(|| scene.shading_normal(at));
+        Some(rippled.ripple.tilted(scene.position(at), normal))
     }
 
     /// The unit normal that is shown.
-    pub(crate) fn normal(&self, scene: &Scene, at: SurfacePoint) -> Vec3 {
-        self.mapped(scene, at).unwrap_or_else(|| scene.shading_normal(at))
+    pub(crate) fn shown_normal(&self, at: SurfacePoint) -> Vec3 {
+        self.tilted_normal(at).unwrap_or_else(|| self.scene.shading_normal(at))
     }
 
-    /// The light that arrives at a surface point.
-    pub(crate) fn irradiance(&self, scene: &Scene, lighting: &dyn Lighting, at: SurfacePoint) -> Irradiance {
-        let flat = scene.shading_normal(at);
-        let Some(normal) = self.mapped(scene, at) else { return lighting.irradiance(at, flat) };
+    /// The light that arrives at a surface point whose normal is the one that is shown.
+    pub(crate) fn irradiance(&self, at: SurfacePoint) -> Irradiance {
+        let (flat, lighting) = (self.scene.shading_normal(at), self.lighting);
+        let Some(normal) = self.tilted_normal(at) else { return lighting.irradiance(at, flat) };
         match lighting.incident(at) {
-            Some(light) => self.shading.shade(lighting.irradiance(at, flat), &light, flat, normal),
+            Some(light) => self.relief.shading.shade(lighting.irradiance(at, flat), &light, flat, normal),
             None => lighting.irradiance(at, normal),
         }
     }

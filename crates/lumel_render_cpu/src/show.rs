@@ -61,7 +61,7 @@ impl Show {
             Self::Irradiance | Self::Radiance => as_on_white(view.irradiance(at)),
             Self::FalseColor => view.irradiance(at).0,
             Self::Albedo => view.scene.albedo(at).0,
-            Self::Normals => 0.5 * view.relief.normal(view.scene, at) + Vec3::splat(0.5),
+            Self::Normals => 0.5 * view.shown_normal(at) + Vec3::splat(0.5),
         })
     }
 }

@@ -3,10 +3,11 @@
 use crate::names::named;
 use crate::rect_light::VisibleLight;
 use crate::relief::Relief;
+use crate::ripple::Rippled;
 use glam::Vec3;
 use lumel_accel::{Hit, Layer, Ray, RayTracer};
 use lumel_basis::Lighting;
-use lumel_scene::{FaceSide, Irradiance, Radiance, Scene, SurfacePoint};
+use lumel_scene::{FaceSide, Radiance, Scene, SurfacePoint};
 
 /// How many back faces a ray passes through before it is considered to see nothing.
 const MAX_BACKS: u32 = 256;
@@ -36,6 +37,8 @@ pub struct View<'a> {
     pub backfaces: Backfaces,
     /// Which normals are shown, and how light on them is found.
     pub relief: Relief,
+    /// Waves over some of the surfaces.
+    pub ripple: Option<Rippled<'a>>,
 }
 
 /// What a camera ray hits.
@@ -52,7 +55,14 @@ pub(crate) enum Sight {
 impl<'a> View<'a> {
     /// A view in which back faces of one-sided surfaces are invisible.
     pub fn new(scene: &'a Scene, tracer: &'a dyn RayTracer, lighting: &'a dyn Lighting) -> Self {
-        Self { scene, tracer, lighting, backfaces: Backfaces::default(), relief: Relief::default() }
+        Self {
+            scene,
+            tracer,
+            lighting,
+            backfaces: Backfaces::default(),
+            relief: Relief::default(),
+            ripple: None,
+        }
     }
 
     /// The lit surface that a camera ray sees; rectangle lights are ignored.
@@ -157,11 +167,6 @@ impl<'a> View<'a> {
         let behind = VisibleLight::nearest(lights, &camera_ray, f32::INFINITY);
         let sky = || self.scene.sky().radiance(camera_ray.direction.normalize_or_zero());
         Radiance(sum + passed * behind.unwrap_or_else(sky).0)
-    }
-
-    /// The light that arrives at a surface point whose normal is the one that is shown.
-    pub(crate) fn irradiance(&self, at: SurfacePoint) -> Irradiance {
-        self.relief.irradiance(self.scene, self.lighting, at)
     }
 
     fn surface_radiance(&self, at: SurfacePoint) -> Radiance {

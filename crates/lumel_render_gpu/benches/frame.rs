@@ -58,6 +58,7 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
                 rect_lights: &[],
                 look,
                 relief: Relief::default(),
+                ripple: None,
                 wireframe: false,
                 grid: false,
                 overlay: None,

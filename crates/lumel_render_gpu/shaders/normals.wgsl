@@ -1,7 +1,5 @@
 // Shading normals, encoded as (n + 1)/2.
 
-override HAS_NORMAL_MAP: bool = false;
-
 struct Interpolated {
     @builtin(position) clip: vec4<f32>,
     @location(0) normal: vec3<f32>,
@@ -23,10 +21,7 @@ fn vertex(
 
 @fragment
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
-    var normal = in.normal;
-    if (HAS_NORMAL_MAP) {
-        normal = mapped_normal(in.uv, normal, in.tangent);
-    }
+    var normal = tilted_normal(in.uv, in.normal, in.tangent, in.from_eye + view.eye);
     if (dot(normal, normal) == 0.0) {
         // Opposite vertex normals cancel: use the triangle's normal, which faces the camera.
         let across = cross(dpdx(in.from_eye), dpdy(in.from_eye));

@@ -1,4 +1,4 @@
-// Light on surfaces with a normal map.
+// Light on surfaces whose normals are tilted.
 
 /// See `Value` in pipelines.rs.
 override VALUE: u32 = 0u;
@@ -7,8 +7,9 @@ struct Interpolated {
     @builtin(position) clip: vec4<f32>,
     @location(0) light: vec3<f32>,
     @location(1) tint: vec3<f32>,
-    @location(2) uv: vec2<f32>,
-    @location(3) place: vec2<f32>,
+    /// Texture coordinates and place.
+    @location(2) coordinates: vec4<f32>,
+    @location(3) from_eye: vec3<f32>,
     @location(4) @interpolate(flat) page: u32,
     /// As in surface.wgsl.
     @location(5) @interpolate(flat) chart: vec4<f32>,
@@ -39,10 +40,12 @@ fn vertex(
     @location(10) green: vec4<f32>,
     @location(11) blue: vec4<f32>,
 ) -> Interpolated {
-    let clip = project(position - view.eye);
+    let from_eye = position - view.eye;
+    let clip = project(from_eye);
+    let coordinates = vec4<f32>(uv, place);
     let none = vec4<f32>(0.0);
     return Interpolated(
-        clip, light, tint, uv, place, page, chart, normal, tangent, red, green, blue, none, none, none, none,
+        clip, light, tint, coordinates, from_eye, page, chart, normal, tangent, red, green, blue, none, none, none, none,
     );
 }
 
@@ -66,21 +69,24 @@ fn vertex_of_three_bands(
     @location(14) blue_2: vec4<f32>,
     @location(15) last_2: vec4<f32>,
 ) -> Interpolated {
-    let clip = project(position - view.eye);
+    let from_eye = position - view.eye;
+    let clip = project(from_eye);
+    let coordinates = vec4<f32>(uv, place);
     return Interpolated(
-        clip, light, tint, uv, place, page, chart, normal, tangent, red, green, blue, red_2, green_2, blue_2, last_2,
+        clip, light, tint, coordinates, from_eye, page, chart, normal, tangent, red, green, blue, red_2, green_2, blue_2, last_2,
     );
 }
 
 @fragment
 fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
-    let albedo = albedo_at(in.uv, in.tint);
-    let emission = emission_at(in.uv);
-    let tilted = mapped_normal(in.uv, in.normal, in.tangent);
-    if (is_hole(in.uv, in.clip.xy)) {
+    let uv = in.coordinates.xy;
+    let albedo = albedo_at(uv, in.tint);
+    let emission = emission_at(uv);
+    let tilted = tilted_normal(uv, in.normal, in.tangent, in.from_eye + view.eye);
+    if (is_hole(uv, in.clip.xy)) {
         discard;
     }
-    var light = value_at(clamp(in.place, in.chart.xy, in.chart.zw), in.page, in.light);
+    var light = value_at(clamp(in.coordinates.zw, in.chart.xy, in.chart.zw), in.page, in.light);
     if (dot(in.normal, in.normal) > 0.0 && dot(tilted, tilted) > 0.0) {
         let moments = Moments(in.red, in.green, in.blue, in.red_2, in.green_2, in.blue_2, in.last_2);
         light *= tilted_share(moments, normalize(in.normal), normalize(tilted));

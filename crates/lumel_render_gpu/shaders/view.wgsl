@@ -16,10 +16,12 @@ struct View {
     closer: f32,
     /// Unit vector along the view direction.
     forward: vec3<f32>,
-    /// Padding.
-    unused: f32,
+    /// How far the longest waves of a ripple have run, radians.
+    phase: f32,
     /// Width and height of the picture, pixels.
     size: vec2<f32>,
+    /// Length of the longest waves over 2π, metres, and the steepest slope.
+    ripple: vec2<f32>,
 };
 
 @group(0) @binding(0) var<uniform> view: View;

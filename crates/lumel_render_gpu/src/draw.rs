@@ -6,11 +6,10 @@ use crate::light::Moments;
 use crate::memory::buffer;
 use crate::model::{Batch, Model};
 use crate::overlay::Hidden;
-use crate::pipelines::{Detail, Green, Key, Layer, Pipelines, Quantity, Reading, Tilt, Value};
+use crate::pipelines::{Detail, Green, Key, Layer, Pipelines, Quantity, Reading, Shade, Tilt, Value};
 use crate::rect_lights::{RectLightInstance, instances};
 use crate::shaders::MAX_F16;
 use crate::{Frame, Gpu, LightBuffer, Lit, Look, LumelBuffer, Target, Values};
-use lumel_render_cpu::Relief;
 
 /// Draws a frame on a target.
 pub(crate) fn draw(
@@ -21,7 +20,8 @@ pub(crate) fn draw(
     frame: &Frame<'_>,
 ) {
     let shown = Shown::of(&frame.look);
-    let view = View::new(frame.camera, frame.model.near, target.size(), shown.exposure);
+    let ripple = frame.ripple.map(|rippled| rippled.ripple);
+    let view = View::new(frame.camera, frame.model.near, target.size(), shown.exposure, ripple);
     if let Some(view) = &view {
         gpu.queue().write_buffer(&target.view_values, 0, bytemuck::bytes_of(view));
     }
@@ -140,7 +140,7 @@ impl Draw<'_> {
                 (vertices, self.no_lumels, Reading::Vertices)
             }
         };
-        let tilt = self.tilt(light);
+        let shade = self.shade(light);
         pass.set_bind_group(3, &lumels.group, &[]);
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(0, positions.slice(..));
@@ -148,8 +148,8 @@ impl Draw<'_> {
         let quantity = match self.frame.look {
             Look::Radiance { .. } => Quantity::Radiance,
             Look::Albedo => Quantity::Albedo,
-            Look::Irradiance { .. } => return self.light(pass, Value::Irradiance, reading, tilt),
-            Look::FalseColor { .. } => return self.light(pass, Value::Luminance, reading, tilt),
+            Look::Irradiance { .. } => return self.light(pass, Value::Irradiance, reading, shade),
+            Look::FalseColor { .. } => return self.light(pass, Value::Luminance, reading, shade),
             Look::Plain if reading != Reading::Vertices => {
                 return self.light(pass, Value::Color, reading, None);
             }
@@ -166,15 +166,13 @@ impl Draw<'_> {
                 Quantity::Radiance => batch.detail,
                 Quantity::Albedo => Detail { emission_map: false, ..batch.detail },
             };
-            if let (Some((tilt, moments)), true, Quantity::Radiance) = (&tilt, batch.has_normal_map, quantity)
+            let tilt = self.tilt(batch);
+            if let (Some((shade, moments)), Quantity::Radiance) = (&shade, quantity)
+                && tilt != Tilt::default()
             {
                 last = None;
-                self.relief(
-                    pass,
-                    batch,
-                    Key::Relief(Value::Radiance, detail, reading, *tilt, samples),
-                    moments,
-                );
+                let key = Key::Relief(Value::Radiance, detail, reading, tilt, *shade, samples);
+                self.relief(pass, batch, key, moments);
                 continue;
             }
             let key = match (detail == Detail::default(), quantity) {
@@ -198,21 +196,26 @@ impl Draw<'_> {
         }
     }
 
-    /// How the light on normal maps is found, and what is known of it; `None` if they make no difference.
-    fn tilt(&self, light: &LightBuffer) -> Option<(Tilt, Moments)> {
-        let Relief { maps, shading } = self.frame.relief;
-        let is_bumpy = self.frame.model.batches.iter().any(|batch| batch.has_normal_map);
-        let (green, moments) = (Green::of(maps).filter(|_| is_bumpy)?, light.moments()?);
-        Some((Tilt::new(green, shading, moments.kind), moments))
+    /// What tilts the normals of a batch.
+    fn tilt(&self, batch: &Batch) -> Tilt {
+        let ripple = self.frame.ripple.is_some_and(|rippled| rippled.materials.contains(&batch.material_id));
+        Tilt { map: Green::of(self.frame.relief.maps).filter(|_| batch.has_normal_map), ripple }
     }
 
-    /// Light as it arrives, which does not depend on materials but for their normal maps.
+    /// How light on tilted normals is found, and what is known of it; `None` if there are none or it is not known.
+    fn shade(&self, light: &LightBuffer) -> Option<(Shade, Moments)> {
+        let is_tilted = self.frame.model.batches.iter().any(|batch| self.tilt(batch) != Tilt::default());
+        let moments = light.moments().filter(|_| is_tilted)?;
+        Some((Shade::new(self.frame.relief.shading, moments.kind), moments))
+    }
+
+    /// Light as it arrives, which does not depend on materials but for their normals.
     fn light(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         value: Value,
         reading: Reading,
-        tilt: Option<(Tilt, Moments)>,
+        shade: Option<(Shade, Moments)>,
     ) {
         let Model { normals, places, .. } = self.frame.model;
         let samples = self.target.samples();
@@ -226,13 +229,14 @@ impl Draw<'_> {
                 pass.set_vertex_buffer(3, places.slice(..));
             }
         };
-        let Some((tilt, moments)) = tilt else {
+        let Some((shade, moments)) = shade else {
             set_plain(pass);
             return self.everything(pass, plain);
         };
         for batch in &self.frame.model.batches {
-            if batch.has_normal_map {
-                let key = Key::Relief(value, Detail::default(), reading, tilt, samples);
+            let tilt = self.tilt(batch);
+            if tilt != Tilt::default() {
+                let key = Key::Relief(value, Detail::default(), reading, tilt, shade, samples);
                 self.relief(pass, batch, key, &moments);
                 continue;
             }
@@ -243,7 +247,7 @@ impl Draw<'_> {
         }
     }
 
-    /// Triangles with a normal map. Leaves texture coordinates in place.
+    /// Triangles whose normals are tilted. Leaves texture coordinates in place.
     fn relief(&self, pass: &mut wgpu::RenderPass<'_>, batch: &Batch, key: Key, moments: &Moments) {
         let Model { normals, uvs, tangents, places, tints, no_tint, .. } = self.frame.model;
         let is_tinted = matches!(key, Key::Relief(_, Detail { tint: true, .. }, ..));
@@ -272,8 +276,7 @@ impl Draw<'_> {
         pass.set_vertex_buffer(2, model.uvs.slice(..));
         pass.set_vertex_buffer(3, model.tangents.slice(..));
         for batch in &model.batches {
-            let green = Green::of(self.frame.relief.maps).filter(|_| batch.has_normal_map);
-            pass.set_pipeline(&self.pipeline(Key::Normals(green, self.target.samples())));
+            pass.set_pipeline(&self.pipeline(Key::Normals(self.tilt(batch), self.target.samples())));
             pass.set_bind_group(1, &model.materials, &[batch.material]);
             pass.set_bind_group(2, &batch.textures, &[]);
             pass.draw_indexed(batch.indices.clone(), 0, 0..1);

@@ -2,7 +2,7 @@
 
 use crate::{LightBuffer, LumelBuffer, Model, Overlay};
 use lumel_lightmap::Filter;
-use lumel_render_cpu::{Relief, Scale, ToneMapper};
+use lumel_render_cpu::{Relief, Rippled, Scale, ToneMapper};
 use lumel_scene::{Camera, Radiance, RectLight};
 
 /// Everything that a picture depends on.
@@ -20,6 +20,8 @@ pub struct Frame<'a> {
     pub look: Look,
     /// Which normals are shown, and how light that is known by direction is found on them.
     pub relief: Relief,
+    /// Waves over some of the surfaces.
+    pub ripple: Option<Rippled<'a>>,
     /// Whether triangle edges are drawn over the picture, if [`Gpu::draws_wireframes`](crate::Gpu).
     pub wireframe: bool,
     /// Whether borders of lumels are drawn over the picture, if the model has an atlas.

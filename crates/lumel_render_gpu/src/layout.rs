@@ -1,6 +1,7 @@
 //! Data as the shaders read it: order and padding are those of the structs of the same names in `shaders/`.
 
 use bytemuck::{Pod, Zeroable};
+use lumel_render_cpu::Ripple;
 use lumel_scene::{AlphaMode, Camera, Material, TextureRef, Transparency, UvTransform};
 
 /// The camera and the exposure: `view.wgsl`.
@@ -14,9 +15,9 @@ pub(crate) struct View {
     up: [f32; 3],
     closer: f32,
     forward: [f32; 3],
-    unused: f32,
+    phase: f32,
     size: [f32; 2],
-    end: [f32; 2],
+    ripple: [f32; 2],
 }
 
 /// A material: `material.wgsl`.
@@ -54,7 +55,13 @@ const CLOSEST: f32 = 0.02;
 impl View {
     /// `exposure` multiplies linear values. `None` for a camera without a view; see
     /// [`lumel_render_cpu::Lens`].
-    pub(crate) fn new(camera: &Camera, near: f32, size: [u32; 2], exposure: f32) -> Option<Self> {
+    pub(crate) fn new(
+        camera: &Camera,
+        near: f32,
+        size: [u32; 2],
+        exposure: f32,
+        ripple: Option<Ripple>,
+    ) -> Option<Self> {
         let [width, height] = size.map(|n| n as f32);
         let aspect = (f64::from(size[0]) / f64::from(size[1])) as f32;
         lumel_render_cpu::Lens::new(camera, aspect).ok()?;
@@ -69,9 +76,9 @@ impl View {
             up: (up / h).to_array(),
             closer: 1.0 + (CLOSER + CLOSER_PIXELS * pixel).min(CLOSEST),
             forward: forward.to_array(),
-            unused: 0.0,
+            phase: ripple.map_or(0.0, |ripple| ripple.phase),
             size: [width, height],
-            end: [0.0; 2],
+            ripple: ripple.map_or([1.0, 0.0], |ripple| [ripple.length, ripple.slope]),
         })
     }
 }
@@ -139,8 +146,9 @@ mod tests {
             ("up", offset_of!(View, up)),
             ("closer", offset_of!(View, closer)),
             ("forward", offset_of!(View, forward)),
-            ("unused", offset_of!(View, unused)),
+            ("phase", offset_of!(View, phase)),
             ("size", offset_of!(View, size)),
+            ("ripple", offset_of!(View, ripple)),
         ]);
         assert_eq!(members, ours);
     }

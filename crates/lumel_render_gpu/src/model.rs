@@ -8,7 +8,7 @@ use crate::pipelines::{Detail, Layouts};
 use crate::texture::{Blank, Image};
 use crate::{Gpu, RenderError};
 use glam::{Vec2, Vec3, Vec4};
-use lumel_scene::Scene;
+use lumel_scene::{MaterialId, Scene};
 use lumel_uv::Atlas;
 use std::ops::Range;
 use std::sync::Arc;
@@ -51,6 +51,7 @@ pub(crate) struct Batch {
     pub(crate) indices: Range<u32>,
     pub(crate) detail: Detail,
     pub(crate) has_normal_map: bool,
+    pub(crate) material_id: MaterialId,
     /// Offset of the material, bytes.
     pub(crate) material: u32,
     pub(crate) textures: wgpu::BindGroup,
@@ -130,6 +131,7 @@ impl Model {
                 indices: group.indices.clone(),
                 detail: group.detail,
                 has_normal_map: material.normal_texture.is_some() && !scene.tangents().is_empty(),
+                material_id: MaterialId(group.material as u32),
                 material: (slot * MATERIAL_STRIDE) as u32,
                 textures: blank.textures(gpu, layouts, &images, maps),
             }

@@ -93,23 +93,48 @@ impl Green {
     }
 }
 
+/// What tilts normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Tilt {
+    /// A normal map, if there is one.
+    pub(crate) map: Option<Green>,
+    /// Waves.
+    pub(crate) ripple: bool,
+}
+
+impl Tilt {
+    /// Constants of `tilt.wgsl`.
+    fn constants(self) -> Vec<(&'static str, f64)> {
+        let number = |flag: bool| f64::from(u8::from(flag));
+        let green = self.map.map_or(1.0, Green::sign);
+        vec![
+            ("HAS_NORMAL_MAP", number(self.map.is_some())),
+            ("IS_RIPPLED", number(self.ripple)),
+            ("GREEN", green),
+        ]
+    }
+
+    fn tangent(self) -> Attribute {
+        if self.map.is_some() { vertices::TANGENT } else { vertices::NO_TANGENT }
+    }
+}
+
 /// How light is found on tilted normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Tilt {
-    pub(crate) green: Green,
+pub(crate) struct Shade {
     /// Its place in `Shading::ALL`.
     shading: u8,
     /// Whether band 2 is known.
     three_bands: bool,
 }
 
-impl Tilt {
-    pub(crate) fn new(green: Green, shading: Shading, kind: Directional) -> Self {
+impl Shade {
+    pub(crate) fn new(shading: Shading, kind: Directional) -> Self {
         let three_bands = kind == Directional::Sh2;
         // Without band 2, l2 is zh3.
         let shading = if shading == Shading::Quadratic && !three_bands { Shading::Zh3 } else { shading };
         let place = Shading::ALL.iter().position(|s| *s == shading).unwrap_or(0);
-        Self { green, shading: place as u8, three_bands }
+        Self { shading: place as u8, three_bands }
     }
 }
 
@@ -127,10 +152,9 @@ pub(crate) enum Key {
     /// Of lumels; where they are not known, of vertices.
     LumelValue(Value, Reading, Samples),
     Surface(Quantity, Detail, Reading, Samples),
-    /// Light on surfaces with a normal map.
-    Relief(Value, Detail, Reading, Tilt, Samples),
-    /// With or without a normal map.
-    Normals(Option<Green>, Samples),
+    /// Light on surfaces whose normals are tilted.
+    Relief(Value, Detail, Reading, Tilt, Shade, Samples),
+    Normals(Tilt, Samples),
     Plain(Samples),
     RectLight(Samples),
     Tone(Curve),
@@ -306,11 +330,11 @@ impl Pipelines {
                 let groups = vec![view, Some(material), Some(textures), lumels];
                 scene(Shader::Surface, samples, groups, vertices, constants)
             }
-            Key::Relief(value, detail, reading, tilt, samples) => {
+            Key::Relief(value, detail, reading, tilt, shade, samples) => {
                 let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
                 let from_lumels = reading != Reading::Vertices;
                 let place = if from_lumels { vertices::PLACE } else { vertices::NO_PLACE };
-                let (entry, moments) = match tilt.three_bands {
+                let (entry, moments) = match shade.three_bands {
                     false => ("vertex", vertices::TWO_BANDS),
                     true => ("vertex_of_three_bands", vertices::THREE_BANDS),
                 };
@@ -321,27 +345,25 @@ impl Pipelines {
                     tint,
                     place,
                     vertices::NORMAL,
-                    vertices::TANGENT,
+                    tilt.tangent(),
                     moments,
                 ];
-                let constants = vec![
+                let mut constants = tilt.constants();
+                constants.extend([
                     ("VALUE", f64::from(value as u8)),
                     ("HAS_ALBEDO_MAP", number(detail.albedo_map)),
                     ("HAS_EMISSION_MAP", number(detail.emission_map)),
                     ("IS_TRANSPARENT", number(detail.transparent)),
                     ("READING", f64::from(reading as u8)),
-                    ("GREEN", tilt.green.sign()),
-                    ("SHADING", f64::from(tilt.shading)),
-                ];
+                    ("SHADING", f64::from(shade.shading)),
+                ]);
                 let groups = vec![view, Some(material), Some(textures), lumels];
                 let recipe = scene(Shader::Relief, samples, groups, vertices, constants);
                 Recipe { entries: [entry, "fragment"], ..recipe }
             }
-            Key::Normals(green, samples) => {
-                let tangent = if green.is_some() { vertices::TANGENT } else { vertices::NO_TANGENT };
-                let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV, tangent];
-                let mut constants = vec![("HAS_NORMAL_MAP", number(green.is_some()))];
-                constants.extend(green.map(|green| ("GREEN", green.sign())));
+            Key::Normals(tilt, samples) => {
+                let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV, tilt.tangent()];
+                let constants = tilt.constants();
                 scene(
                     Shader::Normals,
                     samples,

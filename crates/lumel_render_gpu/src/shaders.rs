@@ -1,6 +1,7 @@
 //! The sources of the shaders, composed from the files in `shaders/`.
 
 use glam::Vec3;
+use lumel_render_cpu::Ripple;
 use lumel_scene::{MAX_ALBEDO, Radiosity, luminance};
 
 /// One composed shader.
@@ -38,7 +39,7 @@ const VIEW: &str = include_str!("../shaders/view.wgsl");
 const MATERIAL: &str = include_str!("../shaders/material.wgsl");
 const TEXTURES: &str = include_str!("../shaders/textures.wgsl");
 const PAINT: &str = include_str!("../shaders/paint.wgsl");
-const NORMAL_MAP: &str = include_str!("../shaders/normal_map.wgsl");
+const TILT: &str = include_str!("../shaders/tilt.wgsl");
 const LUMELS: &str = include_str!("../shaders/lumels.wgsl");
 const HEADLIGHT: &str = include_str!("../shaders/headlight.wgsl");
 const SCREEN: &str = include_str!("../shaders/screen.wgsl");
@@ -57,11 +58,11 @@ pub(crate) fn source(shader: Shader) -> String {
             TEXTURES,
             PAINT,
             LUMELS,
-            NORMAL_MAP,
+            TILT,
             include_str!("../shaders/shading.wgsl"),
             include_str!("../shaders/relief.wgsl"),
         ],
-        Shader::Normals => &[VIEW, MATERIAL, TEXTURES, NORMAL_MAP, include_str!("../shaders/normals.wgsl")],
+        Shader::Normals => &[VIEW, MATERIAL, TEXTURES, TILT, include_str!("../shaders/normals.wgsl")],
         Shader::Plain => &[VIEW, HEADLIGHT, include_str!("../shaders/plain.wgsl")],
         Shader::RectLight => &[VIEW, include_str!("../shaders/rect_light.wgsl")],
         Shader::Tone => &[SCREEN, include_str!("../shaders/tone.wgsl")],
@@ -84,6 +85,8 @@ pub(crate) const MAX_PAGES: usize = 256;
 /// Constants that are defined elsewhere.
 fn constants() -> String {
     let [r, g, b] = [Vec3::X, Vec3::Y, Vec3::Z].map(luminance);
+    let waves =
+        Ripple::WAVES.map(|w| format!("vec4<f32>({:?}, {:?}, {:?}, {:?})", w.x, w.y, w.z, w.w)).join(", ");
     let inverse_pi = Radiosity(Vec3::ONE).radiance().0.x;
     format!(
         "const LUMINANCE = vec3<f32>({r:?}, {g:?}, {b:?});\n\
@@ -91,7 +94,8 @@ fn constants() -> String {
          const MAX_ALBEDO: f32 = {MAX_ALBEDO:?};\n\
          const SHADOW_END: f32 = {SHADOW_END:?};\n\
          const MAX_F16: f32 = {MAX_F16:?};\n\
-         const MAX_PAGES: u32 = {MAX_PAGES}u;\n\n"
+         const MAX_PAGES: u32 = {MAX_PAGES}u;\n\
+         const WAVES = array<vec4<f32>, 4>({waves});\n\n"
     )
 }
 

@@ -157,6 +157,7 @@ pub fn without_window(
             rect_lights: &lamps,
             look: Look::Radiance { stops, tone: prefs.tone(), white: prefs.white },
             relief: Relief::default(),
+            ripple: None,
             wireframe: false,
             grid: false,
             overlay: None,

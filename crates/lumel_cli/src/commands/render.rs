@@ -69,7 +69,7 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
         let Loaded { scene, warnings, .. } = load::load_whole(&args.scene)?;
         load::warn(&warnings, &args.scene, &run.console);
         let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
-        return draw(args, display, &scene, &solution.lightmap.lighting(layer), run);
+        return draw(args, display, &scene, &solution.lightmap.by_direction(layer), run);
     }
     let tessellation = args.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, &tessellation, Meshes::Split, &run.console)?;

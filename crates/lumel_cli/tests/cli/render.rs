@@ -144,3 +144,36 @@ fn solutions_say_how_fine_their_scene_was_made() {
     }
     assert_eq!(bake("draft", "--max-edge 0.5").meta.vertex_budget, None);
 }
+
+#[test]
+fn normal_maps_are_lit_from_the_side_of_the_light() {
+    let place = Place::new();
+    let corners = "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    place.write("floor.obj", &format!("mtllib floor.mtl\n{corners}usemtl bumpy\nf 1/1 2/2 3/3 4/4\n"));
+    place.write("floor.mtl", "newmtl bumpy\nKd 0.5 0.5 0.5\nnorm bumps.png\n");
+    // Turned by 23° to the image's top, which is at -z.
+    image::RgbImage::from_pixel(1, 1, image::Rgb([128, 177, 245])).save(place.path("bumps.png")).unwrap();
+    let sun = "sun direction=0,-1,1 irradiance=3,3,3 angle=0";
+    let bake = |more: &str| {
+        let line = format!("bake floor.obj -o {more}.npz --directional {more} --max-edge off");
+        run(place.lumel(&line).args(TINY).args(["--light", sun])).done();
+    };
+    let camera = "position=0,3,0.01 target=0,0,0 fov=20";
+    let draw = |light: &str, more: &[&str]| {
+        let line =
+            format!("render floor.obj --solution {light}.npz -o a.png --size 4x4 --samples 1 --max-edge off");
+        run(place.lumel(&line).args(["--exposure", "0", "--light", sun, "--camera", camera]).args(more))
+            .done();
+        picture(&place, "a.png").get_pixel(2, 2).0[0]
+    };
+    bake("off");
+    bake("sh1");
+    let scalar = draw("off", &[]);
+    assert_eq!([draw("off", &["--normal-maps", "off"]), draw("sh1", &["--normal-maps", "off"])], [scalar; 2]);
+    for shading in ["l1", "nonlinear", "zh3", "l2"] {
+        let [up, down] = ["up", "down"].map(|way| draw("sh1", &["--normal-maps", way, "--shading", shading]));
+        assert!(up > scalar + 5 && down + 5 < scalar, "{shading}: {up} {scalar} {down}");
+    }
+    run(&mut place.lumel("render floor.obj --solution sh1.npz -o a.png --normal-maps left"))
+        .failed("up, down");
+}

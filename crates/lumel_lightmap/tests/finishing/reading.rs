@@ -1,6 +1,7 @@
 use crate::{Stage, moved, of, pair, settings, stages};
 use glam::{DVec3, Vec3};
-use lumel_lightmap::{Filter, LumelLighting};
+use lumel_basis::{Directional, Lighting};
+use lumel_lightmap::{Filter, LightmapLayer, LumelLighting};
 use lumel_uv::UnwrapSettings;
 
 /// Linear in space, positive around our scenes.
@@ -88,4 +89,26 @@ fn filters_read_what_they_say() {
         }
     }
     assert!(inside > 0);
+}
+
+#[test]
+fn light_by_direction_is_read_as_irradiance_is() {
+    let stage = Stage::new(moved(of(pair())), &settings(256));
+    let mut lightmap = stage.lightmap(stage.measured(|_, at| linear(at)), |_| true);
+    let values = lightmap.layers[0].values.clone();
+    let harmonic = |k: usize| LightmapLayer {
+        name: LightmapLayer::of_harmonic(k),
+        values: values.iter().map(|value| *value * (1.0 - 0.5 * k as f32)).collect(),
+    };
+    let at = stage.points().nth(5).unwrap();
+    assert_eq!(lightmap.by_direction(0).incident(at), None);
+    // Their names count, not their order.
+    lightmap.layers.extend([2, 0, 3, 1].map(harmonic));
+    let (lighting, irradiance) = (lightmap.by_direction(0), lightmap.at(0, at));
+    let light = lighting.incident(at).unwrap();
+    assert_eq!((lighting.irradiance(at, Vec3::Y), light.kind()), (irradiance, Directional::Sh1));
+    for (k, c) in light.coefficients()[..4].iter().enumerate() {
+        assert!((*c - irradiance.0 * (1.0 - 0.5 * k as f32)).length() < 1e-4, "{k}: {c}");
+    }
+    assert_eq!(lightmap.by_direction(1).incident(at), None, "only all light is known by direction");
 }

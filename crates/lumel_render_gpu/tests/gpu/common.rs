@@ -4,7 +4,7 @@ use glam::Vec3;
 use lumel::Bvh;
 use lumel_basis::{Lighting, VertexLighting};
 use lumel_render_cpu::{
-    Display, FalseColor, Legend, Picture, Relief, Resolution, Scale, Show, ToneMapper, View,
+    Display, FalseColor, Legend, Picture, Relief, Resolution, Rippled, Scale, Show, ToneMapper, View,
 };
 use lumel_render_gpu::{Frame, Gpu, LightBuffer, Lit, Look, Model, Renderer, Samples};
 use lumel_scene::{Camera, Light, RectLight, Scene};
@@ -78,19 +78,19 @@ impl Subject {
         [width, height]: [u32; 2],
         look: Look,
     ) -> Picture {
-        self.traced_with(lighting, Relief::default(), [width, height], look)
+        self.traced_with(lighting, (Relief::default(), None), [width, height], look)
     }
 
     /// The same with other normals.
     pub(crate) fn traced_with(
         &self,
         lighting: &dyn Lighting,
-        relief: Relief,
+        (relief, ripple): (Relief, Option<Rippled<'_>>),
         [width, height]: [u32; 2],
         look: Look,
     ) -> Picture {
         let tracer = Bvh::build(&self.scene);
-        let view = View { relief, ..View::new(&self.scene, &tracer, lighting) };
+        let view = View { relief, ripple, ..View::new(&self.scene, &tracer, lighting) };
         let resolution = Resolution { width, height, samples_per_pixel: 1 };
         lumel_render_cpu::draw(&view, &self.camera, &resolution, &display(look), &AtomicBool::new(false))
             .unwrap()
@@ -106,6 +106,7 @@ impl Uploaded<'_> {
             rect_lights: &self.rect_lights,
             look,
             relief: Relief::default(),
+            ripple: None,
             wireframe: false,
             grid: false,
             overlay: None,

@@ -5,9 +5,9 @@ use crate::common::{Subject, irradiance, radiance, renderer, share_beyond};
 use crate::scenes;
 use glam::Vec3;
 use lumel_basis::{Coefficients, Directional, Shading, VertexLighting, spherical_harmonics};
-use lumel_render_cpu::{NormalMaps, Relief, Scale, ToneMapper};
+use lumel_render_cpu::{NormalMaps, Relief, Ripple, Rippled, Scale, ToneMapper};
 use lumel_render_gpu::{Frame, Look, Samples};
-use lumel_scene::Scene;
+use lumel_scene::{MaterialId, Scene};
 
 const SIZE: [u32; 2] = [173, 120];
 
@@ -27,7 +27,7 @@ fn directions(scene: &Scene, kind: Directional) -> (Vec<Vec3>, Coefficients) {
 }
 
 /// What the device and the CPU make of it.
-fn compared(subject: &Subject, kind: Directional, cases: &[(Relief, Look)]) {
+fn compared(subject: &Subject, kind: Directional, ripple: Option<Rippled<'_>>, cases: &[(Relief, Look)]) {
     let Some(renderer) = renderer() else { return };
     let (irradiance, coefficients) = directions(&subject.scene, kind);
     let lighting = VertexLighting::new(&subject.scene, &irradiance).unwrap();
@@ -35,8 +35,8 @@ fn compared(subject: &Subject, kind: Directional, cases: &[(Relief, Look)]) {
     let uploaded = subject.on(renderer);
     renderer.set_light(&uploaded.light, &subject.scene, &lighting).unwrap();
     for &(relief, look) in cases {
-        let device = uploaded.draw(SIZE, Samples::One, &Frame { relief, ..uploaded.frame(look) });
-        let cpu = subject.traced_with(&lighting, relief, SIZE, look);
+        let device = uploaded.draw(SIZE, Samples::One, &Frame { relief, ripple, ..uploaded.frame(look) });
+        let cpu = subject.traced_with(&lighting, (relief, ripple), SIZE, look);
         assert_same(&device, &cpu, &format!("{} {kind:?} {relief:?} {look:?}", subject.scene.name()));
     }
 }
@@ -47,7 +47,7 @@ fn relief(maps: NormalMaps, shading: Shading) -> Relief {
 
 #[test]
 fn light_on_normal_maps_looks_as_on_the_cpu() {
-    let log = Look::FalseColor { range: [0.1, 6.0], scale: Scale::Log };
+    let colors = Look::FalseColor { range: [0.0, 6.0], scale: Scale::Linear };
     let up = |shading| (relief(NormalMaps::Up, shading), radiance(1.0, ToneMapper::Agx));
     let all = [
         up(Shading::Linear),
@@ -55,15 +55,35 @@ fn light_on_normal_maps_looks_as_on_the_cpu() {
         up(Shading::Zh3),
         up(Shading::Quadratic),
         (relief(NormalMaps::Down, Shading::NonLinear), irradiance(0.0)),
-        (relief(NormalMaps::Up, Shading::Zh3), log),
+        (relief(NormalMaps::Up, Shading::Zh3), colors),
         (relief(NormalMaps::Down, Shading::Zh3), Look::Normals),
         (relief(NormalMaps::Off, Shading::Zh3), Look::Normals),
         (relief(NormalMaps::Off, Shading::Zh3), irradiance(0.0)),
     ];
     for subject in [scenes::leather(), scenes::everything()] {
-        compared(&subject, Directional::Sh2, &all);
-        compared(&subject, Directional::Sh1, &all[1..5]);
+        compared(&subject, Directional::Sh2, None, &all);
+        compared(&subject, Directional::Sh1, None, &all[1..5]);
     }
+}
+
+#[test]
+fn ripples_look_as_on_the_cpu_and_are_on_some_materials_only() {
+    let subject = scenes::everything();
+    let ripple = Ripple { length: 0.05, slope: 0.5, phase: 3.0 };
+    // Of the floor, which has no normal map, and of the ball, which has one.
+    let materials = [MaterialId(2), MaterialId(3)];
+    let up = |look| (relief(NormalMaps::Up, Shading::default()), look);
+    let cases = [up(radiance(0.5, ToneMapper::Agx)), up(irradiance(0.0)), up(Look::Normals)];
+    compared(&subject, Directional::Sh1, Some(Rippled { ripple, materials: &materials }), &cases);
+    let Some(renderer) = renderer() else { return };
+    let uploaded = subject.on(renderer);
+    let show = |materials| {
+        let frame = Frame { ripple: Some(Rippled { ripple, materials }), ..uploaded.frame(Look::Normals) };
+        uploaded.draw(SIZE, Samples::One, &frame)
+    };
+    let [none, floor, both] = [&[][..], &materials[..1], &materials[..]].map(show);
+    assert_eq!(none, uploaded.show(SIZE, Samples::One, Look::Normals));
+    assert!(share_beyond(&none, &floor, 8) > 0.1 && share_beyond(&floor, &both, 8) > 0.01);
 }
 
 #[test]

@@ -198,6 +198,7 @@ impl Stage {
             rect_lights: &drawn.lamps,
             look: drawn.look,
             relief: Relief::default(),
+            ripple: None,
             wireframe: drawn.wireframe,
             grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),

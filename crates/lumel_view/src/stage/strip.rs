@@ -145,6 +145,7 @@ impl Strip {
             rect_lights: &drawn.lamps,
             look,
             relief: Relief::default(),
+            ripple: None,
             wireframe: false,
             grid: false,
             overlay: None,
