@@ -3,7 +3,7 @@
 use crate::{Baker, Method, Projection, Settings, assembly};
 use glam::Vec3;
 use lumel_basis::{Basis, Field};
-use lumel_export::{Checkpoint, CheckpointMeta, Saved, Solution, SolutionError};
+use lumel_export::{Checkpoint, CheckpointMeta, RefinementState, Saved, Solution, SolutionError};
 use lumel_solve::{Accuracy, Errors, PowerLog, SolveState};
 use serde_json::Value;
 
@@ -45,7 +45,36 @@ impl Baker {
             standard_error: state.errors.as_ref().map(|errors| values(&errors.standard_error)),
             rounds: state.rounds.clone(),
             splits: self.splits().to_vec(),
+            refinement: None,
         }
+    }
+
+    /// All that is needed to [go on](Self::adapted_from) with a refinement of this baker's scene.
+    pub fn checkpoint_of_refinement(&self, state: RefinementState) -> Checkpoint {
+        Checkpoint { refinement: Some(state), ..self.checkpoint(&SolveState::new()) }
+    }
+
+    /// The refinement that was under way when this was saved; `None` if there is light already.
+    ///
+    /// # Errors
+    /// When it is of a different scene, other lights or other settings.
+    pub fn resume_refinement(&self, saved: &Saved) -> Result<Option<RefinementState>, ResumeError> {
+        let Saved::Checkpoint(checkpoint) = saved else { return Ok(None) };
+        let Some(refinement) = &checkpoint.refinement else { return Ok(None) };
+        self.check_origin(checkpoint)?;
+        Ok(Some(refinement.clone()))
+    }
+
+    /// Whether a checkpoint was computed on this scene, under these lights and with these settings.
+    fn check_origin(&self, checkpoint: &Checkpoint) -> Result<(), ResumeError> {
+        checkpoint.check_belongs_to(self.scene())?;
+        if checkpoint.meta.basis != self.basis().identity().to_string() {
+            return Err(ResumeError::Basis);
+        }
+        if !checkpoint.has_lighting_of(self.scene()) {
+            return Err(ResumeError::Lighting);
+        }
+        self.check_settings(&checkpoint.meta.settings).map(drop)
     }
 
     /// The edges that were split where the scene was refined.
@@ -71,16 +100,10 @@ impl Baker {
 
     fn resume_checkpoint(&self, checkpoint: &Checkpoint) -> Result<SolveState, ResumeError> {
         let meta = &checkpoint.meta;
-        checkpoint.check_belongs_to(self.scene())?;
-        if meta.basis != self.basis().identity().to_string()
-            || checkpoint.node_count() != self.basis().node_count()
-        {
+        self.check_origin(checkpoint)?;
+        if checkpoint.node_count() != self.basis().node_count() {
             return Err(ResumeError::Basis);
         }
-        if !checkpoint.has_lighting_of(self.scene()) {
-            return Err(ResumeError::Lighting);
-        }
-        self.check_settings(&meta.settings)?;
         let field = |values: &Vec<Vec3>| Field::from_values(values.clone());
         let accuracy: Option<Accuracy> = serde_json::from_value(meta.accuracy.clone()).ok();
         let errors = checkpoint.standard_error.as_ref().map(field).zip(accuracy);

@@ -5,6 +5,7 @@ use crate::members::{
     Kind, SPLITS, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_splits,
     read_stacked, stacked, write_splits,
 };
+use crate::refinement_state::{RefinementMeta, RefinementState};
 use crate::solution::is_lighting_of;
 use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
 use glam::Vec3;
@@ -26,7 +27,8 @@ const KIND: Kind = Kind {
 ///
 /// For lumel alone, unlike a [`Solution`], which is light at vertices for any reader. As a file it is a NumPy archive of
 /// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail` and `standard_error` (nodes, 3) and `rounds`
-/// (rounds, nodes), `splits` (edges, 2) if the scene was refined, of what is known of the light at the lumels of an atlas if that is measured, and of `meta.json`.
+/// (rounds, nodes), `splits` (edges, 2) if the scene was refined, of what is known of the light at the lumels of an atlas if that is measured, of how far the
+/// mesh is refined as long as it is, and of `meta.json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Where it comes from.
@@ -43,6 +45,8 @@ pub struct Checkpoint {
     pub rounds: Vec<Vec<bool>>,
     /// The edges that were split where the scene was [refined](Scene::refined).
     pub splits: Vec<[u32; 2]>,
+    /// How far the mesh is refined, as long as it is: then there is no light yet.
+    pub refinement: Option<RefinementState>,
 }
 
 /// Where a checkpoint comes from: the member `meta.json` of its file.
@@ -75,6 +79,9 @@ pub struct CheckpointMeta {
     /// Which lumels have light, and how far it is measured; filled in on saving.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lumels: Option<LumelMeta>,
+    /// What a refinement does next; filled in on saving.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<RefinementMeta>,
 }
 
 impl CheckpointMeta {
@@ -94,6 +101,7 @@ impl CheckpointMeta {
             accuracy,
             arrays: Vec::new(),
             lumels: None,
+            refinement: None,
         }
     }
 }
@@ -141,7 +149,9 @@ impl Checkpoint {
         let names = names.chain((!self.rounds.is_empty()).then_some("rounds"));
         let names = names.chain((!self.splits.is_empty()).then_some(SPLITS));
         let arrays = names.map(str::to_owned).collect();
-        let meta = CheckpointMeta { arrays, lumels: lumels.map(|lumels| lumels.meta()), ..self.meta.clone() };
+        let refinement = self.refinement.as_ref().map(RefinementState::meta);
+        let lumel_meta = lumels.map(|lumels| lumels.meta());
+        let meta = CheckpointMeta { arrays, lumels: lumel_meta, refinement, ..self.meta.clone() };
         write_npz(path, |npz| {
             npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))?;
@@ -155,6 +165,7 @@ impl Checkpoint {
                 npz.array("rounds", &Array { shape, data })?;
             }
             write_splits(npz, &self.splits)?;
+            self.refinement.as_ref().map_or(Ok(()), |refinement| refinement.write(npz))?;
             lumels.map_or(Ok(()), |lumels| lumels.write(npz))
         })?;
         Ok(())
@@ -209,6 +220,7 @@ impl Checkpoint {
     fn read(npz: &mut NpzReader) -> Result<Self, SolutionError> {
         let meta: CheckpointMeta = read_meta(npz, &KIND)?;
         check_members(npz, &meta.arrays)?;
+        let refinement = meta.refinement.map(|refinement| refinement.read(npz)).transpose()?;
         let valid = read_flags(npz, "valid")?;
         let checkpoint = Self {
             meta,
@@ -218,6 +230,7 @@ impl Checkpoint {
             splits: read_splits(npz)?,
             rounds: if npz.has_array("rounds") { read_rounds(npz, valid.len())? } else { Vec::new() },
             valid,
+            refinement,
         };
         checkpoint.validate()?;
         Ok(checkpoint)
@@ -262,6 +275,19 @@ impl Saved {
         }
     }
 
+    /// Whether it is a mesh that is still being refined, without light.
+    pub fn is_refinement(&self) -> bool {
+        matches!(self, Self::Checkpoint(checkpoint) if checkpoint.refinement.is_some())
+    }
+
+    /// The edges that a scene is [refined](Scene::refined) by for this light; none if it was not refined.
+    pub fn splits(&self) -> &[[u32; 2]] {
+        match self {
+            Self::Checkpoint(checkpoint) => &checkpoint.splits,
+            Self::Solution(solution) => &solution.splits,
+        }
+    }
+
     /// How many bounces it holds, direct light included.
     pub fn bounce_count(&self) -> usize {
         match self {
@@ -302,6 +328,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "helpers of tests are tests")]
 
     use super::*;
+    use crate::{NextRefinement, SavedProbe};
 
     fn scene() -> Scene {
         lumel_builtin::scene("furnace", 0).unwrap().build().unwrap().0
@@ -319,6 +346,7 @@ mod tests {
             standard_error: Some(field(0.0)),
             rounds: vec![vec![true; 4], vec![false, true, false, false]],
             splits: vec![[0, 2], [4, 1]],
+            refinement: None,
         }
     }
 
@@ -333,10 +361,29 @@ mod tests {
             splits: Vec::new(),
             ..checkpoint()
         };
-        for saved in [checkpoint(), bare] {
+        let probe = SavedProbe {
+            corners: [0, 4, 4],
+            light: 0.1,
+            variance: 1e-9,
+            visible: 5,
+            irradiance: Vec3::new(0.1, 0.2, 0.3),
+        };
+        let refining = Checkpoint {
+            valid: Vec::new(),
+            bounces: Vec::new(),
+            refinement: Some(RefinementState {
+                next: NextRefinement::Bounce(2),
+                splits: vec![[0, 1], [2, 4]],
+                floor: Some(0.1),
+                probes: vec![probe; 3],
+            }),
+            ..bare.clone()
+        };
+        for saved in [checkpoint(), bare, refining] {
             saved.save(&path).unwrap();
             let mut loaded = Checkpoint::load(&path).unwrap();
             assert!(!std::mem::take(&mut loaded.meta.arrays).is_empty());
+            assert_eq!(loaded.meta.refinement.take(), saved.refinement.as_ref().map(RefinementState::meta));
             assert_eq!(loaded, saved);
             assert!(matches!(Saved::load(&path), Ok(Saved::Checkpoint(_))));
         }

@@ -31,6 +31,7 @@ mod pixels;
 mod ply;
 mod png;
 mod rad;
+mod refinement_state;
 mod solution;
 
 pub use atlas_png::{chart_color, write_atlas_png};
@@ -49,4 +50,5 @@ pub use obj::{check_obj, write_obj};
 pub use ply::write_ply;
 pub use png::write_png;
 pub use rad::{RadFile, position_md5};
+pub use refinement_state::{NextRefinement, RefinementMeta, RefinementState, SavedProbe};
 pub use solution::{Solution, SolutionLayer, SolutionMeta, SolutionSelection};

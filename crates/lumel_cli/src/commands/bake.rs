@@ -13,8 +13,8 @@ use crate::outcome::Outcome;
 use crate::outputs::{self, Light, Output};
 use anyhow::bail;
 use lumel::{
-    AmbientOcclusion, Baker, Control, Ended, LightmapEntry, LightmapTarget, Preset, ResumeError, Saved,
-    Settings, Solution, SolveState,
+    AmbientOcclusion, Baker, Control, Ended, LightmapEntry, LightmapTarget, Preset, RefinementState,
+    ResumeError, Saved, Settings, Solution, SolveState,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -113,27 +113,26 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     let scene = load::refined(scene, &splits)?;
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
     let has_lost_light = load::warn_of_lost_light(&baker, &run.console);
-    let (baker, adaptive) = match args.resume {
-        Some(_) => (baker, None),
-        None => match run.adapt(baker)? {
-            Some(adapted) => adapted,
-            None => {
-                return Ok(Baked::Stopped(
-                    "stopped before the mesh was fine enough; the same command starts again".to_owned(),
-                ));
-            }
-        },
-    };
-    let mut state = match &args.resume {
-        Some(file) => resume(&baker, file)?,
-        None => SolveState::new(),
-    };
-    let first_bounce = state.bounces.len();
     let checkpoint = Checkpoint::new(wanted.checkpoint.clone(), &run.console);
     match &args.resume {
         Some(file) => checkpoint.resumed_from(file),
         None => tell_of_old_checkpoint(checkpoint.path(), run),
     }
+    let resumed = args.resume.as_deref().map(|file| load_resumed(&baker, file)).transpose()?;
+    let (baker, adaptive, mut state) = match resumed {
+        Some(Resumed::Light(state)) => (baker, None, *state),
+        refinement => {
+            let refinement = match &refinement {
+                Some(Resumed::Refinement(state)) => Some(state),
+                _ => None,
+            };
+            match run.adapt(baker, refinement, Some(&checkpoint))? {
+                Some((baker, adaptive)) => (baker, adaptive, SolveState::new()),
+                None => return Ok(Baked::Stopped(after_cancel_in_refinement(&checkpoint))),
+            }
+        }
+    };
+    let first_bounce = state.bounces.len();
     let lumels = prepared.as_ref().map(|prepared| &prepared.lumels);
     let draws = wanted.outputs.iter().any(Output::is_picture);
     let announced = memory::announce(&baker, lumels, draws, &run.console);
@@ -210,13 +209,25 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     Ok(Baked::Done(Box::new(summary)))
 }
 
-/// The state to resume from.
-fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
+/// What a bake goes on with.
+enum Resumed {
+    /// A mesh that is being refined.
+    Refinement(RefinementState),
+    /// Bounces.
+    Light(Box<SolveState>),
+}
+
+/// Reads what is to be resumed.
+fn load_resumed(baker: &Baker, file: &Path) -> anyhow::Result<Resumed> {
     let saved = Saved::load_for(file, baker.scene()).map_err(|error| match error {
         error @ lumel_export::SolutionError::OtherScene { .. } => load::belongs_hint(error),
         error => error.into(),
     })?;
-    baker.resume(&saved).map_err(|error| {
+    let resumed = baker.resume_refinement(&saved).and_then(|refinement| match refinement {
+        Some(refinement) => Ok(Resumed::Refinement(refinement)),
+        None => baker.resume(&saved).map(|state| Resumed::Light(Box::new(state))),
+    });
+    resumed.map_err(|error| {
         let hint = match error {
             ResumeError::Settings { .. } => {
                 "only --bounces, --remainder, --tail, --layers and --directional may differ"
@@ -260,6 +271,21 @@ fn tell_of_old_checkpoint(path: &Path, run: &CommandRun) {
     }
 }
 
+/// What to tell a user who stopped a bake while its mesh was refined.
+fn after_cancel_in_refinement(checkpoint: &Checkpoint) -> String {
+    if checkpoint.is_current() {
+        return after_cancel_with_refined_mesh(checkpoint);
+    }
+    "stopped before the mesh was fine enough; the same command starts again".to_owned()
+}
+
+fn after_cancel_with_refined_mesh(checkpoint: &Checkpoint) -> String {
+    let file = checkpoint.path().display();
+    format!(
+        "stopped; the mesh as far as it is refined is in the checkpoint; continue with the same command and --resume {file}"
+    )
+}
+
 /// What to tell a user who stopped a bake.
 fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, first_bounce: usize) -> String {
     let n = state.bounces.len();
@@ -279,6 +305,7 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
         );
     }
     match n {
+        0 if checkpoint.is_current() => after_cancel_with_refined_mesh(checkpoint),
         0 => "stopped before direct light was finished; the same command starts again".to_owned(),
         _ if !checkpoint.is_current() => {
             "stopped; there is no checkpoint because it could not be written".to_owned()

@@ -91,7 +91,7 @@ fn solve(
     load::check_shines(&scene, settings.emitters)?;
     let (baker, _) = run.timed("build", || Baker::new(scene, settings));
     load::warn_of_lost_light(&baker, &run.console);
-    let Some((baker, _)) = run.adapt(baker)? else { return Ok(None) };
+    let Some((baker, _)) = run.adapt(baker, None, None)? else { return Ok(None) };
     let mut state = SolveState::new();
     Ok(run.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
 }

@@ -85,6 +85,12 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
     }
     let mut text = match phase {
         Phase::Preparing => "Preparing".to_owned(),
+        Phase::Refining { bounce: 0, vertices } => {
+            format!("Refining by direct light: {} vertices", grouped(*vertices))
+        }
+        Phase::Refining { bounce, vertices } => {
+            format!("Refining by bounce {bounce}: {} vertices", grouped(*vertices))
+        }
         Phase::Probing => "Testing validity".to_owned(),
         Phase::Bounce(0) => "Direct light".to_owned(),
         Phase::Bounce(k) => match progress.last_bounce.filter(|last| last >= k) {

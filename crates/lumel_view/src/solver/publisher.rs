@@ -70,6 +70,10 @@ impl<'a> Publisher<'a> {
         let Some((values, stats)) = self.last_bounce(reader, state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         self.shared.publish_light(|p| {
+            // Light to look at while the mesh was refined.
+            if p.light.sum_only.is_some() {
+                p.light = Illumination::new();
+            }
             p.light.bounces.push(values);
             p.light.current = None;
             p.light.valid = valid;
@@ -119,7 +123,7 @@ impl<'a> Publisher<'a> {
         loop {
             if let Some(state) = mail.state.take() {
                 drop(mail);
-                let problem = self.keep.as_ref().and_then(|keep| keep(self.baker, &state).err());
+                let problem = self.keep.as_ref().and_then(|keep| keep(&self.baker.checkpoint(&state)).err());
                 lock(&self.shared.published).checkpoint_problem = problem;
                 mail = lock(&self.mail);
             } else if mail.closed {
