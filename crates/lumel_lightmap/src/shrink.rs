@@ -8,9 +8,9 @@ use lumel_scene::luminance;
 use lumel_uv::{Atlas, Coverage};
 use rayon::prelude::*;
 
-/// How much of the noise of what was measured may look like light that the solve has missed, in the few lumels around one: more is
-/// no chance.
-const CHANCE: f32 = 1.5;
+/// How much of the noise of what was measured may look like light that the solve has missed: more is no chance. In a lumel by itself,
+/// and in the few around it.
+const CHANCE: [f32; 2] = [20.0, 1.5];
 
 /// The parts of the light that are compared with the solve, each by itself.
 #[derive(Clone, Copy)]
@@ -27,7 +27,7 @@ impl LumelLight {
     /// lumel see that, and are few. Around each lumel, the mean square of the difference of both is that of what the solve has
     /// missed, b², and of the noise of what was measured, v. The mean square error is least where a share b² / (b² + v) of the
     /// difference is kept (after James and Stein). The halves of the samples tell both: their noise is independent, so that
-    /// the product of their differences is b² on average. More is kept where the lumels close by have more than
+    /// the product of their differences is b² on average. More is kept where a lumel or those close by have more than
     /// chance allows, such as along a contact shadow.
     ///
     /// With more samples, v falls and light becomes what was measured. Bounces keep their proportions.
@@ -50,7 +50,9 @@ impl LumelLight {
             let wide = surface.means(&surface.means(&close, 2), 4);
             for (index, &place) in surface.places().iter().enumerate() {
                 let ([near, noise], [missed, usual]) = (close[index].to_array(), wide[index].to_array());
-                let missed = missed.max(near - CHANCE * noise).max(0.0);
+                let own = single[index].x;
+                let by_chance = CHANCE.map(|chance| chance * noise);
+                let missed = missed.max(near - by_chance[1]).max(own - by_chance[0]).max(0.0);
                 // Where there is little noise, that of others is none of its own.
                 let noise = noise.min(usual);
                 let kept = if noise > 0.0 { missed / (missed + noise) } else { 1.0 };
