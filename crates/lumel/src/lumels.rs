@@ -227,7 +227,7 @@ impl Baker {
         self.measure_by_direction(state, lumels, light, parts.most, control, part_done)
     }
 
-    /// Measures the light of all lumels by direction, where the settings want it: by half of the samples of the settings, once.
+    /// Measures the light of all lumels by direction, where the settings want it: by a part of the samples of the settings, once.
     fn measure_by_direction(
         &self,
         state: &SolveState,
@@ -355,7 +355,7 @@ impl Baker {
         let active = light.active.iter().filter(|active| **active).count().max(1);
         let done = 1.0 - light.left() as f64 / active as f64;
         let of_rounds = before + done * shares.next().unwrap_or_default();
-        let by_direction = if self.settings().directional == Directional::Off { 0.0 } else { 0.5 };
+        let by_direction = if self.settings().directional == Directional::Off { 0.0 } else { 0.25 };
         let directional = f64::from(light.directional.done) / light.len().max(1) as f64;
         let share = (of_rounds + by_direction * directional) / (1.0 + by_direction);
         target(self.settings()).is_none().then_some(share)

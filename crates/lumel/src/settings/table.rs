@@ -354,7 +354,7 @@ settings! {
     /// What to keep of where light comes from, for normal maps.
     ///
     /// Irradiance stays what it is, bit by bit. Beside it are coefficients of the light that arrives, which are measured once in the
-    /// end, of all light and of each layer: by half as many shadow rays and hemisphere rays as the settings say, which are
+    /// end, of all light and of each layer: by a quarter of the shadow rays and hemisphere rays that the settings say, which are
     /// spread over directions more evenly.
     DIRECTIONAL = directional: Directional {
         presets: always(Directional::Off),

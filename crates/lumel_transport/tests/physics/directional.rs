@@ -50,7 +50,7 @@ fn of_direction(normal: Vec3, direction: Vec3) -> Channels {
 fn assert_moments(stage: &Stage, point: (Vec3, Vec3), plan: Plan, truth: &Channels, bound: f64, what: &str) {
     let n = 32;
     for kind in [Directional::Sh1, Directional::Sh2] {
-        let receivers = PointReceivers::new(stage.scene(), [point]).unwrap();
+        let receivers = PointReceivers::new(stage.scene(), [point]).expect("points have normals");
         let transport = stage.directional(receivers, kind, plan);
         assert_eq!(transport.shape().channels, kind.channels());
         let fields = replicates(&*transport, Source::Emitters(None), n);
@@ -167,7 +167,7 @@ fn wall(direction: DVec3) -> usize {
         let from = f64::from(INSIDE[axis]);
         if d[axis] > 0.0 { (1.0 - from) / d[axis] } else { -from / d[axis] }
     };
-    let axis = (0..3).min_by(|&a, &b| t(a).total_cmp(&t(b))).unwrap();
+    let axis = (0..3).min_by(|&a, &b| t(a).total_cmp(&t(b))).expect("there are three");
     2 * axis + usize::from(d[axis] > 0.0)
 }
 
