@@ -444,6 +444,11 @@ impl StepSource<'_> {
 /// The sources of all bounces of a state, and of its tail.
 fn sources(state: &SolveState) -> Vec<StepSource<'_>> {
     let mut sources = vec![StepSource::Emitters];
+    if state.shot.is_some() {
+        // What is unshot is reflected now.
+        sources.push(StepSource::Rest(state.gatherable()));
+        return sources;
+    }
     let (carried, last) = state.bounces.split_at(state.bounces.len().saturating_sub(1));
     sources.extend(carried.iter().map(StepSource::Bounce));
     if let (Some(tail), [last]) = (&state.tail, last) {
@@ -454,5 +459,5 @@ fn sources(state: &SolveState) -> Vec<StepSource<'_>> {
 
 /// Whether the last source of a state is its tail.
 fn has_tail(state: &SolveState) -> bool {
-    state.tail.is_some() && !state.bounces.is_empty()
+    state.shot.is_some() || state.tail.is_some() && !state.bounces.is_empty()
 }

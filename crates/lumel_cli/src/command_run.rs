@@ -188,7 +188,8 @@ impl Observer for Watch<'_> {
         let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
         let seconds = lock(&self.tracker).step_done(step, remainder, accuracy, now);
         self.run.progress.step_done(step, seconds, remainder, accuracy);
-        if let (Some(checkpoint), Step::Bounce(_) | Step::Round(_)) = (self.checkpoint, step) {
+        if let (Some(checkpoint), Step::Bounce(_) | Step::Shot(_) | Step::Round(_)) = (self.checkpoint, step)
+        {
             let begun = self.run.clock.seconds();
             let mut spent = lock(&self.checkpoint_seconds);
             // Later bounces take less time than it takes to write all of them once more.

@@ -36,7 +36,7 @@ mod solution;
 
 pub use atlas_png::{chart_color, write_atlas_png};
 pub use atomic::write_atomically;
-pub use checkpoint::{Checkpoint, CheckpointMeta, Saved};
+pub use checkpoint::{Checkpoint, CheckpointMeta, Saved, SavedShots};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
 pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};

@@ -6,7 +6,7 @@ mod probes;
 mod refiner;
 
 use crate::assembly::StoredRays;
-use crate::settings::{BounceLimit, Layers, Settings, TargetError};
+use crate::settings::{BounceLimit, Layers, ScheduleKind, Settings, TargetError};
 use crate::{Baker, Tail};
 use glam::Vec3;
 use lumel_accel::Refined;
@@ -218,6 +218,7 @@ impl Settings {
         let (bounces, target_error) = (BounceLimit::Count(bounces), TargetError::Off);
         let (layers, directional) = (Layers::Off, Directional::Off);
         let direct_samples = self.direct_samples.div_ceil(DIRECT_PART);
-        Self { bounces, target_error, layers, directional, direct_samples, tail: Tail::Off, ..self.clone() }
+        let (schedule, tail) = (ScheduleKind::Gather, Tail::Off);
+        Self { schedule, bounces, target_error, layers, directional, direct_samples, tail, ..self.clone() }
     }
 }

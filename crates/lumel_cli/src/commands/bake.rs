@@ -132,16 +132,16 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
             }
         }
     };
-    let first_bounce = state.bounces.len();
+    let (first_bounce, begun) = (state.bounces.len(), steps_of(&state));
     let lumels = prepared.as_ref().map(|prepared| &prepared.lumels);
     let draws = wanted.outputs.iter().any(Output::is_picture);
     let announced = memory::announce(&baker, lumels, draws, &run.console);
     let log = run.solve(&baker, &mut state, Some(&checkpoint))?;
-    if state.bounces.len() > first_bounce {
+    if steps_of(&state) > begun {
         checkpoint.update(&baker, &state);
     }
     let Some(log) = log else {
-        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
+        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, begun)));
     };
     if !has_lost_light {
         load::warn_of_darkness(&baker, &state, &run.console);
@@ -171,14 +171,14 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
             });
             match unless_stopped(measured.0)? {
                 Some(openness) => Some(openness),
-                None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
+                None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, begun))),
             }
         }
     };
     let mut solution = Solution { occlusion: openness, ..solution(&baker, &state, run, &log) };
     solution.meta.vertex_budget = auto_edge.map(|auto| auto.vertex_budget);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
-    let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
+    let kept = kept.filter(|_| checkpoint.is_current() || steps_of(&state) == begun);
     let (written, write_seconds) = run.timed("write", || {
         let light = Light {
             baker: &baker,
@@ -190,7 +190,7 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
         write(&wanted.outputs, &light, kept, run)
     });
     let Some(written) = written? else {
-        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
+        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, begun)));
     };
     checkpoint.remove();
     let mut summary = Summary::new(&baker, &state, &solution, run.interrupt.control().rays(), &log);
@@ -271,6 +271,11 @@ fn tell_of_old_checkpoint(path: &Path, run: &CommandRun) {
     }
 }
 
+/// How many steps a state has behind it.
+fn steps_of(state: &SolveState) -> usize {
+    state.bounces.len() + state.shot.as_ref().map_or(0, |shot| shot.shots as usize)
+}
+
 /// What to tell a user who stopped a bake while its mesh was refined.
 fn after_cancel_in_refinement(checkpoint: &Checkpoint) -> String {
     if checkpoint.is_current() {
@@ -287,7 +292,7 @@ fn after_cancel_with_refined_mesh(checkpoint: &Checkpoint) -> String {
 }
 
 /// What to tell a user who stopped a bake.
-fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, first_bounce: usize) -> String {
+fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, begun: usize) -> String {
     let n = state.bounces.len();
     if let Some(errors) = &state.errors
         && checkpoint.is_current()
@@ -298,9 +303,9 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
             "stopped; {rounds} of samples are in the checkpoint; continue with the same command and --resume {file}"
         );
     }
-    if let Some(file) = args.resume.as_ref().filter(|_| n == first_bounce) {
+    if let Some(file) = args.resume.as_ref().filter(|_| steps_of(state) == begun) {
         return format!(
-            "stopped; no bounce was finished; continue with the same command and --resume {}",
+            "stopped; no further step was finished; continue with the same command and --resume {}",
             file.display()
         );
     }
@@ -311,10 +316,13 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
             "stopped; there is no checkpoint because it could not be written".to_owned()
         }
         _ => {
-            let done = if n == 1 {
-                "direct light is".into()
-            } else {
-                format!("direct light and {} are", bounces(n - 1))
+            let done = match (n, &state.shot) {
+                (_, Some(shot)) if shot.shots > 0 => {
+                    let shots = crate::report::counted(shot.shots as usize, "shot", "shots");
+                    format!("direct light and {shots} are")
+                }
+                (1, _) => "direct light is".into(),
+                _ => format!("direct light and {} are", bounces(n - 1)),
             };
             let file = checkpoint.path().display();
             format!("stopped; {done} in the checkpoint; continue with the same command and --resume {file}")

@@ -97,6 +97,7 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
             Some(last) => format!("Bounce {k} of {last}"),
             None => format!("Bounce {k}"),
         },
+        Phase::Shot(shot) => format!("Shot {}", shot + 1),
         Phase::FinalGather => "Final gather".to_owned(),
         Phase::Directional => "Light by direction".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),

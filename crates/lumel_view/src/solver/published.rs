@@ -25,6 +25,8 @@ pub enum Phase {
     Probing,
     /// Measuring this bounce; 0 is direct light.
     Bounce(u32),
+    /// Sending the light of the brightest vertices; 0 is the first batch of them.
+    Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
     /// Measuring where all light comes from.

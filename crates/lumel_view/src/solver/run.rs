@@ -138,10 +138,10 @@ fn layers(reader: &LightReader<'_>, state: &SolveState) -> Vec<Layer> {
     names.zip(&state.layers).enumerate().map(layer).collect()
 }
 
-/// What the sum of the bounces lacks of all light: the tail, or what a final gather has made different.
+/// What the sum of the bounces lacks of all light: the tail, what was shot, or what a final gather has made different.
 fn beyond_bounces(state: &SolveState) -> Option<Field> {
     if state.gathered.is_none() {
-        return state.tail.clone();
+        return state.beyond_bounces();
     }
     let bounces = Field::sum(state.valid.len(), &state.bounces);
     let total = state.total();
