@@ -143,7 +143,8 @@ pub fn without_window(
     let renderer = Renderer::new(gpu);
     let model = renderer.upload(&document.scene)?;
     let buffer = renderer.light(&model);
-    let lighting = VertexLighting::new(&document.scene, &values)?;
+    let directional = light.select_directional(selection, values.len()).map(|known| &**known);
+    let lighting = VertexLighting::new(&document.scene, &values)?.with_incident(directional)?;
     renderer.set_light(&buffer, &document.scene, &lighting)?;
     let view = View::new(&document.scene, &*document.tracer, &lighting);
     let stops = match args.exposure {

@@ -156,6 +156,12 @@ impl Illumination {
         }
         sum
     }
+
+    /// The chosen part by direction at all of `n` vertices: known of all light, as it was solved.
+    pub fn select_directional(&self, selection: Selection, n: usize) -> Option<&Arc<Coefficients>> {
+        let known = self.directional.as_ref().filter(|coefficients| coefficients.len() == n)?;
+        (selection.is_all() && !self.is_mixed()).then_some(known)
+    }
 }
 
 #[cfg(test)]
@@ -216,6 +222,19 @@ mod tests {
         light.layers[1].share = 0.25;
         assert_eq!(light.select(Selection::All, 2), [Vec3::splat(16.0), Vec3::splat(160.0)]);
         assert_eq!(light.select(Selection::DIRECT, 2)[0].x, 1.0);
+    }
+
+    #[test]
+    fn all_light_is_known_by_direction_unless_it_is_mixed() {
+        let coefficients = Coefficients::new(lumel_basis::Directional::Sh1, vec![Vec3::ONE; 8]).map(Arc::new);
+        let mut light = Illumination { directional: coefficients.clone(), ..light() };
+        assert_eq!(light.select_directional(Selection::All, 2), coefficients.as_ref());
+        assert_eq!(light.select_directional(Selection::All, 3), None, "it is that of another mesh");
+        assert_eq!(light.select_directional(Selection::DIRECT, 2), None);
+        let name = "lamp".to_owned();
+        let values = Arc::new(vec![Vec3::ONE; 2]);
+        light.layers = vec![Layer { name, values, directional: None, share: 0.5 }];
+        assert_eq!(light.select_directional(Selection::All, 2), None);
     }
 
     #[test]

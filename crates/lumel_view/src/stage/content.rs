@@ -5,7 +5,9 @@ use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::values;
 use glam::Vec3;
+use lumel_basis::Coefficients;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Which light is on one side of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +106,13 @@ impl Content {
         };
         // What is not known is dark.
         Some(values.unwrap_or_else(|| vec![Vec3::splat(0.05); scene.vertex_count()]))
+    }
+
+    /// The light by direction, where light is shown and that is known: it lights normal maps.
+    pub(super) fn directional(&self, session: &Session) -> Option<Arc<Coefficients>> {
+        let n = session.document.as_ref()?.scene.vertex_count();
+        let light = light_of(session, self.side).filter(|_| self.is_light())?;
+        light.select_directional(self.selection, n).cloned()
     }
 }
 

@@ -318,7 +318,9 @@ impl Stage {
         let (Some(document), Some(values)) = (&session.document, content.values(session)) else {
             return Ok(());
         };
-        let lighting = VertexLighting::new(&document.scene, &values)?;
+        let directional = content.directional(session);
+        let lighting =
+            VertexLighting::new(&document.scene, &values)?.with_incident(directional.as_deref())?;
         self.renderer.set_light(&self.buffers[buffer], &document.scene, &lighting)?;
         self.contents[buffer] = Some(*content);
         Ok(())
