@@ -3,17 +3,18 @@
 //! The estimator of light by shadow rays without the cosine of the receiver: `L Y / p` for the same points on the same
 //! lights as for [irradiance](crate::direct), though fewer of them.
 
-use crate::direct::Direct;
+use crate::direct::{Direct, MAX_PILOT};
 use crate::direct_area::AreaSites;
 use crate::job::TransportError;
 use crate::light_points::LightPoints;
 use crate::light_view::LightView;
 use crate::moments::{self, Moments};
+use crate::plan::LightSampling;
 use crate::shadow_batch::Batch;
+use crate::shadow_rays::share;
 use glam::{DVec3, Vec3};
-use lumel_accel::Ray;
 use lumel_basis::Site;
-use lumel_sample::{Dim, StreamKey};
+use lumel_sample::{Dim, Stream, StreamKey};
 
 /// Where the samples of neighbouring elements lie.
 pub(crate) enum LitSites<'a> {
@@ -64,6 +65,14 @@ impl LitSites<'_> {
         }
     }
 
+    /// The element of a sum.
+    fn element(&self, at: usize) -> usize {
+        match self {
+            Self::Points { .. } => at,
+            Self::Areas(area) => at / area.pattern.len() as usize,
+        }
+    }
+
     /// What one of the samples of a light counts in the sum of its place.
     fn share(&self) -> f64 {
         match self {
@@ -89,17 +98,7 @@ impl Direct<'_> {
         moments: &mut Moments,
     ) -> Result<(), TransportError> {
         self.control.check()?;
-        let mut n_rays = 0;
-        let mut trace = |batch: &mut Batch| {
-            n_rays += batch.trace(self.tracer, |ray: &Ray, at, facing, passed| {
-                if let Some(direction) = ray.direction.try_normalize()
-                    && passed != Vec3::ZERO
-                {
-                    let factors = moments::factors(sites.normal(at), direction);
-                    moments.add(at, &factors, facing * passed.as_dvec3());
-                }
-            });
-        };
+        let all = |_: usize| 0.0;
         for element in 0..sites.elements() {
             batch.begin_element();
             for slot in 0..sites.distinct() {
@@ -109,18 +108,37 @@ impl Direct<'_> {
                 });
             }
         }
-        trace(batch);
+        let mut n_rays = self.add_moments(sites, batch, all, moments);
         if self.lights.tree.is_some() {
             self.choose_for_moments(sites, points, batch);
-            trace(batch);
+            n_rays += self.add_moments(sites, batch, all, moments);
         }
         for l in self.looped_lights() {
             self.control.check()?;
-            self.one_light_for_moments(l, sites, points, batch);
-            trace(batch);
+            n_rays += self.one_light_for_moments(l, sites, (&mut *points, &mut *batch), moments);
         }
         self.control.count(0, n_rays as u64);
         Ok(())
+    }
+
+    /// Traces the rays of a batch and adds what they bring beyond the share of it that `beta` of the element has brought already.
+    /// Returns how many.
+    fn add_moments(
+        &self,
+        sites: &LitSites<'_>,
+        batch: &mut Batch,
+        beta: impl Fn(usize) -> f64,
+        moments: &mut Moments,
+    ) -> usize {
+        batch.trace(self.tracer, |ray, at, facing, passed| {
+            let share = passed.as_dvec3() - beta(sites.element(at));
+            if let Some(direction) = ray.direction.try_normalize()
+                && share != DVec3::ZERO
+            {
+                let factors = moments::factors(sites.normal(at), direction);
+                moments.add(at, &factors, facing * share);
+            }
+        })
     }
 
     /// Adds one shadow ray of each sample, to a light that is chosen from many.
@@ -143,19 +161,74 @@ impl Direct<'_> {
         }
     }
 
-    /// Adds one shadow ray of each sample to one light.
+    /// Adds the light of one light. Where the closed form of what would arrive unblocked is known, it is a control variate, as it is
+    /// of [irradiance](crate::direct). Returns the number of rays.
     fn one_light_for_moments(
         &self,
         l: usize,
         sites: &LitSites<'_>,
-        points: &mut LightPoints,
-        batch: &mut Batch,
+        (points, batch): (&mut LightPoints, &mut Batch),
+        moments: &mut Moments,
+    ) -> usize {
+        let pilot = self.plan.sampler.sample_count((sites.samples() / 4).clamp(1, MAX_PILOT));
+        let pilot = pilot.min(sites.samples());
+        let mut betas = vec![0.0; sites.elements()];
+        let mut n_rays = 0;
+        let has_closed_form =
+            self.plan.light_sampling == LightSampling::Analytic && self.lights.is_even_polygon(l);
+        if has_closed_form {
+            let sampler = self.plan.sampler.for_count(pilot);
+            self.add_rays_to(l, sites, pilot, (&mut *points, &mut *batch), |key| {
+                sampler.stream(key, Dim::LightPilot(l as u32))
+            });
+            let mut seen = vec![(0.0, 0u32); sites.elements()];
+            n_rays += batch.trace(self.tracer, |_, at, _, passed| {
+                let (n_lit, n) = &mut seen[sites.element(at)];
+                *n_lit += share(passed);
+                *n += 1;
+            });
+            for (element, (n_lit, n)) in seen.into_iter().enumerate() {
+                betas[element] = if n > 0 { n_lit / f64::from(n) } else { 1.0 };
+                self.add_unblocked(l, sites, (element, betas[element]), moments);
+            }
+        }
+        let samples = sites.samples();
+        self.add_rays_to(l, sites, samples, (points, &mut *batch), |key| {
+            self.plan.stream(samples, key, Dim::Light(l as u32))
+        });
+        n_rays + self.add_moments(sites, batch, |element| betas[element], moments)
+    }
+
+    /// Adds the closed form of a light, times a share, at the sites of an element.
+    fn add_unblocked(
+        &self,
+        l: usize,
+        sites: &LitSites<'_>,
+        (element, share): (usize, f64),
+        moments: &mut Moments,
+    ) {
+        for slot in (0..sites.distinct()).filter(|_| share > 0.0) {
+            let Some((at, site)) = sites.at(element, slot) else { continue };
+            let view = self.view(l, site, 1.0);
+            if let Some((radiance, unit)) = view.and_then(|view| view.unblocked_moments()) {
+                moments.add(at, &unit, radiance * share);
+            }
+        }
+    }
+
+    /// Adds to the batch one shadow ray of each of so many samples to one light.
+    fn add_rays_to(
+        &self,
+        l: usize,
+        sites: &LitSites<'_>,
+        samples: u32,
+        (points, batch): (&mut LightPoints, &mut Batch),
+        stream: impl Fn(StreamKey) -> Stream,
     ) {
         for element in 0..sites.elements() {
             batch.begin_element();
-            let stream = self.plan.stream(sites.samples(), sites.key(element), Dim::Light(l as u32));
             let mut view: Option<(usize, Option<LightView<'_>>)> = None;
-            for (slot, &u) in (0..).zip(points.fill(&stream, sites.samples())) {
+            for (slot, &u) in (0..).zip(points.fill(&stream(sites.key(element)), samples)) {
                 let Some((at, site)) = sites.at(element, slot) else { continue };
                 // At points, all samples see the light from the same site.
                 if view.as_ref().is_none_or(|(of, _)| *of != at) {

@@ -6,7 +6,7 @@ use crate::plan::LightSampling;
 use crate::sky_light::SkyLight;
 use crate::{cap, polygon};
 use glam::{DVec3, Vec3};
-use lumel_basis::Site;
+use lumel_basis::{HARMONICS, Site};
 use lumel_sample::{SphericalCap, SphericalRectangle, SphericalTriangle, concentric_disk, uniform_triangle};
 use lumel_scene::{
     Barycentrics, DiskLight, Irradiance, Radiance, RectLight, Scene, SphereLight, SunLight, SurfacePoint,
@@ -159,6 +159,19 @@ impl<'a> LightView<'a> {
             _ => return Irradiance::ZERO,
         };
         Irradiance(radiance.0 * per_radiance as f32)
+    }
+
+    /// The radiance of a polygon that shines evenly, and what would arrive per unit of it in all channels of light by direction if
+    /// nothing were in the way.
+    pub(crate) fn unblocked_moments(&self) -> Option<(DVec3, [f64; 1 + HARMONICS])> {
+        let Site { origin, frame, .. } = self.site;
+        let of = |corners: &[Vec3]| polygon::unit_moments(corners, *origin, frame.normal);
+        let (radiance, moments) = match self.light {
+            AreaLight::Rect(rect) => (rect.radiance, of(&rect.corners())),
+            AreaLight::Triangle(tri, radiance) => (*radiance, of(&self.scene.triangle_positions(*tri))),
+            _ => return None,
+        };
+        Some((radiance.0.as_dvec3(), moments))
     }
 
     fn cap_irradiance(&self) -> f64 {

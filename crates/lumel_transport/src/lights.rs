@@ -141,6 +141,11 @@ impl LightSet {
         LightView::new(scene, (&self.area[l].1, &self.fronts[l]), site, sampling)
     }
 
+    /// Whether an area light is a polygon that shines evenly.
+    pub(crate) fn is_even_polygon(&self, l: usize) -> bool {
+        matches!(self.area[l].1, AreaLight::Rect(_) | AreaLight::Triangle(..))
+    }
+
     /// Whether anything is sampled by shadow rays.
     pub(crate) fn has_lights(&self) -> bool {
         !self.area.is_empty() || !self.delta.is_empty()

@@ -28,10 +28,15 @@ impl Moments {
 
     /// Adds light that counts as `factors` say and brings `facing` to a surface that faces it, W·m⁻².
     #[inline]
-    pub(crate) fn add(&mut self, at: usize, factors: &[f32; 1 + HARMONICS], facing: DVec3) {
+    pub(crate) fn add<F: Copy + Into<f64>>(
+        &mut self,
+        at: usize,
+        factors: &[F; 1 + HARMONICS],
+        facing: DVec3,
+    ) {
         let sums = &mut self.values[at * self.channels..][..self.channels];
         for (sum, factor) in sums.iter_mut().zip(factors) {
-            *sum += facing * f64::from(*factor);
+            *sum += facing * (*factor).into();
         }
     }
 

@@ -34,10 +34,11 @@ fn under_an_even_sky_lumels_have_the_coefficients_of_a_hemisphere() {
     let expected = [1.772_453_9, 1.534_990_1, 0.0, 0.0];
     assert_eq!(light.directional.harmonics.len(), expected.len());
     for (harmonic, expected) in light.directional.harmonics.iter().zip(expected) {
-        // Of 32 rays of each lumel, and of 16 times as many of all those around.
+        // A ray has a standard deviation of 0.7 at most, a lumel 16 of them, and there are 64 lumels: four standard errors of
+        // independent rays.
         let mean = harmonic.iter().map(|value| value.x).sum::<f32>() / light.len() as f32;
-        assert!((mean - expected).abs() < 0.01, "{mean} {expected}");
-        assert!(harmonic.iter().all(|value| (value.x - expected).abs() < 0.4));
+        assert!((mean - expected).abs() < 0.09 && light.len() >= 64, "{mean} {expected}");
+        assert!(harmonic.iter().all(|value| (value.x - expected).abs() < 0.7));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Real spherical harmonics of the first three bands.
 
-use glam::Vec3;
+use glam::{DMat3, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Functions in the bands 0, 1 and 2.
@@ -80,6 +80,23 @@ pub fn spherical_harmonics(Vec3 { x, y, z }: Vec3) -> Harmonics<f32> {
     ]
 }
 
+/// The integrals of all harmonics over some directions, from those of 1, of directions `ω` and of their products `ω ωᵀ`.
+pub fn integrals_of_harmonics(solid_angle: f64, first: DVec3, second: DMat3) -> Harmonics<f64> {
+    let [band_0, band_1] = [BAND_0, BAND_1].map(f64::from);
+    let [diagonal, axial, difference] = BAND_2.map(f64::from);
+    [
+        band_0 * solid_angle,
+        band_1 * first.y,
+        band_1 * first.z,
+        band_1 * first.x,
+        diagonal * second.x_axis.y,
+        diagonal * second.y_axis.z,
+        axial * (3.0 * second.z_axis.z - solid_angle),
+        diagonal * second.x_axis.z,
+        difference * (second.x_axis.x - second.y_axis.y),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,6 +136,17 @@ mod tests {
         near(y[8], -0.546_274_215_296);
         let diagonal = spherical_harmonics(Vec3::new(1.0, 1.0, 1.0));
         [4, 5, 7].into_iter().for_each(|i| near(diagonal[i], 1.092_548_430_592));
+    }
+
+    #[test]
+    fn integrals_over_one_direction_are_its_harmonics() {
+        let direction = Vec3::new(0.36, -0.48, 0.8);
+        let d = direction.as_dvec3();
+        let products = DMat3::from_cols(d.x * d, d.y * d, d.z * d);
+        let integrals = integrals_of_harmonics(1.0, d, products);
+        for (a, b) in integrals.into_iter().zip(spherical_harmonics(direction)) {
+            assert!((a - f64::from(b)).abs() < 1e-6, "{a} {b}");
+        }
     }
 
     #[test]

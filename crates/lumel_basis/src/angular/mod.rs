@@ -6,6 +6,8 @@ mod incident;
 mod shading;
 
 pub use coefficients::Coefficients;
-pub use harmonics::{Directional, HARMONICS, Harmonics, band_of, spherical_harmonics};
+pub use harmonics::{
+    Directional, HARMONICS, Harmonics, band_of, integrals_of_harmonics, spherical_harmonics,
+};
 pub use incident::IncidentRadiance;
 pub use shading::{Shading, UnknownShading};

@@ -27,6 +27,26 @@ fn every_kind_of_output_is_written_and_can_be_read() {
 }
 
 #[test]
+fn light_by_direction_lies_beside_the_same_irradiance() {
+    let place = Place::new();
+    place.bake_furnace("--projection area --bounces 1 -o plain.npz").done();
+    let asked = "--projection area --bounces 1 --directional sh1";
+    let run = place.bake_furnace(&format!("{asked} -o a.npz -o a.glb")).done();
+    assert!(run.stdout.contains("\ndirectional "), "{}", run.stdout);
+    let (plain, solution) = (place.solution("plain.npz"), place.solution("a.npz"));
+    assert_same_light(&plain, &solution);
+    assert_eq!(
+        (plain.directional, solution.directional.as_ref().unwrap().len()),
+        (None, solution.vertex_count())
+    );
+    let glb = std::fs::read(place.path("a.glb")).unwrap();
+    assert!(glb.windows(6).any(|bytes| bytes == b"_SH1R\""));
+    // It is made of the bounces, which may have been computed without it.
+    place.bake_furnace(&format!("{asked} --resume plain.npz -o resumed.npz")).done();
+    assert_eq!(place.solution("resumed.npz").directional, solution.directional);
+}
+
+#[test]
 fn the_summary_says_what_happened() {
     let place = Place::new();
     let run = place.bake_furnace("--bounces 1").done();

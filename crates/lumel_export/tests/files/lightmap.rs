@@ -95,6 +95,35 @@ fn half_precision_is_exact_to_one_part_in_2048() {
 }
 
 #[test]
+fn coefficients_of_higher_bands_are_shares_of_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let mut lightmap = lightmap_of(&plain("plain"));
+    let n = lightmap.atlas.lumel_count();
+    // Light of one direction, along y: as much as there can be in bands 1 and 2; in the first lumel none.
+    let beam = |k: usize| [0.282_094_8, 0.488_602_5, 0.0, 0.0, 0.0, 0.0, -0.315_391_6, 0.0, -0.546_274_2][k];
+    for k in 0..9 {
+        let mut values = vec![Vec3::new(8.0, 4.0, 0.0) * beam(k); n];
+        values[0] = Vec3::ZERO;
+        lightmap.layers.push(LightmapLayer { name: LightmapLayer::of_harmonic(k), values });
+    }
+    write_lightmap_exr(&path, &lightmap, 0, Precision::Float, &[]).unwrap();
+    let (_, channels, _) = read_exr(&path);
+    let last = |channel: &str| channels[channel].values_as_f32().last().unwrap();
+    let near = |channel: &str, expected: f32| {
+        assert!((last(channel) - expected).abs() < 1e-5, "{channel}: {} {expected}", last(channel));
+    };
+    near("sh0.R", 8.0 * beam(0));
+    near("sh1.R", 1.0);
+    near("sh1.G", 1.0);
+    near("sh1.B", 0.0);
+    near("sh6.R", -0.5);
+    near("sh8.G", -0.866_025_4);
+    assert!(channels.keys().filter(|name| name.starts_with("sh")).count() == 27);
+    assert!(channels["sh1.R"].values_as_f32().next().unwrap() == 0.0);
+}
+
+#[test]
 fn equal_lightmaps_are_equal_files() {
     let folder = tempfile::tempdir().unwrap();
     let lightmap = lightmap_of(&colourful());

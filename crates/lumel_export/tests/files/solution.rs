@@ -228,12 +228,14 @@ fn arrays_of_a_wrong_shape_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (path, bad) = (folder.path().join("a.npz"), folder.path().join("b.npz"));
     solution(&plain("box")).save(&path).unwrap();
-    let wrong: [(&str, Array); 7] = [
+    let wrong: [(&str, Array); 9] = [
         ("irradiance", Array { shape: vec![3, 4], data: ArrayData::F32(vec![0.0; 12]) }),
         ("positions", Array { shape: vec![4, 3], data: ArrayData::U32(vec![0; 12]) }),
         ("bounces", Array { shape: vec![4, 3], data: ArrayData::F32(vec![0.0; 12]) }),
         ("bounces", Array { shape: vec![1_000_000_000_000, 0, 3], data: ArrayData::F32(vec![]) }),
         ("layers", Array { shape: vec![2, 3, 4], data: ArrayData::F32(vec![0.0; 24]) }),
+        ("sh", Array { shape: vec![4, 5, 3], data: ArrayData::F32(vec![0.0; 60]) }),
+        ("layers_sh", Array { shape: vec![4, 4, 3], data: ArrayData::F32(vec![0.0; 48]) }),
         ("splits", Array { shape: vec![4], data: ArrayData::U32(vec![0; 4]) }),
         ("valid", Array { shape: vec![4, 1], data: ArrayData::Bool(vec![true; 4]) }),
     ];
@@ -249,6 +251,8 @@ fn arrays_of_a_wrong_shape_are_refused() {
                 "tail",
                 "standard_error",
                 "layers",
+                "sh",
+                "layers_sh",
                 "occlusion",
                 "splits",
                 "valid",

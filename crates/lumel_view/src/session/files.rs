@@ -228,6 +228,7 @@ impl Session {
         self.end_solve();
         self.show_mesh(&mesh);
         self.show_light(file, name.clone(), true);
+        self.note_refined_for(self.computed.as_ref().map(|computed| computed.inputs.clone()));
         self.notices.push(Level::Info, format!("Loaded {name}"));
     }
 

@@ -17,8 +17,17 @@ impl Session {
             return;
         }
         document.show(mesh);
+        self.refined_for = None;
         self.mesh_generation += 1;
         self.paint();
+    }
+
+    /// Notes what the triangles that are shown were refined for, unless that is known: what light on them is computed from.
+    pub(super) fn note_refined_for(&mut self, inputs: Option<Inputs>) {
+        let is_refined = self.document.as_ref().is_some_and(|d| d.scene.refinement().is_some());
+        if is_refined && self.refined_for.is_none() {
+            self.refined_for = inputs;
+        }
     }
 
     /// Whether edges are being split.

@@ -48,10 +48,12 @@ impl Session {
             let unpainted = mesh.scene.materials() != document.scene.materials();
             running.inputs.scene = Arc::clone(if unpainted { &mesh.scene } else { &document.scene });
         }
+        let inputs = running.inputs.clone();
         if let Phase::Refining { .. } = phase {
-            self.refined_for = Some(running.inputs.clone());
+            self.refined_for = None;
         }
-        self.computed = Some(Computed::unfinished(running.inputs.clone()));
+        self.computed = Some(Computed::unfinished(inputs.clone()));
+        self.note_refined_for(Some(inputs));
     }
 
     /// The same for the light of lumels, beside which that of vertices stays.
