@@ -16,7 +16,7 @@ fn light_is_shot_measured_and_drawn_but_single_bounces_are_refused_with_a_remedy
     let refused = run(&mut place.lumel("render furnace --solution a.npz --bounce 1 -o a.png"));
     refused.failed("bake with the schedule gather");
     run(&mut place.lumel("render furnace --solution a.npz --bounce 0 -o a.png")).done();
-    let line = "measure furnace --solution a.npz --point 0.5,0.01,0.5 --normal 0,1,0 --json";
+    let line = "measure furnace --solution a.npz --point 0,-0.4,0.3 --normal 0,1,0 --json";
     let measured: Value = serde_json::from_str(&run(&mut place.lumel(line)).done().stdout).unwrap();
     let [all, direct] = [&measured["irradiance"][0][1], &measured["bounces"][0][0][1]];
     let ratio = all.as_f64().unwrap() / direct.as_f64().unwrap();
@@ -28,7 +28,7 @@ fn a_number_of_bounces_cannot_be_shot() {
     let place = Place::new();
     let refused = place.bake_furnace("--schedule shoot --bounces 3 -o a.npz").failed("bounces all");
     assert!(refused.stderr.contains("schedule shoot"), "{}", refused.stderr);
-    place.write("a.lumel.toml", "scene = \"furnace\"\n[bake]\nschedule = \"shoot\"\npreset = \"draft\"\n");
+    place.write("a.lumel.toml", "builtin = \"furnace\"\n[bake]\nschedule = \"shoot\"\npreset = \"draft\"\n");
     run(place.lumel("bake a.lumel.toml -o b.npz").args(TINY)).done();
     assert!(place.solution("b.npz").meta.is_shot());
     place.bake_furnace("--schedule wait").failed("gather, shoot");
