@@ -15,11 +15,12 @@ struct Benchmark {
     features: &'static [&'static str],
 }
 
-const BENCHMARKS: [Benchmark; 7] = [
+const BENCHMARKS: [Benchmark; 8] = [
     Benchmark { name: "rays", package: "lumel", features: &[] },
     Benchmark { name: "bake", package: "lumel", features: &[] },
     Benchmark { name: "surfaces", package: "lumel", features: &[] },
     Benchmark { name: "adaptive", package: "lumel", features: &[] },
+    Benchmark { name: "shooting", package: "lumel", features: &[] },
     Benchmark { name: "lightmap", package: "lumel", features: &[] },
     Benchmark { name: "frame", package: "lumel_render_gpu", features: &[] },
     Benchmark { name: "window", package: "lumel_view", features: &["--features", "inspection"] },
@@ -57,11 +58,11 @@ pub(crate) fn bench(arguments: &[String]) -> Result<()> {
     }
 }
 
-/// Makes the file after `--json` independent of the folder that the benchmark is started in.
+/// Makes the files after `--json` and `--plot` independent of the folder that the benchmark is started in.
 fn with_full_paths(arguments: &[String]) -> Result<Vec<String>> {
     let mut full = arguments.to_vec();
     for i in 1..full.len() {
-        if full[i - 1] == "--json" {
+        if ["--json", "--plot"].contains(&full[i - 1].as_str()) {
             full[i] = std::path::absolute(&full[i])?.to_string_lossy().into_owned();
         }
     }

@@ -1,12 +1,12 @@
 //! The operators that settings ask for.
 
 use crate::method::Method;
-use crate::settings::{Memory, Settings, SolverKind, TargetError};
+use crate::settings::{Memory, ScheduleKind, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
 use lumel_basis::{Directional, Receivers, Sampling, VertexBasis};
 use lumel_scene::Scene;
-use lumel_solve::{REPLICATES, Replicates, Target};
+use lumel_solve::{REPLICATES, Replicates, Schedule, Target};
 use lumel_transport::{
     CachedTransport, CpuTransport, DirectionalTransport, Order, Plan, Rows, Stored, Transport,
 };
@@ -15,6 +15,7 @@ use std::sync::Arc;
 /// What solves a scene with certain settings.
 pub(crate) struct Assembly {
     pub(crate) method: Method,
+    pub(crate) schedule: Box<dyn Schedule>,
     /// Measures direct light and bounces.
     pub(crate) transport: Box<dyn Transport>,
     pub(crate) stored: StoredRays,
@@ -84,13 +85,19 @@ pub(crate) fn method(scene: &Scene, order: &Order, settings: &Settings) -> Metho
     let textured = scene.has_varying_albedo();
     let bytes = |rays: u32| {
         let plan = Plan { indirect_samples: rays, ..settings.plan() };
-        Rows::bytes_for(order.rays(&plan), textured)
+        let rays = order.rays(&plan);
+        Rows::bytes_for(rays, textured) + column_bytes(settings, rays)
     };
     if let Some(target) = target::target(settings) {
         let rays = target::first_rays(settings, bytes);
         return Method::Replicates { target, rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
     }
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
+}
+
+/// What shooting takes besides so many stored rays.
+pub(crate) fn column_bytes(settings: &Settings, rays: u64) -> u64 {
+    if settings.schedule == ScheduleKind::Shoot { Rows::column_bytes_for(rays) } else { 0 }
 }
 
 /// Light by direction is measured by this part of the samples of a solve. With half of them it took nearly as long as the solve.
@@ -142,13 +149,17 @@ impl<R: Receivers + 'static> Parts<'_, R> {
             Method::Replicates { target, rays, .. } => {
                 let first = target::first_plan(self.settings, rays);
                 let like = CachedTransport::new(self.traced(first), None);
-                ((traced(), None), Rest::Replicates(target, Box::new(StoredReplicates { like, first })))
+                let shoots = self.settings.schedule == ScheduleKind::Shoot;
+                (
+                    (traced(), None),
+                    Rest::Replicates(target, Box::new(StoredReplicates { like, first, shoots })),
+                )
             }
         };
         let stored = |directional: &DirectionalTransport<_, _>| directional.stored();
         let stored = StoredRays { bounces, directional: directional.as_ref().and_then(stored) };
         let directional = directional.map(|operator| Box::new(operator) as Box<dyn Transport>);
-        Assembly { method, transport, stored, rest, directional }
+        Assembly { method, schedule: self.settings.schedule(), transport, stored, rest, directional }
     }
 
     /// Its rays are stored where those of bounces are, and both fit into memory.

@@ -57,7 +57,7 @@ impl Baker {
                 false => positive(at_vertices(&read.total())),
             },
             bounces: read.bounces.iter().map(at_vertices).collect(),
-            tail: read.tail.as_ref().map(at_vertices),
+            tail: read.beyond_bounces().as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
             standard_error: errors.map(|errors| self.carried_at_vertices(&errors.standard_error)),
             layers: self.layers(state, &reader),

@@ -5,11 +5,14 @@ use crate::layers;
 use crate::method::Method;
 use crate::settings::{Layers, Memory, Projection, Settings};
 use crate::surfaces::Surfaces;
+use glam::Vec3;
 use lumel_accel::{RayTracer, tracer_of};
-use lumel_basis::{Basis, Field, LeastSquares, Readout, Receivers, Sampling, VertexBasis, reflecting_areas};
+use lumel_basis::{
+    Basis, Field, LeastSquares, NodeId, Readout, Receivers, Sampling, VertexBasis, reflecting_areas,
+};
 use lumel_scene::Scene;
 use lumel_solve::{
-    Gather, Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, final_gather, solve,
+    Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, brightest, final_gather, solve,
     solve_directional, solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Order, Transport};
@@ -153,9 +156,24 @@ impl Baker {
         self.shape().elements as u64
     }
 
-    /// Share of all light that bounces after those of `state` would bring; `None` while it cannot be told.
+    /// Share of all light that bounces after those of `state` would bring, or what is unshot; `None` while it cannot be told.
     pub fn remainder(&self, state: &SolveState) -> Option<f64> {
-        self.integrals.remainder(&state.bounces)
+        match state.shot {
+            Some(_) => Some(self.integrals.missing(state)),
+            None => self.integrals.remainder(&state.bounces),
+        }
+    }
+
+    /// The ambient term: what light that is not computed yet would bring everywhere, for looking at. See
+    /// [`Integrals::ambient`].
+    pub fn ambient(&self, state: &SolveState) -> Vec3 {
+        self.integrals.ambient(state)
+    }
+
+    /// The nodes with the most unshot power, as few as have this share of all of it.
+    pub fn brightest(&self, state: &SolveState, share: f64) -> Vec<NodeId> {
+        let powers = state.unshot().map(|unshot| self.integrals.unshot_powers(unshot));
+        brightest(&powers.unwrap_or_default(), share)
     }
 
     /// Power that arrives in a field, W by luminance.
@@ -168,10 +186,11 @@ impl Baker {
         self.integrals.mean_square(field).sqrt()
     }
 
-    /// The share that each bounce of `state` has of their sum, by luminance of the incident power.
+    /// The share that each bounce of `state` has of all light that was found, by luminance of the incident power.
     pub fn shares(&self, state: &SolveState) -> Vec<f64> {
         let log = PowerLog::of(&self.integrals, &state.bounces);
-        let all: f64 = log.powers().iter().sum();
+        let shot = state.shot.as_ref().map_or(0.0, |shot| self.power(&shot.reflected));
+        let all: f64 = log.powers().iter().sum::<f64>() + shot;
         log.powers().iter().map(|power| if all > 0.0 { power / all } else { 0.0 }).collect()
     }
 
@@ -196,17 +215,17 @@ impl Baker {
             solve_to_error(problem, &**replicates, *target, state, control, observer)?;
             return finish(state);
         }
-        let Problem { operator, stop, .. } = problem;
-        solve(operator, &self.integrals, &Gather { stop }, state, control, observer)?;
+        let Problem { operator, schedule, .. } = problem;
+        solve(operator, &self.integrals, schedule, state, control, observer)?;
         if problem.tail {
-            state.tail = self.integrals.tail(&state.bounces);
+            state.tail = self.integrals.tail_of(state);
         }
         let finisher = match &self.assembly.rest {
             Rest::Gather(finisher) => Some(self.operator(&**finisher)),
             Rest::Nothing | Rest::Replicates(..) => None,
         };
         if let Some(finisher) = finisher
-            && state.bounces.len() > 1
+            && (state.bounces.len() > 1 || state.shot.is_some())
         {
             final_gather(finisher, state, control, observer)?;
         }
@@ -214,7 +233,7 @@ impl Baker {
         if self.settings.layers == Layers::Lights {
             let masks = layers::masks(&self.scene, &self.settings);
             let finishers = [finisher, directional];
-            solve_layers(operator, finishers, &self.integrals, &masks, state, control, observer)?;
+            solve_layers(problem, finishers, &masks, state, control, observer)?;
         }
         Ok(())
     }
@@ -225,7 +244,7 @@ impl Baker {
             operator: self.operator(&*self.assembly.transport),
             integrals: &self.integrals,
             readout: self.readout(),
-            stop: self.settings.stop(),
+            schedule: &*self.assembly.schedule,
             tail: self.settings.tail.is_added(self.settings.bounces),
         }
     }

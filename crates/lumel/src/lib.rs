@@ -73,8 +73,8 @@ pub use lumel_basis::{
     Shading, VertexCountError, VertexLighting,
 };
 pub use lumel_export::{
-    Checkpoint, LightmapSolution, LightmapTarget, LumelState, RadFile, Saved, Solution, SolutionLayer,
-    SolutionSelection,
+    Checkpoint, LightmapSolution, LightmapTarget, LumelState, RadFile, RefinementState, Saved, Solution,
+    SolutionLayer, SolutionSelection,
 };
 pub use lumel_import::PathPolicy;
 pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
@@ -101,8 +101,8 @@ pub use project::{CameraEntry, MaterialEntry, ObjectEntry, Project, ProjectError
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{
-    Adaptive, BounceLimit, Layers, Memory, Preset, Projection, Settings, SettingsError, SettingsPatch, Share,
-    SolverKind, Tail, TargetError,
+    Adaptive, BounceLimit, Layers, Memory, Preset, Projection, ScheduleKind, Settings, SettingsError,
+    SettingsPatch, Share, SolverKind, Tail, TargetError,
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
 pub use suggestion::suggested_light;

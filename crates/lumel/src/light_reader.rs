@@ -3,7 +3,7 @@
 use crate::Baker;
 use glam::Vec3;
 use lumel_basis::{Coefficients, Field, LeastSquares, Limits};
-use lumel_solve::SolveState;
+use lumel_solve::{ShotLight, SolveState};
 use std::borrow::Cow;
 
 /// Reads fields of one solve as its projection asks for.
@@ -67,6 +67,11 @@ impl LightReader<'_> {
         let read = |field: &Field| self.read(field).into_owned();
         Cow::Owned(SolveState {
             bounces: state.bounces.iter().map(read).collect(),
+            shot: state.shot.as_ref().map(|shot| ShotLight {
+                reflected: read(&shot.reflected),
+                unshot: read(&shot.unshot),
+                shots: shot.shots,
+            }),
             tail: state.tail.as_ref().map(read),
             gathered: state.gathered.as_ref().map(read),
             ..SolveState::new()

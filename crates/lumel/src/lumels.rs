@@ -4,10 +4,11 @@ use crate::Baker;
 use crate::assembly::directional_plan;
 use crate::settings::Memory;
 use crate::target::target;
+use glam::Vec3;
 use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers, VertexBasis};
 use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
-use lumel_scene::Scene;
+use lumel_scene::{Scene, SurfacePoint};
 use lumel_solve::{SolveState, Target};
 use lumel_transport::{
     CachedTransport, Control, CpuTransport, DIRECTIONAL_PASS, DirectionalTransport, Job, Order, Plan, Source,
@@ -151,7 +152,26 @@ impl Baker {
 
     /// What measuring the light of a solve at lumels begins with.
     pub fn no_light_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> LumelLight {
-        LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state))
+        let light = LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state));
+        LumelLight { solved: self.solved_at_lumels(state, lumels), ..light }
+    }
+
+    /// Direct light and all bounces of a solve, read at the middle of each lumel, W·m⁻²; zero where the surfaces of the solve are not
+    /// near.
+    fn solved_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> [Vec<Vec3>; 2] {
+        let Some((direct, bounces)) = state.bounces.split_first() else { return [Vec::new(), Vec::new()] };
+        let Lumels { scene, atlas, coverage } = lumels;
+        let middles = coverage.middles(atlas, &atlas.refined(scene, self.scene()));
+        let reader = self.light_reader(state);
+        let bounces = Field::sum(direct.node_count(), bounces.iter().chain(&state.tail));
+        [direct, &bounces].map(|field| {
+            let values = reader.positive_at_vertices(field);
+            let at = |middle: SurfacePoint| {
+                let corners = self.scene().triangle(middle.tri).into_iter().zip(middle.bary.weights());
+                corners.map(|(vertex, weight)| values[vertex as usize] * weight).sum()
+            };
+            middles.iter().map(|middle| middle.map(at).unwrap_or_default()).collect()
+        })
     }
 
     /// Measures the light of a solve over what each lumel covers, on average with as many samples as a triangle of mean size: half
@@ -424,6 +444,11 @@ impl StepSource<'_> {
 /// The sources of all bounces of a state, and of its tail.
 fn sources(state: &SolveState) -> Vec<StepSource<'_>> {
     let mut sources = vec![StepSource::Emitters];
+    if state.shot.is_some() {
+        // What is unshot is reflected now.
+        sources.push(StepSource::Rest(state.gatherable()));
+        return sources;
+    }
     let (carried, last) = state.bounces.split_at(state.bounces.len().saturating_sub(1));
     sources.extend(carried.iter().map(StepSource::Bounce));
     if let (Some(tail), [last]) = (&state.tail, last) {
@@ -434,5 +459,5 @@ fn sources(state: &SolveState) -> Vec<StepSource<'_>> {
 
 /// Whether the last source of a state is its tail.
 fn has_tail(state: &SolveState) -> bool {
-    state.tail.is_some() && !state.bounces.is_empty()
+    state.shot.is_some() || state.tail.is_some() && !state.bounces.is_empty()
 }

@@ -95,11 +95,14 @@ fn replicates(
     control: &Control,
 ) -> Result<Vec<Vec<Field>>, TransportError> {
     let n_bounces = state.bounces.len();
-    // Beyond the last bounce, its light and all later light bounce once more into the tail.
-    let before_tail = state
-        .tail
-        .as_ref()
-        .map(|tail| Field::sum(tail.node_count(), state.bounces.last().into_iter().chain([tail])));
+    // Shots tell no bounces apart. Beyond the last bounce, its light and all later light bounce once more into the tail.
+    let before_tail = match (&state.shot, &state.tail) {
+        (Some(_), _) => Some(state.gatherable()),
+        (None, Some(tail)) => {
+            Some(Field::sum(tail.node_count(), state.bounces.last().into_iter().chain([tail])))
+        }
+        (None, None) => None,
+    };
     let sources = (0..n_bounces)
         .map(|k| if k == 0 { Source::Emitters(None) } else { Source::Field(&state.bounces[k - 1]) });
     let mut steps: Vec<Vec<Field>> = Vec::new();

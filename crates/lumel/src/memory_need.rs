@@ -1,6 +1,6 @@
 //! How much memory a bake is going to take.
 
-use crate::settings::{BounceLimit, Layers, Memory};
+use crate::settings::{BounceLimit, Layers, Memory, ScheduleKind};
 use crate::{Baker, Lumels, Method, layers};
 use lumel_basis::Sampling;
 
@@ -83,6 +83,8 @@ impl Baker {
     fn expected_steps(&self) -> u64 {
         let settings = self.settings();
         match settings.bounces {
+            // What was reflected, what is unshot, and what a step sends and brings.
+            BounceLimit::All if settings.schedule == ScheduleKind::Shoot => 5,
             BounceLimit::Count(n) => u64::from(n) + 1,
             BounceLimit::All => {
                 let albedo = self.integrals().mean_albedo().clamp(0.1, MAX_ALBEDO);

@@ -17,6 +17,7 @@ pub struct Tracker {
     /// The last step that began.
     current: Option<Current>,
     remainders: Vec<Remainder>,
+    missing: Option<f64>,
     accuracy: Option<Accuracy>,
     steps: Vec<(Step, f64)>,
 }
@@ -50,6 +51,8 @@ pub struct Progress {
     pub layers: u32,
     /// What was missing after the last finished bounce, if it could be told.
     pub remainder: Option<Remainder>,
+    /// Share of all light that was missing after the last shot, where light is shot.
+    pub missing: Option<f64>,
     /// What the last round has reached, where there is a target error.
     pub accuracy: Option<Accuracy>,
 }
@@ -66,7 +69,8 @@ impl Tracker {
         let n = state.bounces.len();
         let remainders = (n.saturating_sub(1).max(1)..=n).filter_map(after).collect();
         let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
-        Self { remainders, accuracy, ..Self::of(Workload::new(baker)) }
+        let missing = state.shot.as_ref().and_then(|_| baker.remainder(state));
+        Self { remainders, missing, accuracy, ..Self::of(Workload::new(baker)) }
     }
 
     fn of(workload: Workload) -> Self {
@@ -75,6 +79,7 @@ impl Tracker {
             started: None,
             current: None,
             remainders: Vec::new(),
+            missing: None,
             accuracy: None,
             steps: Vec::new(),
         }
@@ -105,6 +110,9 @@ impl Tracker {
         if let (Step::Bounce(after), Some(share)) = (step, remainder) {
             self.remainders.push(Remainder { after, share });
         }
+        if let Step::Shot(_) = step {
+            self.missing = remainder;
+        }
         self.accuracy = accuracy;
         seconds
     }
@@ -120,6 +128,7 @@ impl Tracker {
             layers: self.workload.layers(),
             last_bounce: self.workload.last_bounce(&self.remainders),
             remainder: self.remainders.last().copied(),
+            missing: self.missing,
             accuracy: self.accuracy,
             ..Progress::default()
         };

@@ -2,9 +2,9 @@
 
 use crate::{Baker, Method, Projection, Settings, assembly};
 use glam::Vec3;
-use lumel_basis::{Basis, Field};
-use lumel_export::{Checkpoint, CheckpointMeta, Saved, Solution, SolutionError};
-use lumel_solve::{Accuracy, Errors, PowerLog, SolveState};
+use lumel_basis::{Basis, Field, LeastSquares};
+use lumel_export::{Checkpoint, CheckpointMeta, RefinementState, Saved, SavedShots, Solution, SolutionError};
+use lumel_solve::{Accuracy, Errors, PowerLog, ShotLight, SolveState};
 use serde_json::Value;
 
 /// Why saved light cannot be continued.
@@ -41,11 +41,45 @@ impl Baker {
             meta: CheckpointMeta::new(self.scene(), self.basis().identity().to_string(), settings, accuracy),
             valid: state.valid.clone(),
             bounces: state.bounces.iter().map(values).collect(),
+            shot: state.shot.as_ref().map(|shot| SavedShots {
+                reflected: values(&shot.reflected),
+                unshot: values(&shot.unshot),
+                shots: shot.shots,
+            }),
             tail: state.tail.as_ref().map(values),
             standard_error: state.errors.as_ref().map(|errors| values(&errors.standard_error)),
             rounds: state.rounds.clone(),
             splits: self.splits().to_vec(),
+            refinement: None,
         }
+    }
+
+    /// All that is needed to [go on](Self::adapted_from) with a refinement of this baker's scene.
+    pub fn checkpoint_of_refinement(&self, state: RefinementState) -> Checkpoint {
+        Checkpoint { refinement: Some(state), ..self.checkpoint(&SolveState::new()) }
+    }
+
+    /// The refinement that was under way when this was saved; `None` if there is light already.
+    ///
+    /// # Errors
+    /// When it is of a different scene, other lights or other settings.
+    pub fn resume_refinement(&self, saved: &Saved) -> Result<Option<RefinementState>, ResumeError> {
+        let Saved::Checkpoint(checkpoint) = saved else { return Ok(None) };
+        let Some(refinement) = &checkpoint.refinement else { return Ok(None) };
+        self.check_origin(checkpoint)?;
+        Ok(Some(refinement.clone()))
+    }
+
+    /// Whether a checkpoint was computed on this scene, under these lights and with these settings.
+    fn check_origin(&self, checkpoint: &Checkpoint) -> Result<(), ResumeError> {
+        checkpoint.check_belongs_to(self.scene())?;
+        if checkpoint.meta.basis != self.basis().identity().to_string() {
+            return Err(ResumeError::Basis);
+        }
+        if !checkpoint.has_lighting_of(self.scene()) {
+            return Err(ResumeError::Lighting);
+        }
+        self.check_settings(&checkpoint.meta.settings).map(drop)
     }
 
     /// The edges that were split where the scene was refined.
@@ -58,7 +92,8 @@ impl Baker {
     /// Bounces beyond those that these settings ask for are left out, so that the result does not depend on how far
     /// the saved solve went. A solve with a target error measures the samples of its rounds once more; only checkpoints
     /// tell them. If it is to have other bounces or another tail, the samples of all finished rounds are used for these,
-    /// and it has the bits of a solve with the same rounds. One from the start may choose other nodes for its rounds.
+    /// and it has the bits of a solve with the same rounds. One from the start may choose other nodes for its rounds. Where light
+    /// is shot, only checkpoints tell what is unshot; a solution is continued from its direct light.
     ///
     /// # Errors
     /// When it is of a different scene, other lights or other settings.
@@ -71,21 +106,20 @@ impl Baker {
 
     fn resume_checkpoint(&self, checkpoint: &Checkpoint) -> Result<SolveState, ResumeError> {
         let meta = &checkpoint.meta;
-        checkpoint.check_belongs_to(self.scene())?;
-        if meta.basis != self.basis().identity().to_string()
-            || checkpoint.node_count() != self.basis().node_count()
-        {
+        self.check_origin(checkpoint)?;
+        if checkpoint.node_count() != self.basis().node_count() {
             return Err(ResumeError::Basis);
         }
-        if !checkpoint.has_lighting_of(self.scene()) {
-            return Err(ResumeError::Lighting);
-        }
-        self.check_settings(&meta.settings)?;
         let field = |values: &Vec<Vec3>| Field::from_values(values.clone());
         let accuracy: Option<Accuracy> = serde_json::from_value(meta.accuracy.clone()).ok();
         let errors = checkpoint.standard_error.as_ref().map(field).zip(accuracy);
         let bounces = checkpoint.bounces.iter().map(field).collect();
         Ok(self.continued(SolveState {
+            shot: checkpoint.shot.as_ref().map(|shot| ShotLight {
+                reflected: field(&shot.reflected),
+                unshot: field(&shot.unshot),
+                shots: shot.shots,
+            }),
             tail: checkpoint.tail.as_ref().map(field),
             errors: errors.map(|(standard_error, accuracy)| Errors { standard_error, accuracy }),
             rounds: checkpoint.rounds.clone(),
@@ -109,19 +143,39 @@ impl Baker {
         let first_vertices = self.basis().first_vertices();
         // What was read as the nearest function is carried as means.
         let unread = (found.projection == Projection::LeastSquares).then(|| self.surfaces().least_squares());
-        let at_nodes = |values: &Vec<Vec3>| {
-            let mut field = Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect());
-            unread.inspect(|least_squares| least_squares.unproject(&mut field));
-            field
-        };
+        let at_nodes = |values: &Vec<Vec3>| self.at_nodes(values, unread);
         let valid = first_vertices.iter().map(|&v| solution.valid[v as usize]).collect();
         Ok(self.continued(self.state(valid, solution.bounces.iter().map(at_nodes).collect())))
+    }
+
+    /// The light of a file of a solve that was shot, which is done: to be measured, not to be continued.
+    ///
+    /// # Errors
+    /// As [`resume`](Self::resume).
+    pub fn shot_light(&self, saved: &Saved) -> Result<SolveState, ResumeError> {
+        let state = self.resume(saved)?;
+        let Saved::Solution(solution) = saved else { return Ok(state) };
+        let mut reflected = Field::zeros(state.node_count());
+        if let Some(tail) = &solution.tail {
+            reflected = self.at_nodes(tail, self.least_squares());
+        }
+        let unshot = Field::zeros(state.node_count());
+        Ok(SolveState { shot: Some(ShotLight { reflected, unshot, shots: 0 }), ..state })
+    }
+
+    /// Light at vertices that was read as the nearest function, as it is carried.
+    fn at_nodes(&self, values: &[Vec3], unread: Option<&LeastSquares>) -> Field {
+        let first_vertices = self.basis().first_vertices();
+        let mut field = Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect());
+        unread.inspect(|least_squares| least_squares.unproject(&mut field));
+        field
     }
 
     /// The state from which a solve with these settings continues a solve of the same bounces, of which it may ask for
     /// more or fewer.
     ///
-    /// Bounces beyond those that an uninterrupted solve computes are left out, and so is what is made of all of them. With
+    /// Bounces beyond those that an uninterrupted solve computes are left out, and so is what is made of all of them. Shots stay,
+    /// even if they went further than is asked for: what was sent cannot be taken back. With
     /// a target error, the rounds stay, too; their errors and the tail only if they are those of the bounces asked for.
     pub fn continued(&self, state: SolveState) -> SolveState {
         if let Method::Replicates { .. } = self.method() {
@@ -129,12 +183,10 @@ impl Baker {
             self.problem().reopen(&mut state);
             return state;
         }
-        let SolveState { basis, valid, mut bounces, .. } = state;
-        let powers = PowerLog::of(self.integrals(), &bounces);
-        if let Some(wanted) = self.settings().stop().wanted(&powers) {
-            bounces.truncate(wanted);
-        }
-        SolveState { basis, valid, bounces, ..SolveState::new() }
+        let wanted = self.problem().schedule.wanted(&state, &PowerLog::of(self.integrals(), &state.bounces));
+        let SolveState { basis, valid, mut bounces, shot, .. } = state;
+        bounces.truncate(wanted.unwrap_or(usize::MAX));
+        SolveState { basis, valid, bounces, shot, ..SolveState::new() }
     }
 
     /// A state of these bounces.

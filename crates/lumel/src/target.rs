@@ -4,7 +4,7 @@ use crate::settings::{Settings, TargetError};
 use lumel_basis::{Basis, Receivers};
 use lumel_sample::SamplerKind;
 use lumel_solve::{REPLICATES, Replicates, Round, Target};
-use lumel_transport::{CachedTransport, Plan, Transport};
+use lumel_transport::{CachedTransport, Plan, Rows, Transport};
 
 /// Fewer samples than this say little about what a replicate sees, and the bias of stored rays is 1.5 % over their number.
 const MIN_SAMPLES: u32 = 16;
@@ -55,6 +55,8 @@ pub(crate) struct StoredReplicates<B, R> {
     /// Traces nothing itself.
     pub(crate) like: CachedTransport<B, R>,
     pub(crate) first: Plan,
+    /// Whether light is shot.
+    pub(crate) shoots: bool,
 }
 
 impl<B, R> StoredReplicates<B, R> {
@@ -79,7 +81,9 @@ impl<B: Basis + 'static, R: Receivers + 'static> Replicates for StoredReplicates
     }
 
     fn bytes(&self, round: Round, nodes: &[bool]) -> u64 {
-        self.like.memory_with(&self.plan(round), nodes)
+        let plan = self.plan(round);
+        let columns = if self.shoots { Rows::column_bytes_for(self.like.rays_with(&plan, nodes)) } else { 0 };
+        self.like.memory_with(&plan, nodes) + columns
     }
 }
 

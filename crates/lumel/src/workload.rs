@@ -106,7 +106,7 @@ impl Workload {
     pub(crate) fn step_share(&self, step: Step, elements: u64, remainders: &[Remainder]) -> Option<f64> {
         let jobs = match step {
             Step::Round(_) => return None,
-            Step::Validity | Step::Bounce(_) | Step::FinalGather => 1,
+            Step::Validity | Step::Bounce(_) | Step::Shot(_) | Step::FinalGather => 1,
             Step::Directional => 1 + u64::from(self.last_bounce(remainders) != Some(0)),
             Step::Layer(_) => {
                 let last = self.last_bounce(remainders)?;
@@ -143,7 +143,8 @@ impl Workload {
                 let to_come = self.layers.saturating_sub(layer + 1);
                 return Some(this_step + f64::from(to_come) * done.seconds / share);
             }
-            Step::Round(_) => 0.0,
+            // How many shots will follow is not known.
+            Step::Round(_) | Step::Shot(_) => return None,
         };
         let rays = self.elements as f64 * to_come;
         (done.rays > 0).then(|| this_step + rays * done.seconds / done.rays as f64)

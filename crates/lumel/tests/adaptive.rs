@@ -5,8 +5,8 @@
 use glam::Vec3;
 use lumel::{
     Adapted, Adaptive, Baker, BounceLimit, Control, FaceSide, Layers, Light, Lighting, ObjectId, Preset,
-    Projection, RefinementEnd, Saved, Scene, SceneBuilder, Settings, Silent, SolveError, SolveState,
-    VertexLighting,
+    Projection, RefinementEnd, Refining, Saved, Scene, SceneBuilder, Settings, Silent, SolveError,
+    SolveState, VertexLighting,
 };
 use lumel_basis::{Field, PointReceivers};
 use lumel_scene::SurfacePoint;
@@ -154,6 +154,45 @@ fn meshes_and_their_light_have_the_same_bits_on_any_number_of_threads_and_when_r
 }
 
 #[test]
+fn a_refinement_goes_on_from_each_of_its_steps_with_the_bits_of_one_that_was_not_interrupted() {
+    let scene = room();
+    let folder = tempfile::tempdir().unwrap();
+    for settings in [settings("8%"), Settings { max_vertices: 1500, ..settings("2%") }] {
+        let baker = Baker::new(Arc::clone(&scene), settings.clone());
+        let mut steps = Vec::new();
+        let mut keep = |refining: &Refining<'_>| {
+            assert_eq!(refining.irradiance().len(), refining.mesh().vertex_count());
+            assert_eq!(refining.indicator().len(), refining.mesh().vertex_count());
+            steps.extend(refining.state());
+        };
+        let whole = baker.adapted(&Control::default(), &mut keep).unwrap().unwrap();
+        let light = solved(&whole.baker);
+        println!("{} steps", steps.len());
+        assert!(steps.len() > 1);
+        for (i, step) in steps.into_iter().enumerate() {
+            let path = folder.path().join("a.checkpoint.npz");
+            baker.checkpoint_of_refinement(step.clone()).save(&path).unwrap();
+            let saved = Saved::load_for(&path, &scene).unwrap();
+            let read = baker.resume_refinement(&saved).unwrap().unwrap();
+            assert!(read == step, "step {i} is not what was saved");
+            let control = Control::default();
+            let resumed = baker.adapted_from(Some(&read), &control, &mut |_| {}).unwrap().unwrap();
+            assert_eq!(resumed.ended, whole.ended);
+            let splits = |adapted: &Adapted| adapted.baker.scene().refinement().unwrap().splits().to_vec();
+            assert!(splits(&resumed) == splits(&whole), "step {i}: splits differ");
+            if i % 3 == 0 {
+                assert!(solved(&resumed.baker) == light, "step {i}: bits differ");
+            }
+        }
+        // Other settings would have split other edges.
+        let other = baker.relit(Arc::clone(&scene), Settings { seed: 9, ..settings });
+        let saved = Saved::load(&folder.path().join("a.checkpoint.npz")).unwrap();
+        assert!(other.resume_refinement(&saved).unwrap_err().to_string().contains("seed"));
+        assert!(matches!(other.resume(&saved), Err(lumel::ResumeError::Settings { .. })));
+    }
+}
+
+#[test]
 fn target_errors_layers_and_other_lights_work_on_refined_meshes() {
     let scene = room();
     let to_error = Settings { target_error: "30%".parse().unwrap(), ..settings("8%") };
@@ -192,7 +231,7 @@ fn a_mesh_is_refined_anew_from_its_original_and_stops_when_it_is_told_to() {
     let control = Control::default();
     let mut rounds = 0;
     let stopped = Baker::new(Arc::clone(&scene), settings("1%")).adapted(&control, &mut |refining| {
-        assert!(refining.mesh.vertex_count() > 100);
+        assert!(refining.mesh().vertex_count() > 100);
         rounds += 1;
         if rounds == 2 {
             control.cancel();

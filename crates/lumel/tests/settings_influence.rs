@@ -5,7 +5,7 @@
 use lumel::setting::{self, Influence};
 use lumel::{
     Baker, BounceLimit, Control, Directional, EmitterSampling, Layers, LightSampling, Memory, Projection,
-    SamplerKind, Scene, Settings, Silent, SolveState, SolverKind, Tail,
+    SamplerKind, Scene, ScheduleKind, Settings, Silent, SolveState, SolverKind, Tail,
 };
 use std::sync::Arc;
 
@@ -25,6 +25,7 @@ fn unusual() -> Settings {
         projection: Projection::Area,
         adaptive: "3%".parse().unwrap(),
         max_vertices: 1000,
+        schedule: ScheduleKind::Shoot,
         bounces: BounceLimit::Count(3),
         remainder: 0.25,
         tail: Tail::Geometric,

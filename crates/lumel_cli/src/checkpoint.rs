@@ -3,7 +3,8 @@
 use crate::console::Console;
 use crate::failure;
 use crate::outputs::folder_of;
-use lumel::{Baker, LumelState, SolveState};
+use lumel::{Baker, LumelState, RefinementState, SolveState};
+use lumel_export::SolutionError;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -55,7 +56,15 @@ impl Checkpoint {
     /// Saves the finished bounces, and the light at lumels that is gathered from them if there is some. If that fails, for
     /// example on a full disk, the bake continues without a checkpoint.
     pub(crate) fn save(&self, baker: &Baker, state: &SolveState, lumels: Option<LumelState<'_>>) {
-        let result = baker.checkpoint(state).save_with(lumels, &self.path);
+        self.note(baker.checkpoint(state).save_with(lumels, &self.path));
+    }
+
+    /// Saves how far the mesh of a baker's scene is refined, likewise.
+    pub(crate) fn save_refinement(&self, baker: &Baker, state: RefinementState) {
+        self.note(baker.checkpoint_of_refinement(state).save(&self.path));
+    }
+
+    fn note(&self, result: Result<(), SolutionError>) {
         let mut on_disk = self.lock();
         on_disk.current = result.is_ok();
         on_disk.ours |= result.is_ok();

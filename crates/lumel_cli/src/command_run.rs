@@ -9,8 +9,8 @@ use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use anyhow::Context;
 use lumel::{
-    Adaptive, Baker, Observer, Reading, RefinementEnd, Refining, SolveError, SolveState, Step, Tracker,
-    TransportError,
+    Adaptive, Baker, Observer, Reading, RefinementEnd, RefinementState, Refining, SolveError, SolveState,
+    Step, Tracker, TransportError,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
@@ -76,15 +76,23 @@ impl CommandRun {
         (result, self.clock.seconds() - begun)
     }
 
-    /// Splits edges where light needs it, if the settings say so. `Ok(None)` if cancelled.
-    pub(crate) fn adapt(&self, baker: Baker) -> anyhow::Result<Option<(Baker, Option<AdaptiveReport>)>> {
+    /// Splits edges where light needs it, if the settings say so, from `state` on. `Ok(None)` if cancelled.
+    pub(crate) fn adapt(
+        &self,
+        baker: Baker,
+        state: Option<&RefinementState>,
+        checkpoint: Option<&Checkpoint>,
+    ) -> anyhow::Result<Option<(Baker, Option<AdaptiveReport>)>> {
         let Adaptive::At(error) = baker.settings().adaptive else { return Ok(Some((baker, None))) };
         let (adapted, seconds) = self.timed("refine", || {
             let _heeding = self.interrupt.heed();
             let mut tell = |refining: &Refining<'_>| {
-                self.progress.phase(&format!("refine, {} vertices", refining.mesh.vertex_count()));
+                self.progress.phase(&format!("refine, {} vertices", refining.mesh().vertex_count()));
+                if let Some((checkpoint, state)) = checkpoint.zip(refining.state()) {
+                    checkpoint.save_refinement(&baker, state);
+                }
             };
-            baker.adapted(self.interrupt.control(), &mut tell)
+            baker.adapted_from(state, self.interrupt.control(), &mut tell)
         });
         match adapted {
             Ok(None) => Ok(Some((baker, None))),
@@ -180,7 +188,8 @@ impl Observer for Watch<'_> {
         let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
         let seconds = lock(&self.tracker).step_done(step, remainder, accuracy, now);
         self.run.progress.step_done(step, seconds, remainder, accuracy);
-        if let (Some(checkpoint), Step::Bounce(_) | Step::Round(_)) = (self.checkpoint, step) {
+        if let (Some(checkpoint), Step::Bounce(_) | Step::Shot(_) | Step::Round(_)) = (self.checkpoint, step)
+        {
             let begun = self.run.clock.seconds();
             let mut spent = lock(&self.checkpoint_seconds);
             // Later bounces take less time than it takes to write all of them once more.

@@ -163,6 +163,10 @@ fn add_step(event: &mut Value, step: Step) {
             event["step"] = "bounce".into();
             event["bounce"] = bounce.into();
         }
+        Step::Shot(shot) => {
+            event["step"] = "shot".into();
+            event["shot"] = (shot + 1).into();
+        }
         Step::FinalGather => event["step"] = "final gather".into(),
         Step::Directional => event["step"] = "directional".into(),
         Step::Round(round) => {
@@ -183,6 +187,10 @@ fn name_of(step: Step, progress: &lumel::Progress) -> String {
         Step::Bounce(bounce) => match progress.last_bounce.filter(|&last| last >= bounce) {
             Some(last) => format!("bounce {bounce} of {last}"),
             None => format!("bounce {bounce}"),
+        },
+        Step::Shot(shot) => match progress.missing {
+            Some(missing) => format!("shot {}, {} of all light missing", shot + 1, report::percent(missing)),
+            None => format!("shot {}", shot + 1),
         },
         Step::FinalGather => "final gather".to_owned(),
         Step::Directional => "light by direction".to_owned(),

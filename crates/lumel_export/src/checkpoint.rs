@@ -5,6 +5,7 @@ use crate::members::{
     Kind, SPLITS, check_members, read_flags, read_format, read_meta, read_optional, read_rounds, read_splits,
     read_stacked, stacked, write_splits,
 };
+use crate::refinement_state::{RefinementMeta, RefinementState};
 use crate::solution::is_lighting_of;
 use crate::{Array, ArrayData, NpzReader, SceneLabel, Solution, SolutionError, write_npz};
 use glam::Vec3;
@@ -25,8 +26,9 @@ const KIND: Kind = Kind {
 /// The state of a solve: everything its next step reads, by node of its basis.
 ///
 /// For lumel alone, unlike a [`Solution`], which is light at vertices for any reader. As a file it is a NumPy archive of
-/// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail` and `standard_error` (nodes, 3) and `rounds`
-/// (rounds, nodes), `splits` (edges, 2) if the scene was refined, of what is known of the light at the lumels of an atlas if that is measured, and of `meta.json`.
+/// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail`, `standard_error`, `reflected` and `unshot` (nodes, 3) and `rounds`
+/// (rounds, nodes), `splits` (edges, 2) if the scene was refined, of what is known of the light at the lumels of an atlas if that is measured, of how far the
+/// mesh is refined as long as it is, and of `meta.json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Where it comes from.
@@ -35,7 +37,9 @@ pub struct Checkpoint {
     pub valid: Vec<bool>,
     /// `bounces[k][node]`: irradiance that arrived after `k` reflections, W·m⁻².
     pub bounces: Vec<Vec<Vec3>>,
-    /// Estimate of all bounces that were not computed, W·m⁻².
+    /// What shots have brought, where light is shot.
+    pub shot: Option<SavedShots>,
+    /// Estimate of the light that was not computed, W·m⁻².
     pub tail: Option<Vec<Vec3>>,
     /// Standard error of the sum, W·m⁻², where replicates tell.
     pub standard_error: Option<Vec<Vec3>>,
@@ -43,6 +47,19 @@ pub struct Checkpoint {
     pub rounds: Vec<Vec<bool>>,
     /// The edges that were split where the scene was [refined](Scene::refined).
     pub splits: Vec<[u32; 2]>,
+    /// How far the mesh is refined, as long as it is: then there is no light yet.
+    pub refinement: Option<RefinementState>,
+}
+
+/// What shots have brought, by node, W·m⁻².
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedShots {
+    /// All light but the direct.
+    pub reflected: Vec<Vec3>,
+    /// Light that has arrived but has not been shot.
+    pub unshot: Vec<Vec3>,
+    /// How many batches of nodes have shot.
+    pub shots: u32,
 }
 
 /// Where a checkpoint comes from: the member `meta.json` of its file.
@@ -69,12 +86,22 @@ pub struct CheckpointMeta {
     /// How good the last round of a target error was, where there is one.
     #[serde(default)]
     pub accuracy: Value,
+    /// How many batches of nodes have shot; filled in on saving.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub shots: u32,
     /// The arrays of the file; filled in on saving.
     #[serde(default)]
     pub arrays: Vec<String>,
     /// Which lumels have light, and how far it is measured; filled in on saving.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lumels: Option<LumelMeta>,
+    /// What a refinement does next; filled in on saving.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<RefinementMeta>,
+}
+
+fn is_zero(shots: &u32) -> bool {
+    *shots == 0
 }
 
 impl CheckpointMeta {
@@ -92,8 +119,10 @@ impl CheckpointMeta {
             basis,
             settings,
             accuracy,
+            shots: 0,
             arrays: Vec::new(),
             lumels: None,
+            refinement: None,
         }
     }
 }
@@ -141,7 +170,10 @@ impl Checkpoint {
         let names = names.chain((!self.rounds.is_empty()).then_some("rounds"));
         let names = names.chain((!self.splits.is_empty()).then_some(SPLITS));
         let arrays = names.map(str::to_owned).collect();
-        let meta = CheckpointMeta { arrays, lumels: lumels.map(|lumels| lumels.meta()), ..self.meta.clone() };
+        let shots = self.shot.as_ref().map_or(0, |shot| shot.shots);
+        let refinement = self.refinement.as_ref().map(RefinementState::meta);
+        let lumel_meta = lumels.map(|lumels| lumels.meta());
+        let meta = CheckpointMeta { arrays, shots, lumels: lumel_meta, refinement, ..self.meta.clone() };
         write_npz(path, |npz| {
             npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))?;
@@ -155,6 +187,7 @@ impl Checkpoint {
                 npz.array("rounds", &Array { shape, data })?;
             }
             write_splits(npz, &self.splits)?;
+            self.refinement.as_ref().map_or(Ok(()), |refinement| refinement.write(npz))?;
             lumels.map_or(Ok(()), |lumels| lumels.write(npz))
         })?;
         Ok(())
@@ -162,7 +195,9 @@ impl Checkpoint {
 
     fn vector_arrays(&self) -> Vec<(&'static str, &[Vec3])> {
         let all = [("tail", &self.tail), ("standard_error", &self.standard_error)];
-        all.into_iter().filter_map(|(name, array)| Some((name, array.as_deref()?))).collect()
+        let shot =
+            self.shot.iter().flat_map(|shot| [("reflected", &*shot.reflected), ("unshot", &*shot.unshot)]);
+        all.into_iter().filter_map(|(name, array)| Some((name, array.as_deref()?))).chain(shot).collect()
     }
 
     fn validate(&self) -> Result<(), SolutionError> {
@@ -209,15 +244,22 @@ impl Checkpoint {
     fn read(npz: &mut NpzReader) -> Result<Self, SolutionError> {
         let meta: CheckpointMeta = read_meta(npz, &KIND)?;
         check_members(npz, &meta.arrays)?;
+        let refinement = meta.refinement.map(|refinement| refinement.read(npz)).transpose()?;
         let valid = read_flags(npz, "valid")?;
+        let shot = match (read_optional(npz, "reflected")?, read_optional(npz, "unshot")?) {
+            (Some(reflected), Some(unshot)) => Some(SavedShots { reflected, unshot, shots: meta.shots }),
+            _ => None,
+        };
         let checkpoint = Self {
             meta,
+            shot,
             bounces: read_stacked(npz, "bounces", valid.len())?,
             tail: read_optional(npz, "tail")?,
             standard_error: read_optional(npz, "standard_error")?,
             splits: read_splits(npz)?,
             rounds: if npz.has_array("rounds") { read_rounds(npz, valid.len())? } else { Vec::new() },
             valid,
+            refinement,
         };
         checkpoint.validate()?;
         Ok(checkpoint)
@@ -262,6 +304,19 @@ impl Saved {
         }
     }
 
+    /// Whether it is a mesh that is still being refined, without light.
+    pub fn is_refinement(&self) -> bool {
+        matches!(self, Self::Checkpoint(checkpoint) if checkpoint.refinement.is_some())
+    }
+
+    /// The edges that a scene is [refined](Scene::refined) by for this light; none if it was not refined.
+    pub fn splits(&self) -> &[[u32; 2]] {
+        match self {
+            Self::Checkpoint(checkpoint) => &checkpoint.splits,
+            Self::Solution(solution) => &solution.splits,
+        }
+    }
+
     /// How many bounces it holds, direct light included.
     pub fn bounce_count(&self) -> usize {
         match self {
@@ -302,6 +357,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "helpers of tests are tests")]
 
     use super::*;
+    use crate::{NextRefinement, SavedProbe};
 
     fn scene() -> Scene {
         lumel_builtin::scene("furnace", 0).unwrap().build().unwrap().0
@@ -315,10 +371,12 @@ mod tests {
             meta,
             valid: vec![true, true, false, true],
             bounces: vec![field(1.0), field(0.5)],
+            shot: Some(SavedShots { reflected: field(2.0), unshot: field(3.0), shots: 7 }),
             tail: Some(field(0.25)),
             standard_error: Some(field(0.0)),
             rounds: vec![vec![true; 4], vec![false, true, false, false]],
             splits: vec![[0, 2], [4, 1]],
+            refinement: None,
         }
     }
 
@@ -327,16 +385,37 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.checkpoint.npz");
         let bare = Checkpoint {
+            shot: None,
             tail: None,
             standard_error: None,
             rounds: Vec::new(),
             splits: Vec::new(),
             ..checkpoint()
         };
-        for saved in [checkpoint(), bare] {
+        let probe = SavedProbe {
+            corners: [0, 4, 4],
+            light: 0.1,
+            variance: 1e-9,
+            visible: 5,
+            irradiance: Vec3::new(0.1, 0.2, 0.3),
+        };
+        let refining = Checkpoint {
+            valid: Vec::new(),
+            bounces: Vec::new(),
+            refinement: Some(RefinementState {
+                next: NextRefinement::Bounce(2),
+                splits: vec![[0, 1], [2, 4]],
+                floor: Some(0.1),
+                probes: vec![probe; 3],
+            }),
+            ..bare.clone()
+        };
+        for saved in [checkpoint(), bare, refining] {
             saved.save(&path).unwrap();
             let mut loaded = Checkpoint::load(&path).unwrap();
             assert!(!std::mem::take(&mut loaded.meta.arrays).is_empty());
+            loaded.meta.shots = 0;
+            assert_eq!(loaded.meta.refinement.take(), saved.refinement.as_ref().map(RefinementState::meta));
             assert_eq!(loaded, saved);
             assert!(matches!(Saved::load(&path), Ok(Saved::Checkpoint(_))));
         }

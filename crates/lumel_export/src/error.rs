@@ -175,6 +175,15 @@ pub enum SolutionError {
         /// How many it has.
         count: usize,
     },
+    /// The solution is of light that was shot.
+    #[error(
+        "the solution has no bounce {wanted}: its light was shot, which tells no bounces apart; choose direct light or all light, or \
+         bake with the schedule gather"
+    )]
+    Shot {
+        /// The requested bounce.
+        wanted: usize,
+    },
     /// The solution has no layer of that name.
     #[error("the solution has no layer \"{wanted}\"; {}", layers_text(names))]
     NoSuchLayer {

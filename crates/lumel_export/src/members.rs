@@ -154,22 +154,25 @@ pub(crate) const SPLITS: &str = "splits";
 
 /// Writes the edges that were split, if there are any.
 pub(crate) fn write_splits(npz: &mut NpzWriter<'_>, splits: &[[u32; 2]]) -> io::Result<()> {
-    if splits.is_empty() {
-        return Ok(());
-    }
-    let (shape, data) = (vec![splits.len(), 2], ArrayData::U32(splits.as_flattened().to_vec()));
-    npz.array(SPLITS, &Array { shape, data })
+    if splits.is_empty() { Ok(()) } else { write_edges(npz, SPLITS, splits) }
 }
 
 /// Reads the edges that were split, if there are any.
 pub(crate) fn read_splits(npz: &mut NpzReader) -> Result<Vec<[u32; 2]>, SolutionError> {
-    if !npz.has_array(SPLITS) {
-        return Ok(Vec::new());
-    }
-    let array = npz.array(SPLITS)?;
+    if npz.has_array(SPLITS) { read_edges(npz, SPLITS) } else { Ok(Vec::new()) }
+}
+
+/// Writes edges by the vertices at their ends.
+pub(crate) fn write_edges(npz: &mut NpzWriter<'_>, name: &str, edges: &[[u32; 2]]) -> io::Result<()> {
+    let (shape, data) = (vec![edges.len(), 2], ArrayData::U32(edges.as_flattened().to_vec()));
+    npz.array(name, &Array { shape, data })
+}
+
+pub(crate) fn read_edges(npz: &mut NpzReader, name: &str) -> Result<Vec<[u32; 2]>, SolutionError> {
+    let array = npz.array(name)?;
     match (array.shape.as_slice(), &array.data) {
         ([_, 2], ArrayData::U32(ends)) => Ok(ends.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect()),
-        _ => Err(wrong_shape(npz, SPLITS, "(n, 2) of <u4", &array)),
+        _ => Err(wrong_shape(npz, name, "(n, 2) of <u4", &array)),
     }
 }
 
@@ -204,7 +207,7 @@ fn vectors(values: &[f32]) -> Vec<Vec3> {
     values.chunks_exact(3).map(Vec3::from_slice).collect()
 }
 
-fn wrong_shape(npz: &NpzReader, name: &str, wanted: &str, array: &Array) -> SolutionError {
+pub(crate) fn wrong_shape(npz: &NpzReader, name: &str, wanted: &str, array: &Array) -> SolutionError {
     let problem = format!("has the shape {:?} of {}, not {wanted}", array.shape, array.data.descr());
     ReadError::BadMember { path: npz.path().to_owned(), member: name.to_owned(), problem }.into()
 }

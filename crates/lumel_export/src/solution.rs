@@ -43,7 +43,8 @@ pub struct Solution {
     pub irradiance: Vec<Vec3>,
     /// `bounces[k][vertex]`: light that arrives after `k` reflections; `bounces[0]` is direct light.
     pub bounces: Vec<Vec<Vec3>>,
-    /// Estimate of all bounces that were not computed; part of `irradiance`.
+    /// What no bounce contains: an estimate of those that were not computed, or if light was [shot](SolutionMeta::is_shot), all but
+    /// the direct. Part of `irradiance`.
     pub tail: Option<Vec<Vec3>>,
     /// Whether the vertex was measured itself. Others, such as those inside a wall, were filled in from neighbours.
     pub valid: Vec<bool>,
@@ -141,6 +142,20 @@ impl SolutionMeta {
         }
     }
 
+    /// Whether its light was shot: then there is direct light, and all light, but no further bounces.
+    pub fn is_shot(&self) -> bool {
+        self.settings.get("schedule").and_then(Value::as_str) == Some("shoot")
+    }
+
+    /// Why there is no such bounce, where there are `count`.
+    pub(crate) fn no_bounce(&self, wanted: usize, count: usize) -> SolutionError {
+        if self.is_shot() {
+            SolutionError::Shot { wanted }
+        } else {
+            SolutionError::NoSuchBounce { wanted, count }
+        }
+    }
+
     /// Reads where a solution comes from and leaves its light.
     ///
     /// # Errors
@@ -179,7 +194,7 @@ impl Solution {
         match *selection {
             SolutionSelection::Sum => Ok(self.sum()),
             SolutionSelection::Bounce(wanted) => {
-                self.bounce(wanted).ok_or(SolutionError::NoSuchBounce { wanted, count: self.bounces.len() })
+                self.bounce(wanted).ok_or_else(|| self.meta.no_bounce(wanted, self.bounces.len()))
             }
             SolutionSelection::Layer(ref wanted) => self.layer(wanted).ok_or_else(|| {
                 let names = self.layers.iter().map(|layer| layer.name.clone()).collect();
@@ -354,7 +369,12 @@ impl Solution {
             ("valid", "(vertex) true where light was measured, false where it was filled in from neighbours"),
         ];
         if self.tail.is_some() {
-            all.push(("tail", "(vertex, rgb) estimated part of the irradiance of all further bounces"));
+            let tail = if self.meta.is_shot() {
+                "(vertex, rgb) all light but the direct: it was shot, which tells no bounces apart"
+            } else {
+                "(vertex, rgb) estimated part of the irradiance of all further bounces"
+            };
+            all.push(("tail", tail));
         }
         if self.standard_error.is_some() {
             all.push((

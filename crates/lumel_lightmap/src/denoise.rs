@@ -68,7 +68,7 @@ impl Lightmap {
         let mut benefits: Vec<Vec4> = (0..errors.len()).into_par_iter().map(benefit).collect();
         let mean = benefits.iter().map(|benefit| f64::from(benefit.w)).sum::<f64>() / errors.len() as f64;
         for reach in [1, 2] {
-            benefits = pooled(&surface, &benefits, reach);
+            benefits = surface.means(&benefits, reach);
         }
         for (place, lumel) in surface.lumels().enumerate() {
             let share = share(benefits[place], mean as f32);
@@ -78,19 +78,6 @@ impl Lightmap {
             }
         }
     }
-}
-
-/// The means around each place.
-fn pooled(surface: &Surface<'_>, values: &[Vec4], reach: i64) -> Vec<Vec4> {
-    let mean = |place: usize| {
-        let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
-        surface.around(place, reach, |near, weight| {
-            sum += values[near] * weight;
-            weights += weight;
-        });
-        sum / weights
-    };
-    (0..values.len()).into_par_iter().map(mean).collect()
 }
 
 /// The share of mixed light with which the mean square error around a lumel is least, by Stein's estimate: how much of the variance

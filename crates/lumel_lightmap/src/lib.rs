@@ -3,8 +3,8 @@
 //! A [`LumelLight`] is measured round by round. [`Lightmap::finished`] makes a [`Lightmap`] of it, the irradiance of every lumel, in
 //! this order:
 //!
-//! 1. If noise is to be taken off, light that one lumel found by chance is spread over those around it, and
-//!    [`Lightmap::denoise`] takes out noise whose size is known.
+//! 1. If noise is to be taken off, light is moved towards what the solve knows of it, as far as that helps; what one lumel found by
+//!    chance is spread over those around it, and [`Lightmap::denoise`] takes out noise whose size is known.
 //! 2. [`Seams`] make light equal on both sides of a smooth edge that the atlas cuts.
 //! 3. [`Dilation`] gives light to lumels that could not be measured, and to those between charts.
 //!
@@ -21,6 +21,7 @@ mod lighting;
 mod lightmap;
 mod nearest;
 mod seams;
+mod shrink;
 mod surface;
 mod taps;
 

@@ -22,6 +22,9 @@ pub struct LumelLight {
     pub has_tail: bool,
     /// By half.
     pub halves: [Half; 2],
+    /// What the solve says of direct light and of all bounces at each lumel, W·m⁻². Empty if there is nothing to compare
+    /// with.
+    pub solved: [Vec<Vec3>; 2],
     /// The round that is under way, from 0.
     pub round: u32,
     /// The lumels that it measures.
@@ -48,6 +51,8 @@ pub struct Half {
     pub samples: Vec<f32>,
     /// The luminance of all light, W·m⁻².
     pub totals: Vec<f32>,
+    /// That of all bounces.
+    pub bounced: Vec<f32>,
 }
 
 /// Light that half of the samples of a round say some lumels have.
@@ -62,11 +67,13 @@ pub struct PartLight {
 impl LumelLight {
     /// Nothing yet: all lumels are to be measured.
     pub fn new(n_lumels: usize, n_sources: usize, has_tail: bool) -> Self {
-        let half = Half { samples: vec![0.0; n_lumels], totals: vec![0.0; n_lumels] };
+        let none = || vec![0.0; n_lumels];
+        let half = Half { samples: none(), totals: none(), bounced: none() };
         Self {
             sources: vec![vec![Vec3::ZERO; n_lumels]; n_sources],
             has_tail,
             halves: [half.clone(), half],
+            solved: [const { Vec::new() }; 2],
             round: 0,
             active: vec![true; n_lumels],
             done: 0,
@@ -80,9 +87,10 @@ impl LumelLight {
     /// What is wrong, in words.
     pub fn check(&self) -> Result<(), String> {
         let n = self.len();
-        let halves = self.halves.iter().flat_map(|half| [&half.samples, &half.totals]);
+        let halves = self.halves.iter().flat_map(|half| [&half.samples, &half.totals, &half.bounced]);
         if halves.clone().any(|values| values.len() != n)
             || self.sources.iter().chain(&self.directional.harmonics).any(|source| source.len() != n)
+            || self.solved.iter().any(|solved| ![0, n].contains(&solved.len()))
         {
             return Err(format!("has {n} lumels, but other parts of the light have not"));
         }
@@ -165,17 +173,18 @@ impl LumelLight {
 
     fn add_lumel(&mut self, (half, lumel): (usize, usize), place: usize, samples: f32, part: &PartLight) {
         let before: f32 = self.halves.iter().map(|half| half.samples[lumel]).sum();
-        let mut total = 0.0;
-        for (source, new) in self.sources.iter_mut().zip(&part.sources) {
+        let (mut direct, mut bounced) = (0.0, 0.0);
+        for (k, (source, new)) in self.sources.iter_mut().zip(&part.sources).enumerate() {
             let (mean, new) = (&mut source[lumel], new[place]);
             // Differences, so that what is equal stays itself.
             *mean += (new - *mean) * (samples / (before + samples));
-            total += luminance(new);
+            *if k == 0 { &mut direct } else { &mut bounced } += luminance(new);
         }
         let half = &mut self.halves[half];
-        let (mean, count) = (&mut half.totals[lumel], &mut half.samples[lumel]);
-        *count += samples;
-        *mean += (total - *mean) * (samples / *count);
+        half.samples[lumel] += samples;
+        let share = samples / half.samples[lumel];
+        let means = [(&mut half.totals[lumel], direct + bounced), (&mut half.bounced[lumel], bounced)];
+        means.into_iter().for_each(|(mean, new)| *mean += (new - *mean) * share);
     }
 
     /// Begins to measure light by direction in so many harmonics, unless that has begun.

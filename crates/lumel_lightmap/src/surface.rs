@@ -3,6 +3,8 @@
 use crate::charts::charts;
 use crate::nearest::NONE;
 use lumel_uv::{Atlas, Coverage};
+use rayon::prelude::*;
+use std::ops::{AddAssign, Div, Mul};
 
 /// A cubic B-spline at whole numbers, which weighs neighbours along each axis.
 pub(crate) const SPLINE: [f32; 5] = [1.0, 4.0, 6.0, 4.0, 1.0];
@@ -38,6 +40,22 @@ impl<'a> Surface<'a> {
     /// The lumels, as indices into all pages.
     pub(crate) fn lumels(&self) -> impl Iterator<Item = usize> {
         self.places.iter().map(|&place| self.coverage.lumels()[place] as usize)
+    }
+
+    /// The means of values around each, `reach` and twice `reach` away.
+    pub(crate) fn means<T>(&self, values: &[T], reach: i64) -> Vec<T>
+    where
+        T: Copy + Default + Send + Sync + AddAssign + Mul<f32, Output = T> + Div<f32, Output = T>,
+    {
+        let mean = |index: usize| {
+            let (mut sum, mut weights) = (T::default(), 0.0);
+            self.around(index, reach, |near, weight| {
+                sum += values[near] * weight;
+                weights += weight;
+            });
+            sum / weights
+        };
+        (0..values.len()).into_par_iter().map(mean).collect()
     }
 
     /// Calls `add(index, weight)` for those around one of them, `reach` and twice `reach` away.

@@ -37,7 +37,7 @@ pub(crate) fn by_direction(
         Ok(measured_step(operator, &job, control, None)?.field)
     };
     let mut parts = vec![measured(Source::Emitters(mask), 0)?];
-    if state.bounces.len() > 1 {
+    if state.bounces.len() > 1 || state.shot.is_some() {
         parts.push(measured(Source::Field(&state.gatherable()), 1)?);
     }
     let mut sum = Field::sum(state.node_count(), &parts);

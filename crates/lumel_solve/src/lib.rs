@@ -7,6 +7,7 @@
 //! eight is still above a target. [`solve_layers`] tells the light of some emitters from that of the others, [`solve_directional`] where light comes from.
 
 mod accuracy;
+mod brightest;
 mod directional;
 mod integrals;
 mod layers;
@@ -18,12 +19,13 @@ mod solver;
 mod state;
 
 pub use accuracy::{Accuracy, CONFIDENCE_95, Ended, Errors, REPLICATES, Target, mean_and_error};
+pub use brightest::brightest;
 pub use directional::solve_directional;
 pub use integrals::Integrals;
 pub use layers::{mix, solve_layers};
 pub use observer::{Observer, Silent, Snapshot, Step};
 pub use power_log::PowerLog;
 pub use replicates::{Problem, Replicates, Round, solve_to_error};
-pub use schedule::{Gather, Schedule, Shot, Stop};
+pub use schedule::{Gather, Schedule, Shoot, Shot, Stop};
 pub use solver::{Operator, SolveError, final_gather, solve};
-pub use state::SolveState;
+pub use state::{ShotLight, SolveState};

@@ -11,6 +11,8 @@ pub enum Step {
     Validity,
     /// Measuring this bounce; 0 is direct light.
     Bounce(u32),
+    /// Transporting the unshot light of the batch of nodes with this number.
+    Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
     /// Measuring where all light comes from.
@@ -26,12 +28,22 @@ pub enum Step {
 pub struct Snapshot {
     /// The sum of finished bounces and what is known of the current one.
     pub total: Arc<Field>,
-    /// What is known of the bounce being measured; zero at nodes that are not measured yet.
+    /// What is known of the bounce being measured, zero at nodes that are not measured yet; where light is shot, all light but
+    /// the direct.
     pub current: Arc<Field>,
     /// Which nodes have been measured in this bounce. Hidden ones count once all neighbours that they follow do.
     pub measured: Arc<Vec<bool>>,
     /// What is being measured.
     pub step: Step,
+}
+
+impl Snapshot {
+    /// One of light that is known everywhere.
+    pub(crate) fn of_all(total: Field, step: Step) -> Self {
+        let measured = Arc::new(vec![true; total.node_count()]);
+        let total = Arc::new(total);
+        Self { current: Arc::clone(&total), total, measured, step }
+    }
 }
 
 /// Follows a solve; called from the threads that solve, so everything here must be quick.

@@ -30,6 +30,11 @@ impl<'a> PowerLog<'a> {
         log
     }
 
+    /// What powers are integrals of.
+    pub(crate) fn integrals(&self) -> &'a Integrals {
+        self.integrals
+    }
+
     /// Adds the next bounce.
     pub fn add(&mut self, bounce: &Field) {
         if self.powers.is_empty() {

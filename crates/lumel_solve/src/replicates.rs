@@ -4,12 +4,14 @@
 //! their spread holds every error of sampling, what bounces carry on included. Samples are added where it is too large.
 
 use crate::accuracy::{Accuracy, Ended, Errors, REPLICATES, Spread, Target};
+use crate::integrals::ambient_field;
 use crate::observer::{Observer, Snapshot, Step};
-use crate::schedule::Stop;
+use crate::schedule::{Schedule, Shot};
 use crate::solver::{self, Operator, SolveError};
+use crate::state::ShotLight;
 use crate::{Integrals, PowerLog, SolveState};
 use glam::DVec3;
-use lumel_basis::{Field, Readout, Sampling};
+use lumel_basis::{Field, NodeId, Readout, Sampling};
 use lumel_transport::{
     Control, Job, Measured, Pass, Passes, Source, Sums, Transport, TransportError, accumulate,
 };
@@ -51,9 +53,9 @@ pub struct Problem<'a> {
     pub integrals: &'a Integrals,
     /// How users read the light, if not as it is carried: errors are those of what they read.
     pub readout: Option<&'a dyn Readout>,
-    /// Which bounces.
-    pub stop: Stop,
-    /// Whether a geometric series stands for those that are left out.
+    /// In which order, and which bounces.
+    pub schedule: &'a dyn Schedule,
+    /// Whether an estimate stands for what is left out.
     pub tail: bool,
 }
 
@@ -65,13 +67,13 @@ impl Problem<'_> {
     /// solve continues with as many as there were, and adds more where the errors of the new sum ask for it.
     pub fn reopen(&self, state: &mut SolveState) {
         let Some(errors) = &state.errors else { return };
-        let wanted = self.stop.wanted(&PowerLog::of(self.integrals, &state.bounces));
-        let has_tail = self.tail && state.bounces.len() > 1;
+        let wanted = self.schedule.wanted(state, &PowerLog::of(self.integrals, &state.bounces));
+        let has_tail = self.tail && (state.bounces.len() > 1 || state.shot.is_some());
         if wanted == Some(state.bounces.len()) && state.tail.is_some() == has_tail {
             return;
         }
         state.rounds.truncate(errors.accuracy.rounds as usize);
-        (state.errors, state.tail, state.directional) = (None, None, None);
+        (state.errors, state.tail, state.shot, state.directional) = (None, None, None, None);
         // The same rays bring the same bounces, however many there are.
         state.bounces.truncate(wanted.unwrap_or(usize::MAX));
     }
@@ -138,25 +140,18 @@ pub fn solve_to_error(
         };
         let accuracy = Accuracy { rounds: number + 1, ended, ..spread.accuracy };
         state.valid.clone_from(&solve.valid);
-        (state.bounces, state.tail) = (solved.bounces, solved.tail);
+        (state.bounces, state.shot, state.tail) = (solved.bounces, solved.shot, solved.tail);
         state.errors = Some(Errors { standard_error: spread.standard_error, accuracy });
         state.rounds.push(spread.above);
         observer.step_done(Step::Round(number), state);
         if observer.wants_snapshot() {
-            observer.snapshot(snapshot(solved.total, number));
+            observer.snapshot(Snapshot::of_all(solved.total, Step::Round(number)));
         }
         if ended.is_some() {
             break;
         }
     }
     Ok(())
-}
-
-/// All that is known in a round.
-fn snapshot(mean: Field, round: u32) -> Snapshot {
-    let measured = Arc::new(vec![true; mean.node_count()]);
-    let total = Arc::new(mean);
-    Snapshot { current: Arc::clone(&total), total, measured, step: Step::Round(round) }
 }
 
 struct Solve<'a> {
@@ -176,6 +171,7 @@ struct Replicate {
 
 struct Solved {
     bounces: Vec<Field>,
+    shot: Option<ShotLight>,
     tail: Option<Field>,
     /// The mean over replicates of all light.
     total: Field,
@@ -212,23 +208,32 @@ impl Solve<'_> {
             if number == 0 && observer.wants_snapshot() {
                 let so_far: Vec<Field> =
                     self.replicates[..=replicate].iter().map(|replicate| self.direct(replicate)).collect();
-                observer.snapshot(snapshot(mean(&so_far), number));
+                observer.snapshot(Snapshot::of_all(mean(&so_far), Step::Round(number)));
             }
         }
         Ok(())
     }
 
-    /// Solves all replicates, bounce by bounce together, so that all end with the same.
+    /// Solves all replicates, step by step together, so that all end with the same. Their mean decides about steps.
     fn all_bounces(&self) -> Result<Solved, TransportError> {
-        let Problem { integrals, stop, tail, readout, .. } = self.problem;
+        let Problem { integrals, schedule, tail, readout, .. } = self.problem;
         let mut last: Vec<Field> = self.replicates.iter().map(|replicate| self.direct(replicate)).collect();
         let mut before = Vec::new();
         let mut totals: Vec<Vec<DVec3>> =
             last.iter().map(|field| vec![DVec3::ZERO; field.values().len()]).collect();
         add_to(&mut totals, &last);
-        let mut bounces = vec![mean(&last)];
-        let mut powers = PowerLog::of(integrals, &bounces);
-        while !stop.is_reached(&powers) {
+        let mut light = SolveState { bounces: vec![mean(&last)], ..SolveState::new() };
+        let mut powers = PowerLog::of(integrals, &light.bounces);
+        let mut shots = Vec::new();
+        while let Some(shot) = schedule.next(&light, &powers) {
+            if let Shot::Nodes(nodes) = shot {
+                if shots.is_empty() {
+                    shots = last.iter().map(ShotLight::new).collect();
+                }
+                self.shoot(&mut shots, &nodes)?;
+                light.shot = Some(mean_of_shots(&shots));
+                continue;
+            }
             let both = self.replicates.iter().zip(&last);
             let next: Result<Vec<Field>, TransportError> =
                 both.map(|(replicate, field)| self.bounced(replicate, field)).collect();
@@ -236,21 +241,43 @@ impl Solve<'_> {
             add_to(&mut totals, &last);
             let bounce = mean(&last);
             powers.add(&bounce);
-            bounces.push(bounce);
+            light.bounces.push(bounce);
         }
-        let tails: Option<Vec<Field>> = (tail && !before.is_empty()).then(|| {
+        let reflected: Vec<Field> = shots.iter().map(|shot: &ShotLight| shot.reflected.clone()).collect();
+        add_to(&mut totals, &reflected);
+        let tails: Option<Vec<Field>> = if !tail {
+            None
+        } else if shots.is_empty() {
             let of = |(before, last): (&Field, &Field)| {
                 let tail = integrals.tail(&[before.clone(), last.clone()]);
                 tail.unwrap_or_else(|| Field::zeros(last.node_count()))
             };
-            before.iter().zip(&last).map(of).collect()
-        });
+            (!before.is_empty()).then(|| before.iter().zip(&last).map(of).collect())
+        } else {
+            let of = |(shot, direct): (&ShotLight, &Field)| {
+                let (bounces, shot) = (vec![direct.clone()], Some(shot.clone()));
+                let light = SolveState { bounces, shot, ..SolveState::new() };
+                ambient_field(integrals, &light, &light)
+            };
+            Some(shots.iter().zip(&last).map(of).collect())
+        };
         tails.iter().for_each(|tails| add_to(&mut totals, tails));
         let total = mean_by(totals[0].len(), |i| totals.iter().map(move |total| total[i]));
         if let Some(readout) = readout {
             totals.iter_mut().for_each(|total| read(readout, total));
         }
-        Ok(Solved { bounces, tail: tails.map(|tails| mean(&tails)), total, totals })
+        let SolveState { bounces, shot, .. } = light;
+        Ok(Solved { bounces, shot, tail: tails.map(|tails| mean(&tails)), total, totals })
+    }
+
+    /// Lets the same nodes of all replicates shoot.
+    fn shoot(&self, shots: &mut [ShotLight], nodes: &[NodeId]) -> Result<(), TransportError> {
+        for (replicate, shot) in self.replicates.iter().zip(shots) {
+            let sent = shot.sent(nodes);
+            let arrived = self.measured(replicate, Source::Shot(&sent, nodes))?;
+            shot.receive(nodes, &arrived);
+        }
+        Ok(())
     }
 
     fn direct(&self, replicate: &Replicate) -> Field {
@@ -259,7 +286,11 @@ impl Solve<'_> {
     }
 
     fn bounced(&self, replicate: &Replicate, field: &Field) -> Result<Field, TransportError> {
-        let job = Job { source: Source::Field(field), bounce: 1, pass: 0, active: None };
+        self.measured(replicate, Source::Field(field))
+    }
+
+    fn measured(&self, replicate: &Replicate, source: Source<'_>) -> Result<Field, TransportError> {
+        let job = Job { source, bounce: 1, pass: 0, active: None };
         Ok(self.completed(accumulate(&replicate.passes, &job, self.control, None)?))
     }
 
@@ -284,6 +315,16 @@ fn add_to(totals: &mut [Vec<DVec3>], fields: &[Field]) {
     for (total, field) in totals.iter_mut().zip(fields) {
         total.iter_mut().zip(field.values()).for_each(|(sum, value)| *sum += value.as_dvec3());
     }
+}
+
+/// The mean over replicates of what was shot.
+fn mean_of_shots(shots: &[ShotLight]) -> ShotLight {
+    let of = |field: fn(&ShotLight) -> &Field| {
+        let n_values = shots.first().map_or(0, |shot| field(shot).values().len());
+        mean_by(n_values, |i| shots.iter().map(move |shot| field(shot).values()[i].as_dvec3()))
+    };
+    let shots_so_far = shots.first().map_or(0, |shot| shot.shots);
+    ShotLight { reflected: of(|shot| &shot.reflected), unshot: of(|shot| &shot.unshot), shots: shots_so_far }
 }
 
 /// The mean over replicates, rounded once.

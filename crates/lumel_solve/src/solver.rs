@@ -2,9 +2,10 @@
 
 use crate::observer::{Observer, Snapshot, Step};
 use crate::schedule::{Schedule, Shot};
+use crate::state::ShotLight;
 use crate::{Integrals, PowerLog, SolveState};
 use glam::Vec3;
-use lumel_basis::{Basis, Field, Identity, Sampling};
+use lumel_basis::{Basis, Field, Identity, NodeId, Sampling};
 use lumel_transport::{Control, Job, Measured, PartialField, Source, Transport, TransportError, accumulate};
 use std::sync::Arc;
 
@@ -85,13 +86,17 @@ pub fn solve(
     }
     let mut powers = PowerLog::of(integrals, &state.bounces);
     while let Some(shot) = schedule.next(state, &powers) {
+        if let Shot::Nodes(nodes) = shot {
+            shoot(operator, state, &nodes, control, observer)?;
+            continue;
+        }
         let bounce = state.bounces.len() as u32;
         let step = Step::Bounce(bounce);
         observer.step_started(step);
         let measured = {
             let source = match (shot, state.unshot()) {
                 (Shot::All, Some(unshot)) => Source::Field(unshot),
-                (Shot::Emitters, _) | (Shot::All, None) => Source::Emitters(None),
+                _ => Source::Emitters(None),
             };
             let job = Job { source, bounce, pass: 0, active: operator.active(&state.valid) };
             let live = Live { basis: operator.basis, step, state, observer };
@@ -106,6 +111,47 @@ pub fn solve(
         observer.step_done(step, state);
     }
     Ok(())
+}
+
+/// One step of shooting: what these nodes have unshot is transported and counted where it arrives.
+fn shoot(
+    operator: Operator<'_>,
+    state: &mut SolveState,
+    nodes: &[NodeId],
+    control: &Control,
+    observer: &dyn Observer,
+) -> Result<(), TransportError> {
+    let step = Step::Shot(state.shot.as_ref().map_or(0, |shot| shot.shots));
+    observer.step_started(step);
+    transport_shot(operator, state, nodes, control)?;
+    observer.step_done(step, state);
+    if observer.wants_snapshot() {
+        observer.snapshot(Snapshot {
+            current: Arc::new(state.reflected()),
+            ..Snapshot::of_all(state.total(), step)
+        });
+    }
+    Ok(())
+}
+
+/// The step itself, which nobody watches. All shots are measured by the same samples.
+pub(crate) fn transport_shot(
+    operator: Operator<'_>,
+    state: &mut SolveState,
+    nodes: &[NodeId],
+    control: &Control,
+) -> Result<(), TransportError> {
+    let Some(direct) = state.bounces.first() else { return Ok(()) };
+    let mut shot = state.shot.take().unwrap_or_else(|| ShotLight::new(direct));
+    let sent = shot.sent(nodes);
+    let source = Source::Shot(&sent, nodes);
+    let job = Job { source, bounce: 1, pass: 0, active: operator.active(&state.valid) };
+    let arrived = measured_step(operator, &job, control, None);
+    if let Ok(arrived) = &arrived {
+        shot.receive(nodes, &arrived.field);
+    }
+    state.shot = Some(shot);
+    arrived.map(|_| ())
 }
 
 /// Refuses a state of another basis.

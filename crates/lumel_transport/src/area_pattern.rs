@@ -102,7 +102,7 @@ impl AreaPattern {
 }
 
 /// More samples than this come in parts, each with a pattern of its own.
-const PART: u32 = 1024;
+pub(crate) const PART: u32 = 1024;
 
 /// The patterns of one measurement: one for each number of samples that elements get.
 #[derive(Debug)]
@@ -151,7 +151,10 @@ impl AreaPatterns {
 
     /// The parts in which the elements of a chunk are measured.
     pub(crate) fn parts(&self, order: &Order, chunk: u32) -> impl Iterator<Item = AreaPart<'_>> {
-        let kind = self.kind(order, chunk);
+        self.parts_of(self.kind(order, chunk))
+    }
+
+    fn parts_of<'a>(&'a self, kind: &'a Kind) -> impl Iterator<Item = AreaPart<'a>> {
         (0..kind.samples.div_ceil(PART)).map(move |part| {
             let made = || {
                 // A stratified sampler rounds up to a square again.
@@ -161,6 +164,14 @@ impl AreaPatterns {
             let pattern = kind.pattern.as_ref().map_or_else(made, Cow::Borrowed);
             AreaPart { part, pattern, samples: kind.samples }
         })
+    }
+
+    /// All parts of all patterns, for who reads samples here and there.
+    pub(crate) fn whole(&self) -> WholePatterns {
+        let parts = |kind| self.parts_of(kind).map(|part| part.pattern.into_owned()).collect();
+        let kinds: Vec<Vec<AreaPattern>> = self.kinds.iter().map(parts).collect();
+        let samples = self.kinds.iter().map(|kind| kind.samples).collect();
+        WholePatterns { doublings: self.kinds.iter().map(|kind| kind.doublings).collect(), samples, kinds }
     }
 
     /// Whether the places of these are among those of others, under the same numbers.
@@ -173,8 +184,33 @@ impl AreaPatterns {
     }
 }
 
+/// The patterns of one measurement with all their parts.
+#[derive(Debug)]
+pub(crate) struct WholePatterns {
+    doublings: Vec<i8>,
+    samples: Vec<u32>,
+    /// By doublings, then by part.
+    kinds: Vec<Vec<AreaPattern>>,
+}
+
+impl WholePatterns {
+    fn kind_of(&self, order: &Order, chunk: u32) -> usize {
+        self.doublings.binary_search(&order.doublings_of(chunk)).unwrap_or_default()
+    }
+
+    /// The parts in which the elements of a chunk are measured.
+    pub(crate) fn of_chunk(&self, order: &Order, chunk: u32) -> &[AreaPattern] {
+        &self.kinds[self.kind_of(order, chunk)]
+    }
+
+    /// What each sample of the elements of a chunk counts.
+    pub(crate) fn share(&self, order: &Order, chunk: u32) -> f64 {
+        1.0 / f64::from(self.samples[self.kind_of(order, chunk)])
+    }
+}
+
 /// Names the streams of a part of the samples that `key` names.
-fn part_key(key: StreamKey, part: u32) -> StreamKey {
+pub(crate) fn part_key(key: StreamKey, part: u32) -> StreamKey {
     if part == 0 { key } else { key.pass(part) }
 }
 

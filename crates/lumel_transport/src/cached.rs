@@ -1,6 +1,6 @@
 //! The operator on stored rows: rays are traced once, and every bounce after that is a sparse product.
 
-use crate::area_pattern::AreaPatterns;
+use crate::area_pattern::{AreaPatterns, WholePatterns};
 use crate::arrivals::Arrivals;
 use crate::ends::StoredEnd;
 use crate::group::Group;
@@ -22,7 +22,7 @@ use lumel_sample::{Dim, StreamKey};
 use lumel_scene::Scene;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The bounce and the pass whose sample points all bounces share.
 const SHARED_BOUNCE: u32 = 1;
@@ -43,7 +43,7 @@ const BLOCK: usize = 16;
 pub struct CachedTransport<B, R> {
     pub(crate) inner: CpuTransport<B, R>,
     pub(crate) rows: Arc<Rows>,
-    reflectance: Arc<Reflectance>,
+    pub(crate) reflectance: Arc<Reflectance>,
     pub(crate) areas: Option<AreaRows>,
 }
 
@@ -51,6 +51,8 @@ pub struct CachedTransport<B, R> {
 pub(crate) struct AreaRows {
     /// By the stored rays.
     pub(crate) rays: AreaPatterns,
+    /// The same patterns whole, made when light is shot for the first time.
+    pub(crate) whole: OnceLock<WholePatterns>,
     /// By shadow rays, if from some of the same places.
     pub(crate) lights: Option<AreaPatterns>,
 }
@@ -133,7 +135,8 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
             let plan = &new.inner.plan;
             let rays =
                 AreaPatterns::new(plan, &new.inner.order, plan.indirect_samples, new.rows.key.shared());
-            new.areas = Some(AreaRows { lights: new.light_patterns(&rays), rays });
+            let lights = new.light_patterns(&rays);
+            new.areas = Some(AreaRows { lights, rays, whole: OnceLock::new() });
         }
         new
     }
@@ -156,10 +159,14 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
         self.inner.order.towards(&*self.inner.receivers, nodes).elements().len()
     }
 
+    /// How many rays it would store [with other samples](Self::with_samples).
+    pub fn rays_with(&self, plan: &Plan, nodes: &[bool]) -> u64 {
+        self.inner.order.towards(&*self.inner.receivers, nodes).rays(plan)
+    }
+
     /// What [`memory`](Self::memory) would be [with other samples](Self::with_samples).
     pub fn memory_with(&self, plan: &Plan, nodes: &[bool]) -> u64 {
-        let rays = self.inner.order.towards(&*self.inner.receivers, nodes).rays(plan);
-        Rows::bytes_for(rays, self.reflectance.varies())
+        Rows::bytes_for(self.rays_with(plan, nodes), self.reflectance.varies())
     }
 
     /// What it stores, to be shared.
@@ -189,6 +196,12 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
         Ok(ChunkRows { elements, ends: slot.get_or_init(|| ends) })
     }
 
+    /// The rows of a chunk that have been traced; of others none.
+    pub(crate) fn rows_there(&self, chunk: u32) -> ChunkRows<'_> {
+        let ends = self.rows.chunks[chunk as usize].get().map_or(&[][..], |ends| ends);
+        ChunkRows { elements: self.inner.elements(chunk), ends }
+    }
+
     fn measure_chunk(
         &self,
         job: &Job<'_>,
@@ -210,7 +223,7 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
                 }
             }
             (None, Source::Emitters(mask)) => match &self.areas {
-                Some(AreaRows { rays, lights: Some(lights) }) => {
+                Some(AreaRows { rays, lights: Some(lights), .. }) => {
                     self.direct_over_areas(job, mask, (rays, lights, chunk), rows, control)?
                 }
                 _ => self.direct_at_points(job, mask, rows, control)?,
@@ -423,7 +436,16 @@ impl<B: Basis, R: Receivers + 'static> Transport for CachedTransport<B, R> {
         let lights_on_rows = self.areas.as_ref().is_some_and(|areas| areas.lights.is_some());
         let reflected = match job.source {
             _ if job.pass != SHARED_PASS => return self.inner.measure(job, chunks, control, sink),
-            Source::Field(field) => Some(self.reflectance.of(&*self.inner.basis, field)),
+            Source::Shot(field, nodes) if self.can_shoot() => {
+                let shot = self.shot_of((field, nodes), control)?;
+                if shot.is_small() {
+                    return self.shoot(job, &shot, chunks, control, sink);
+                }
+                Some(self.reflectance.of(&*self.inner.basis, field))
+            }
+            Source::Field(field) | Source::Shot(field, _) => {
+                Some(self.reflectance.of(&*self.inner.basis, field))
+            }
             Source::Nothing if at_points && self.rows.key.requested >= VALIDITY_RAYS => None,
             Source::Emitters(_) if lights_on_rows => None,
             Source::Emitters(_) if at_points && self.inner.lights.needs_hemisphere() => None,

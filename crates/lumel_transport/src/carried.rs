@@ -5,6 +5,8 @@ use crate::ends::{RayEnd, StoredEnd};
 use crate::operator::CpuTransport;
 use crate::rows::Rows;
 use lumel_basis::{Basis, ElementId, Receivers};
+use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -53,12 +55,15 @@ impl Rows {
                 places.insert(stored.receivers.stream(element), (chunk, lane));
             }
         }
-        let refined = |end: StoredEnd| match end.end() {
-            Some(RayEnd::Surface(at)) => {
-                let original = stored.scene.refinement().map_or(at, |refinement| refinement.original(at));
-                StoredEnd::new(&RayEnd::Surface(new.scene.refined_point(original)))
-            }
-            _ => end,
+        let whole = kept_triangles(&stored.scene, &new.scene);
+        let refined = |end: StoredEnd| match whole.get(end.tri as usize) {
+            Some(&Some(TriId(tri))) => StoredEnd { tri, ..end },
+            _ => match end.end() {
+                Some(RayEnd::Surface(at)) => {
+                    StoredEnd::new(&RayEnd::Surface(point_on(&stored.scene, &new.scene, at)))
+                }
+                _ => end,
+            },
         };
         let found = |chunk: u32, element: ElementId| {
             let &(from, lane) = places.get(&new.receivers.stream(element))?;
@@ -86,7 +91,7 @@ impl Rows {
             }
             Mutex::new(carried)
         };
-        self.carried = (0..new.order.chunk_count()).map(of_chunk).collect();
+        self.carried = (0..new.order.chunk_count()).into_par_iter().map(of_chunk).collect();
         self
     }
 
@@ -94,4 +99,22 @@ impl Rows {
     pub(crate) fn take_carried(&self, chunk: u32) -> Option<Carried> {
         self.carried.get(chunk as usize)?.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
+}
+
+/// The point of another mesh with the same original triangles.
+fn point_on(old: &Scene, new: &Scene, at: SurfacePoint) -> SurfacePoint {
+    new.refined_point(old.refinement().map_or(at, |refinement| refinement.original(at)))
+}
+
+/// For each triangle of a mesh, the one of another mesh with the same original triangles that has the same corners in the same
+/// order, if there is one: what is stored of the one is true of the other.
+fn kept_triangles(old: &Scene, new: &Scene) -> Vec<Option<TriId>> {
+    let middle = Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 };
+    let (Some(of_old), Some(of_new)) = (old.refinement(), new.refinement()) else { return Vec::new() };
+    let kept = |tri: u32| {
+        let found = point_on(old, new, SurfacePoint { tri: TriId(tri), bary: middle }).tri;
+        let [here, there] = [of_old.part(TriId(tri)), of_new.part(found)];
+        ((here.tri, here.corners) == (there.tri, there.corners)).then_some(found)
+    };
+    (0..old.triangle_count() as u32).into_par_iter().map(kept).collect()
 }

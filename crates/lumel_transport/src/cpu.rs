@@ -2,7 +2,7 @@
 
 use crate::Sums;
 use crate::group::Group;
-use crate::job::{ChunkSink, Control, Job, Shape, Transport, TransportError};
+use crate::job::{ChunkSink, Control, Job, Shape, Source, Transport, TransportError};
 use crate::measure::{self, JobPatterns};
 use crate::operator::CpuTransport;
 use crate::scatter::scattered;
@@ -22,6 +22,11 @@ impl<B: Basis, R: Receivers> Transport for CpuTransport<B, R> {
         control: &Control,
         sink: &dyn ChunkSink,
     ) -> Result<(), TransportError> {
+        if let Source::Shot(field, nodes) = job.source
+            && self.basis.corner_nodes().is_some()
+        {
+            return self.shoot(job, (field, nodes), chunks, control, sink);
+        }
         let patterns = (self.receivers.sampling() == Sampling::Area).then(|| measure::patterns(self, job));
         // Scattered, so that what is known of a measurement under way is known everywhere.
         scattered(chunks).into_par_iter().try_for_each(|chunk| {

@@ -160,7 +160,7 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
         let op = &self.cached.inner;
         let mut found = self.none_of(rows.elements.len());
         let measured = measured(job, rows);
-        let Some(AreaRows { rays, lights }) = &self.cached.areas else { return Ok(Sums::default()) };
+        let Some(AreaRows { rays, lights, .. }) = &self.cached.areas else { return Ok(Sums::default()) };
         let mut lights = lights.as_ref().map(|lights| lights.parts(&op.order, chunk));
         for part in rays.parts(&op.order, chunk) {
             control.check()?;

@@ -1,7 +1,7 @@
 //! What a transport is asked to do, and how it answers.
 
 use crate::{AmbientOcclusion, EmitterMask, Sums};
-use lumel_basis::{ElementId, Field, Sampling};
+use lumel_basis::{ElementId, Field, NodeId, Sampling};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -15,6 +15,11 @@ pub enum Source<'a> {
     Emitters(Option<&'a EmitterMask>),
     /// The surfaces, with this irradiance on them: one bounce.
     Field(&'a Field),
+    /// The same, where the irradiance is zero at all nodes but these: a part of a bounce.
+    ///
+    /// Shots of all nodes, each once, add up to the bounce of one linear operator: number of bounce and pass must be the same for
+    /// all of them.
+    Shot(&'a Field, &'a [NodeId]),
     /// An even sky that brings an irradiance of 1 where nothing near hides it.
     Ambient(AmbientOcclusion),
     /// Nothing: it is only found out what is [hidden](Sums::hidden).

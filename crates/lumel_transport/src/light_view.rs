@@ -74,7 +74,7 @@ impl Front {
         }
     }
 
-    fn of_polygon(corners: &[Vec3]) -> Self {
+    pub(crate) fn of_polygon(corners: &[Vec3]) -> Self {
         let lift = 2.0 * lift_from([corners[0], corners[1], corners[2]]);
         Self { lift, center: corners.iter().sum::<Vec3>() / corners.len() as f32 }
     }
@@ -87,7 +87,7 @@ impl Front {
     }
 
     /// Where the shadow ray to a point of the light ends.
-    fn before(&self, point: Vec3) -> Vec3 {
+    pub(crate) fn before(&self, point: Vec3) -> Vec3 {
         let inwards = (self.center - point).normalize_or_zero();
         point + self.lift + inwards * (INSET * self.lift.length())
     }
@@ -375,7 +375,7 @@ fn emitted(scene: &Scene, at: SurfacePoint) -> Radiance {
 }
 
 /// Where a direction meets the plane of a triangle, and its barycentrics, clamped to the triangle.
-fn meet_plane(origin: Vec3, direction: Vec3, corners: &[Vec3; 3]) -> Option<(Vec3, Barycentrics)> {
+pub(crate) fn meet_plane(origin: Vec3, direction: Vec3, corners: &[Vec3; 3]) -> Option<(Vec3, Barycentrics)> {
     let [a, b, c] = corners.map(|p| p.as_dvec3());
     let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
     let normal = (b - a).cross(c - a);

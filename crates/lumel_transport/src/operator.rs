@@ -5,6 +5,7 @@ use crate::job::{Job, Shape, Source};
 use crate::lights::LightSet;
 use crate::order::Order;
 use crate::plan::Plan;
+use crate::shots::Shooting;
 use lumel_accel::RayTracer;
 use lumel_basis::{Basis, ElementId, Identity, Receivers};
 use lumel_sample::StreamKey;
@@ -27,6 +28,8 @@ pub struct CpuTransport<B, R> {
     pub(crate) density: HemisphereDensity,
     /// The elements that are measured, in the order of chunks.
     pub(crate) order: Order,
+    /// What shots by the area form need to know, found when they first need it.
+    pub(crate) shooting: Shooting,
     /// What decides those elements and their sites.
     elements: Identity,
 }
@@ -54,8 +57,8 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     ) -> Self {
         let lights = Arc::new(LightSet::new(&scene, &plan));
         let elements = receivers.identity();
-        let density = HemisphereDensity::default();
-        Self { scene, tracer, basis, receivers, lights, plan, density, order, elements }
+        let (density, shooting) = (HemisphereDensity::default(), Shooting::default());
+        Self { scene, tracer, basis, receivers, lights, plan, density, order, elements, shooting }
     }
 
     /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
@@ -71,6 +74,7 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
             receivers: Arc::clone(&self.receivers),
             lights: Arc::clone(&self.lights),
             plan,
+            shooting: Shooting::default(),
             density: self.density,
             elements: if whole { self.elements } else { order.identity_within(&self.elements) },
             order,

@@ -3,7 +3,7 @@
 use crate::ends::{RayEnd, StoredEnd};
 use crate::hemisphere;
 use glam::Vec4;
-use lumel_basis::{Basis, Field, Identity, NodeWeights};
+use lumel_basis::{Basis, Field, Identity, NodeId, NodeWeights};
 use lumel_scene::{Albedo, Scene, TriId};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -58,13 +58,35 @@ impl Reflectance {
     /// The radiosity that surfaces reflect of a field.
     pub(crate) fn of<'a, B: Basis>(&'a self, basis: &B, field: &'a Field) -> Reflected<'a> {
         let corner_nodes = basis.corner_nodes().unwrap_or_default();
-        let plane = |(nodes, albedo): (&[_; 3], &Option<Albedo>)| {
-            let albedo = albedo.map_or(Vec4::ONE, |albedo| albedo.0.extend(0.0));
-            let [a, b, c] = nodes.map(|node| field.node(node).0.extend(0.0) * albedo);
-            [c, (a - c) * StoredEnd::STEP, (b - c) * StoredEnd::STEP]
-        };
         let triangles = corner_nodes.par_iter().zip(&self.triangles[..]);
-        Reflected { reflectance: self, field, planes: triangles.map(plane).collect() }
+        let planes = triangles.map(|(nodes, albedo)| plane(field, nodes, *albedo)).collect();
+        Reflected { reflectance: self, field, planes }
+    }
+
+    /// The triangles that reflect anything of a field that is zero at all nodes but some, in their order.
+    pub(crate) fn of_shot<B: Basis>(&self, basis: &B, field: &Field, nodes: &[NodeId]) -> Vec<ShotTriangle> {
+        let mut shoots = vec![false; basis.node_count()];
+        nodes.iter().for_each(|node| shoots[node.index()] = true);
+        let corner_nodes = basis.corner_nodes().unwrap_or_default();
+        let triangles = (0..).zip(corner_nodes).zip(&self.triangles[..]);
+        let shot = triangles.filter(|((_, nodes), _)| nodes.iter().any(|node| shoots[node.index()]));
+        shot.map(|((tri, nodes), albedo)| ShotTriangle {
+            tri,
+            plane: plane(field, nodes, *albedo),
+            varies: albedo.is_none(),
+        })
+        .collect()
+    }
+
+    /// How many triangles it knows; none if the basis is not linear over triangles.
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// The albedos at the ends of a chunk's rays, looked up once; one where all of the triangle has the same.
+    pub(crate) fn albedos(&self, scene: &Scene, chunk: u32, ends: &[StoredEnd]) -> Option<&[[u16; 3]]> {
+        let slot = &self.at_ends.as_ref()?[chunk as usize];
+        Some(slot.get_or_init(|| ends.iter().map(|end| self.albedo_at(scene, *end)).collect()))
     }
 
     fn albedo_at(&self, scene: &Scene, end: StoredEnd) -> [u16; 3] {
@@ -80,20 +102,48 @@ impl Reflectance {
     }
 }
 
+/// What a triangle reflects of a field, or if its albedo varies, what reaches it: at its third corner, and how it changes with
+/// each of the two numbers that tell where a ray ends. All that a ray reads lies together.
+type Plane = [Vec4; 3];
+
+fn plane(field: &Field, nodes: &[NodeId; 3], albedo: Option<Albedo>) -> Plane {
+    let albedo = albedo.map_or(Vec4::ONE, |albedo| albedo.0.extend(0.0));
+    let [a, b, c] = nodes.map(|node| field.node(node).0.extend(0.0) * albedo);
+    [c, (a - c) * StoredEnd::STEP, (b - c) * StoredEnd::STEP]
+}
+
+#[inline(always)]
+fn at([c, du, dv]: &Plane, end: StoredEnd) -> Vec4 {
+    *c + *du * f32::from(end.u) + *dv * f32::from(end.v)
+}
+
+/// A triangle that shoots.
+pub(crate) struct ShotTriangle {
+    pub(crate) tri: u32,
+    plane: Plane,
+    /// Whether its albedo varies, so that each ray has its own.
+    pub(crate) varies: bool,
+}
+
+impl ShotTriangle {
+    /// The radiosity where a ray ends, before the albedo of the ray.
+    #[inline(always)]
+    pub(crate) fn at(&self, end: StoredEnd) -> Vec4 {
+        at(&self.plane, end)
+    }
+}
+
 /// The radiosity that surfaces reflect, as stored rays read it.
 pub(crate) struct Reflected<'a> {
     reflectance: &'a Reflectance,
     field: &'a Field,
-    /// What each triangle reflects, or where its albedo varies, what reaches it: at its third corner, and how it changes
-    /// with each of the two numbers that tell where a ray ends. All that a ray reads lies together.
-    planes: Vec<[Vec4; 3]>,
+    planes: Vec<Plane>,
 }
 
 impl Reflected<'_> {
-    /// The albedos at the ends of a chunk's rays, looked up once; one where all of the triangle has the same.
+    /// [`Reflectance::albedos`].
     pub(crate) fn albedos(&self, scene: &Scene, chunk: u32, ends: &[StoredEnd]) -> Option<&[[u16; 3]]> {
-        let slot = &self.reflectance.at_ends.as_ref()?[chunk as usize];
-        Some(slot.get_or_init(|| ends.iter().map(|end| self.reflectance.albedo_at(scene, *end)).collect()))
+        self.reflectance.albedos(scene, chunk, ends)
     }
 
     /// Whether every basis function is linear over triangles, so that [`plane_at`](Self::plane_at) is all.
@@ -104,8 +154,7 @@ impl Reflected<'_> {
     /// The radiosity of a triangle where a ray ends, before the albedo of the ray; zero for sky and back faces.
     #[inline(always)]
     pub(crate) fn plane_at(&self, end: StoredEnd) -> Vec4 {
-        let Some([c, du, dv]) = self.planes.get(end.tri as usize) else { return Vec4::ZERO };
-        *c + *du * f32::from(end.u) + *dv * f32::from(end.v)
+        self.planes.get(end.tri as usize).map_or(Vec4::ZERO, |plane| at(plane, end))
     }
 
     /// The light `ρE` at the end of a ray, in W·m⁻² as a cosine sample counts it.

@@ -4,6 +4,7 @@
 //! scene under other lights.
 
 use crate::carried::Carried;
+use crate::columns::Columns;
 use crate::ends::StoredEnd;
 use crate::hemisphere::HemisphereDensity;
 use lumel_basis::Identity;
@@ -18,6 +19,8 @@ pub struct Rows {
     pub(crate) chunks: Vec<OnceLock<Box<[StoredEnd]>>>,
     /// What is known of each chunk before it is traced, if anything is.
     pub(crate) carried: Vec<Mutex<Option<Carried>>>,
+    /// The same rays by where they end, made when light is shot for the first time.
+    pub(crate) columns: OnceLock<Columns>,
 }
 
 /// What the ends of rays depend on.
@@ -42,7 +45,8 @@ impl RowsKey {
 
 impl Rows {
     pub(crate) fn new(key: RowsKey, chunks: u32) -> Self {
-        Self { key, chunks: (0..chunks).map(|_| OnceLock::new()).collect(), carried: Vec::new() }
+        let chunks = (0..chunks).map(|_| OnceLock::new()).collect();
+        Self { key, chunks, carried: Vec::new(), columns: OnceLock::new() }
     }
 
     /// Bytes of rows with so many rays in all, once all are traced.
@@ -51,6 +55,11 @@ impl Rows {
     pub fn bytes_for(rays: u64, textured: bool) -> u64 {
         let per_ray = size_of::<StoredEnd>() + if textured { size_of::<[u16; 3]>() } else { 0 };
         rays * per_ray as u64
+    }
+
+    /// Bytes that shooting takes besides, for so many rays.
+    pub fn column_bytes_for(rays: u64) -> u64 {
+        rays * Columns::BYTES_PER_RAY
     }
 
     /// Whether all rays have been traced.

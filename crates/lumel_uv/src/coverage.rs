@@ -208,7 +208,7 @@ impl Piece {
     }
 }
 
-fn each_square(corners: [DVec2; 3], reach: f64, mut square: impl FnMut(i64, i64)) {
+pub(crate) fn each_square(corners: [DVec2; 3], reach: f64, mut square: impl FnMut(i64, i64)) {
     touched(corners, reach, |y, first, end| (first..end).for_each(|x| square(x, y)));
 }
 
@@ -227,7 +227,7 @@ fn area_in_square(corners: [DVec2; 3], min: DVec2) -> f64 {
 }
 
 /// The point of a triangle nearest to another one, and their distance.
-fn nearest(corners: [DVec2; 3], to: DVec2) -> (Barycentrics, f64) {
+pub(crate) fn nearest(corners: [DVec2; 3], to: DVec2) -> (Barycentrics, f64) {
     let whole = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
     let opposite = |k: usize| (corners[(k + 1) % 3] - to).perp_dot(corners[(k + 2) % 3] - to);
     if whole != 0.0 && (0..3).all(|k| opposite(k) * whole >= 0.0) {

@@ -20,6 +20,7 @@ mod given;
 mod lay_out;
 mod mask;
 mod merge;
+mod middles;
 mod object;
 mod overlap;
 mod pack;

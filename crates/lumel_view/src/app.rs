@@ -5,12 +5,14 @@ use crate::atlas_view::AtlasView;
 use crate::compare::Comparison;
 use crate::dialogs::{Dialogs, FileDialog};
 use crate::dock::{self, Pane};
+use crate::document::{Document, OpenRequest};
 use crate::input::{self, Command};
 use crate::notice::Level;
 use crate::panels::Panels;
 use crate::pick::Pick;
 use crate::prefs::{Prefs, ViewMode, ViewPrefs};
 use crate::rhythm::{AT_ONCE, Rhythm};
+use crate::screenshot;
 use crate::selection::Selection;
 use crate::session::{Hand, LightUse, SOLUTION_FORMATS, Session, Surroundings};
 use crate::stage::Stage;
@@ -18,7 +20,6 @@ use crate::theme::{self, Ground};
 use crate::viewport::{Subject, Viewport};
 use crate::wake::{Wake, Wakes};
 use crate::widgets::Toasts;
-use crate::{document::OpenRequest, screenshot};
 use eframe::egui::{self, ViewportCommand};
 use egui_tiles::Tree;
 use lumel::SamplerKind;
@@ -338,7 +339,7 @@ impl eframe::App for App {
             self.session.notices.push(Level::Error, format!("The graphics device failed: {problem}"));
         }
         let busy = ctx.input(|i| i.pointer.any_down()) || ctx.text_edit_focused();
-        let opened = self.session.document_generation;
+        let (opened, mesh) = (self.session.document_generation, self.session.mesh_generation);
         self.session.poll(if busy { Hand::Busy } else { Hand::Free });
         if self.session.document_generation != opened {
             self.pick = None;
@@ -349,6 +350,11 @@ impl eframe::App for App {
                 self.prefs.opened(&name);
                 ctx.send_viewport_cmd(ViewportCommand::Title(title));
             }
+        }
+        if self.session.mesh_generation != mesh {
+            let mesh = self.session.document.as_ref().map(Document::mesh);
+            let spot = self.pick.take().zip(mesh).and_then(|(pick, mesh)| pick.spot.on(&mesh));
+            self.pick = spot.map(Pick::new);
         }
         if let Some(pick) = &mut self.pick {
             pick.measure(self.session.computed().and_then(|c| c.solved.as_ref()), self.session.wake());

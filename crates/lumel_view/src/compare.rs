@@ -4,6 +4,7 @@ use crate::selection::Selection;
 use crate::session::Session;
 use crate::stage::{Side, Split};
 use lumel::Difference;
+use std::borrow::Cow;
 
 /// What is compared with the light of the scene.
 #[derive(Clone, Debug)]
@@ -85,16 +86,17 @@ impl Comparison {
     }
 
     fn compute(&self, session: &Session, left: Selection) -> Option<Difference> {
-        let n = session.document.as_ref()?.scene.vertex_count();
+        let scene = &session.document.as_ref()?.scene;
+        let n = scene.vertex_count();
         let right = match self.right {
-            Side::Current => &session.light,
-            Side::Kept(id) => &session.kept.iter().find(|kept| kept.id == id)?.light,
+            Side::Current => Cow::Borrowed(&session.light),
+            Side::Kept(id) => session.kept.iter().find(|kept| kept.id == id)?.light_on(scene),
         };
         if session.light.is_empty() || right.is_empty() {
             return None;
         }
         let counts: Vec<bool> = (0..n)
-            .map(|v| [&session.light, right].iter().all(|l| l.valid.get(v).copied().unwrap_or(true)))
+            .map(|v| [&session.light, &*right].iter().all(|l| l.valid.get(v).copied().unwrap_or(true)))
             .collect();
         Difference::of(&session.light.select(left, n), &right.select(self.selection, n), &counts)
     }

@@ -2,11 +2,12 @@
 
 use crate::camera::FlyCamera;
 use crate::lights::{EditLight, default_name, shining};
+use crate::mesh::{Given, Mesh};
+use crate::selection::VertexValues;
 use crate::slots::Slots;
 use glam::Vec3;
 use lumel::{
-    Adaptive, Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch,
-    tracer_of,
+    Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch, tracer_of,
 };
 use lumel_render_cpu::camera_for;
 use lumel_scene::{Light, TextureId, TriId};
@@ -41,14 +42,21 @@ pub struct Document {
     pub request: OpenRequest,
     /// The project file that it comes from.
     pub project: Option<(PathBuf, Project)>,
-    /// Its surfaces, with the lights that it came with and the albedos that they have now.
+    /// Its surfaces in the triangles that are shown, with the lights that it came with and the albedos that they have now.
     pub scene: Arc<Scene>,
     /// The albedo that each material came with.
     pub albedos: Vec<Vec3>,
-    /// Its ray tracer.
+    /// The ray tracer of those triangles.
     pub tracer: Arc<dyn RayTracer>,
-    /// What solves are made from; holds everything that depends only on the surfaces.
+    /// What solves on them are made from; holds everything that depends only on the surfaces. While edges are split, and
+    /// when that was stopped, it is still that of other triangles.
     pub baker: Arc<Baker>,
+    /// The same for the triangles that the scene was opened with.
+    pub opened: Arc<Baker>,
+    /// What is refined where light needs it.
+    pub given: Given,
+    /// What decided which edges of the triangles that are shown were split.
+    pub indicator: Option<VertexValues>,
     /// The view it opens with.
     pub home: FlyCamera,
     /// Warnings from reading it.
@@ -76,7 +84,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         let text = error_text(error);
         if text.contains(&request.name) { text } else { format!("{text}: {}", request.name) }
     };
-    // The window solves on the mesh that it shows.
+    // Also where a project has its mesh follow light: what it then splits is read again when it is solved.
     let options = OpenOptions { adaptive: Some(false), ..request.options.clone() };
     let opened = lumel::open(&request.name, &options).map_err(|e| named(&e))?;
     let (scene, more) = opened.builder.build().map_err(|e| named(&e))?;
@@ -93,16 +101,27 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
             .as_ref()
             .map(|p| p.bake.clone())
             .filter(|p| *p != SettingsPatch::default())
-            .map(|p| Settings { adaptive: Adaptive::Off, ..p.settings() }),
+            .map(|p| p.settings()),
         slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
     };
+    let baker = Arc::new(baker);
+    let asks_for_edges =
+        request.options.max_edge.is_some() || project.as_ref().is_some_and(|p| p.max_edge.is_some());
+    let is_split = opened.auto_edge.is_some_and(|auto| auto.length.is_some());
+    let given = match is_split && !asks_for_edges {
+        true => Given::InFile(request.clone()),
+        false => Given::Known(Arc::clone(&baker)),
+    };
     let document = Document {
+        opened: Arc::clone(&baker),
+        given,
+        indicator: None,
         home: FlyCamera::from_camera(&camera).unwrap_or_default(),
         warnings: warnings.iter().map(ToString::to_string).collect(),
         auto_edge: opened.auto_edge.and_then(|auto| auto.length),
         project: project.map(|project| (PathBuf::from(&request.name), project)),
         request: request.clone(),
-        baker: Arc::new(baker),
+        baker,
         albedos: albedos_of(&scene).collect(),
         scene,
         tracer,
@@ -156,6 +175,28 @@ impl Document {
         let materials = self.scene.materials().iter().zip(&self.albedos);
         let changed = materials.filter(|(material, albedo)| material.albedo != **albedo);
         changed.map(|(m, _)| MaterialEntry { name: m.name.clone(), albedo: m.albedo }).collect()
+    }
+
+    /// Shows other triangles of the same surfaces.
+    pub fn show(&mut self, mesh: &Mesh) {
+        // Lights of the solve that it comes from are not those that the scene came with.
+        let lit = mesh.scene.relit(self.scene.lights().to_vec());
+        let names = self.scene.light_names().to_vec();
+        self.scene =
+            lit.map_or_else(|_| Arc::clone(&mesh.scene), |lit| Arc::new(lit.with_light_names(names)));
+        self.tracer = Arc::clone(&mesh.tracer);
+        self.indicator.clone_from(&mesh.indicator);
+    }
+
+    /// The triangles that are shown.
+    pub fn mesh(&self) -> Mesh {
+        let (scene, tracer) = (Arc::clone(&self.scene), Arc::clone(&self.tracer));
+        Mesh { scene, tracer, indicator: self.indicator.clone() }
+    }
+
+    /// Whether the baker is that of the triangles that are shown.
+    pub fn has_baker(&self) -> bool {
+        self.baker.scene().geometry_hash() == self.scene.geometry_hash()
     }
 
     /// The scene under these lights.

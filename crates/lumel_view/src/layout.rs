@@ -96,6 +96,15 @@ pub struct LayoutKey {
     pub count: LumelCount,
     /// The largest side of a page.
     pub page_size: u32,
+    /// The generation of the triangles that it is shown on.
+    pub mesh: u64,
+}
+
+impl LayoutKey {
+    /// Whether the lumels are the same, on whatever triangles they are shown.
+    pub fn has_lumels_of(&self, other: &Self) -> bool {
+        *self == Self { mesh: self.mesh, ..*other }
+    }
 }
 
 /// Where the lumels of a scene lie.
@@ -108,11 +117,17 @@ pub struct Layout {
     /// The same places for the triangles of the open scene.
     pub refined: Atlas,
     /// Which lumels are read along seams.
-    pub along_seams: Vec<u32>,
+    pub along_seams: Arc<[u32]>,
     /// How it went.
-    pub report: Report,
+    pub report: Arc<Report>,
     /// The rays of its lumels, once they were traced, as far as they are kept.
     pub parts: Mutex<LumelParts>,
+}
+
+fn no_parts() -> LumelParts {
+    let mut parts = LumelParts::default();
+    parts.most = PART;
+    parts
 }
 
 impl Layout {
@@ -156,9 +171,18 @@ impl Layout {
         lumels.coverage.lumels().iter().for_each(|&lumel| valid[lumel as usize] = true);
         let dilation = Dilation::new(&lumels.atlas, &lumels.coverage, &valid);
         let along_seams = Seams::new(&lumels.scene, &lumels.atlas, &dilation).lumels().collect();
-        let mut parts = LumelParts::default();
-        parts.most = PART;
-        Ok(Self { key, lumels, refined, along_seams, report, parts: Mutex::new(parts) })
+        let report = Arc::new(report);
+        Ok(Self { key, lumels, refined, along_seams, report, parts: Mutex::new(no_parts()) })
+    }
+
+    /// The same lumels on other triangles of the open scene.
+    #[must_use]
+    pub fn on(&self, open: &Scene, key: LayoutKey) -> Self {
+        let refined = self.lumels.atlas.refined(&self.lumels.scene, open);
+        let (lumels, along_seams, report) =
+            (self.lumels.clone(), Arc::clone(&self.along_seams), Arc::clone(&self.report));
+        // Rays end on the triangles that were.
+        Self { key, lumels, refined, along_seams, report, parts: Mutex::new(no_parts()) }
     }
 
     /// The scene as it is in its files, with the albedos that the open one has.

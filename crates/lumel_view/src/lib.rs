@@ -23,6 +23,7 @@ mod light_shape;
 pub mod lights;
 pub mod lumel_light;
 pub mod lumel_values;
+pub mod mesh;
 pub mod notice;
 mod panels;
 pub mod pick;

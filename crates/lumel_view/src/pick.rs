@@ -1,11 +1,13 @@
 //! Inspecting the light where the user clicks.
 
+use crate::mesh::Mesh;
 use crate::selection::Illumination;
 use crate::solver::Solved;
 use crate::task::Background;
 use crate::wake::Wake;
 use glam::{Vec2, Vec3};
 use lumel::{Camera, Control, PointMeasurement, RayTracer, Scene, measure_points};
+use lumel_accel::Ray;
 use lumel_basis::PointReceivers;
 use lumel_render_cpu::{Lens, View};
 use lumel_scene::{Irradiance, SurfacePoint, TriId};
@@ -67,6 +69,14 @@ fn spot_at(scene: &Scene, at: SurfacePoint) -> Spot {
 }
 
 impl Spot {
+    /// The same place on the triangles that are shown now, if it is still there.
+    pub fn on(&self, mesh: &Mesh) -> Option<Self> {
+        let (along, tiny) = (self.normal, 1e-4 * mesh.scene.bounds().diagonal());
+        let dark = |_: SurfacePoint, _: Vec3| Irradiance::ZERO;
+        let ray = Ray::new(self.position + tiny * along, -along);
+        View::new(&mesh.scene, &*mesh.tracer, &dark).surface(ray).map(|at| spot_at(&mesh.scene, at))
+    }
+
     /// The stored light at the spot: each bounce that is known, W·m⁻².
     pub fn bounces(&self, scene: &Scene, light: &Illumination) -> Vec<Vec3> {
         light.bounces.iter().chain(&light.current).map(|values| self.value(scene, values)).collect()

@@ -27,6 +27,8 @@ pub enum ViewMode {
     Validity,
     /// Length of the edges, as colours.
     TriangleSize,
+    /// How far light is from linear between vertices, over what it may be, as colours.
+    Bends,
     /// Lumels per metre, as colours.
     LumelDensity,
     /// Squares of lumels.
@@ -39,7 +41,7 @@ pub enum ViewMode {
 
 impl ViewMode {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Final,
         Self::Irradiance,
         Self::Albedo,
@@ -48,6 +50,7 @@ impl ViewMode {
         Self::StandardError,
         Self::Validity,
         Self::TriangleSize,
+        Self::Bends,
         Self::LumelDensity,
         Self::Chequerboard,
         Self::Charts,
@@ -65,6 +68,7 @@ impl ViewMode {
             Self::StandardError => "Standard error",
             Self::Validity => "Validity",
             Self::TriangleSize => "Triangle size",
+            Self::Bends => "Bends of light",
             Self::LumelDensity => "Lumel density",
             Self::Chequerboard => "Chequerboard",
             Self::Charts => "Charts",
@@ -87,6 +91,10 @@ impl ViewMode {
                 "Red vertices or lumels lie inside geometry; their light is extrapolated from neighbours"
             }
             Self::TriangleSize => "Mean edge length around each vertex, in false colours",
+            Self::Bends => {
+                "By how much light bends along the edges around each vertex, over what it may: edges above 1 are split \
+                 where the mesh follows light"
+            }
             Self::LumelDensity => "Lumels per metre, in false colours",
             Self::Chequerboard => {
                 "Squares of 8 × 8 lumels; squares that are none show where charts are stretched"
@@ -98,7 +106,10 @@ impl ViewMode {
 
     /// Whether a legend explains its colours.
     pub fn has_legend(self) -> bool {
-        matches!(self, Self::FalseColor | Self::StandardError | Self::TriangleSize | Self::LumelDensity)
+        matches!(
+            self,
+            Self::FalseColor | Self::StandardError | Self::TriangleSize | Self::Bends | Self::LumelDensity
+        )
     }
 
     /// Those that show something, with or without a lightmap.
@@ -256,7 +267,7 @@ impl ViewPrefs {
     /// How the range of false colours is divided.
     pub fn scale(&self) -> Scale {
         // Half and twice a density are as far from it.
-        let is_log = self.logarithmic || self.mode == ViewMode::LumelDensity;
+        let is_log = self.logarithmic || matches!(self.mode, ViewMode::LumelDensity | ViewMode::Bends);
         if is_log { Scale::Log } else { Scale::Linear }
     }
 }

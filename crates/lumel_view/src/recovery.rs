@@ -1,6 +1,6 @@
 //! Unsaved work on disk, so that neither closing the window nor a power cut loses it.
 //!
-//! After each bounce or round, and when the window is closed, the state of the solve is written as a checkpoint
+//! After each step of a refinement, each bounce or round, and when the window is closed, the state of the solve is written as a checkpoint
 //! (`NAME.checkpoint.npz`, which `lumel bake --resume` takes too) with a note of what it belongs to
 //! (`NAME.recovery.json`). The next start offers to resume it. Both are removed once the work is saved or discarded.
 //! Lumels are not among it: they are measured again from the bounces.
@@ -52,6 +52,9 @@ pub struct Note {
     pub camera: FlyCamera,
     /// Bounces in the checkpoint, direct light included; 0 when there is none.
     pub bounces: usize,
+    /// Whether its checkpoint is a mesh that is still being refined.
+    #[serde(default)]
+    pub refining: bool,
     /// Whether the solve was finished.
     pub complete: bool,
     /// Process that wrote it: while it runs, the work is not lost.
@@ -167,6 +170,7 @@ impl Note {
     /// What it is, for a question.
     pub fn summary(&self) -> String {
         let work = match (self.bounces, self.complete) {
+            (0, _) if self.refining => "a mesh that is being refined".to_owned(),
             (0, _) => "lights, materials and slots".to_owned(),
             (n, true) => format!("a finished solve with {}", bounces(n)),
             (n, false) => format!("a solve stopped after {}", bounces(n)),
@@ -242,6 +246,7 @@ mod tests {
             settings: Settings::default(),
             camera: FlyCamera::default(),
             bounces: 3,
+            refining: false,
             complete: false,
             // No process has this number.
             process: u32::MAX,

@@ -6,11 +6,11 @@ use crate::lights::drawn;
 use crate::notice::Level;
 use crate::prefs::ViewPrefs;
 use crate::selection::{Illumination, Selection};
-use crate::session::Session;
+use crate::session::{Session, load_light};
 use crate::stage::Stage;
 use anyhow::Context;
 use glam::DVec3;
-use lumel::{LightFile, VertexLighting};
+use lumel::VertexLighting;
 use lumel_export::write_png;
 use lumel_render_cpu::{Picture, Relief, View, meter};
 use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples};
@@ -107,9 +107,14 @@ pub fn without_window(
     args: &ScreenshotArgs,
     path: &Path,
 ) -> anyhow::Result<()> {
-    let (document, contents) = document::open(scene).map_err(anyhow::Error::msg)?;
+    let (mut document, contents) = document::open(scene).map_err(anyhow::Error::msg)?;
     let light = match &args.solution {
-        Some(file) => crate::session::light_from(&LightFile::load_for(file, &document.scene)?),
+        Some(file) => {
+            let (mesh, light) = load_light(file, &document.scene, &document.opened, &document.given)
+                .map_err(anyhow::Error::msg)?;
+            document.show(&mesh);
+            crate::session::light_from(&light)
+        }
         None => Illumination::default(),
     };
     let selection = args.bounce.map_or(Selection::All, Selection::bounce);

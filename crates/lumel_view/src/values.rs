@@ -30,7 +30,12 @@ pub fn of_vertices(
         ViewMode::StandardError => light.standard_error.as_ref().map(|e| e.to_vec()),
         ViewMode::Validity => Some(validity(n, &light.valid)),
         ViewMode::TriangleSize => Some(edge_lengths(scene).into_iter().map(Vec3::splat).collect()),
-        ViewMode::LumelDensity | ViewMode::Chequerboard | ViewMode::Charts | ViewMode::Seams => None,
+        // Those are known to the mesh and the lightmap.
+        ViewMode::Bends
+        | ViewMode::LumelDensity
+        | ViewMode::Chequerboard
+        | ViewMode::Charts
+        | ViewMode::Seams => None,
     }
 }
 
@@ -118,7 +123,8 @@ mod tests {
             let values = of_vertices(mode, &scene, &Illumination::default(), Selection::All);
             assert_eq!(
                 values.map(|v| v.len()),
-                (mode != ViewMode::StandardError && !mode.needs_lumels()).then(|| scene.vertex_count()),
+                (!matches!(mode, ViewMode::StandardError | ViewMode::Bends) && !mode.needs_lumels())
+                    .then(|| scene.vertex_count()),
                 "{mode:?}"
             );
         }

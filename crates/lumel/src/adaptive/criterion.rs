@@ -1,5 +1,7 @@
 //! When an edge is split.
 
+use glam::Vec3;
+
 /// What was measured at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Probe {
@@ -9,6 +11,8 @@ pub(crate) struct Probe {
     pub(crate) variance: f64,
     /// Which lights it sees, a bit each.
     pub(crate) visible: u32,
+    /// Irradiance, W·m⁻², for looking at.
+    pub(crate) irradiance: Vec3,
 }
 
 /// Which edges are split.
@@ -46,7 +50,7 @@ const SIGNIFICANT: f64 = 3.0;
 
 impl Probe {
     /// Darkness.
-    pub(crate) const NONE: Self = Self { light: 0.0, variance: 0.0, visible: 0 };
+    pub(crate) const NONE: Self = Self { light: 0.0, variance: 0.0, visible: 0, irradiance: Vec3::ZERO };
 }
 
 impl Criterion {

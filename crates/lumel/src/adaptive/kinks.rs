@@ -21,7 +21,7 @@ pub(super) fn doubtful(mesh: &Bisection, light: &[f64], criterion: &Criterion) -
             let second_derivative = 2.0 * (here.slope + there.slope) / (here.height + there.height);
             for (wing, corner) in [(here, corner), (there, other)] {
                 let difference = (0.125 * second_derivative * wing.height * wing.height).abs();
-                let probe = |light: f64| Probe { light, variance: 0.0, visible: 0 };
+                let probe = |light: f64| Probe { light, ..Probe::NONE };
                 let between = light[corner as usize];
                 for end in ends {
                     let edge = [end.min(corner), end.max(corner)];

@@ -6,11 +6,13 @@ mod probes;
 mod refiner;
 
 use crate::assembly::StoredRays;
-use crate::settings::{BounceLimit, Layers, Settings, TargetError};
+use crate::settings::{BounceLimit, Layers, ScheduleKind, Settings, TargetError};
 use crate::{Baker, Tail};
+use glam::Vec3;
 use lumel_accel::Refined;
 use lumel_basis::{Directional, Field};
-use lumel_scene::{Bisection, SurfacePoint, luminance};
+use lumel_export::{NextRefinement, RefinementState};
+use lumel_scene::{Bisection, SceneError, SurfacePoint};
 use lumel_solve::{Silent, SolveError, SolveState};
 use lumel_transport::{Control, TransportError};
 use probes::Probes;
@@ -26,12 +28,37 @@ const AFTER_BOUNCES: f64 = 2.0;
 const DIRECT_PART: u32 = 4;
 
 /// A refinement that is under way.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Refining<'a> {
     /// The bounce after which light is looked at; 0 is direct light.
     pub bounce: u32,
+    /// What the refinement can be continued with, where a step of it is done.
+    next: Option<NextRefinement>,
+    refiner: &'a Refiner,
+}
+
+impl Refining<'_> {
     /// The mesh so far.
-    pub mesh: &'a Bisection,
+    pub fn mesh(&self) -> &Bisection {
+        &self.refiner.mesh
+    }
+
+    /// Irradiance at the vertices of the mesh, W·m⁻², to look at: as it was measured last, and spread over what was not.
+    pub fn irradiance(&self) -> Vec<Vec3> {
+        self.refiner.irradiance()
+    }
+
+    /// What decides which edges are split: by how much light differs from a linear function along the edges around each vertex, over
+    /// what it may, at most. 0 where no edge was looked at.
+    pub fn indicator(&self) -> Vec<f32> {
+        self.refiner.indicator()
+    }
+
+    /// All that is needed to [go on](Baker::adapted_from) from here; `None` in the middle of a step. A step is a round that
+    /// measures direct light, or a bounce.
+    pub fn state(&self) -> Option<RefinementState> {
+        self.next.map(|next| self.refiner.state(next))
+    }
 }
 
 /// A scene whose mesh was refined where light needs it, ready for baking.
@@ -58,52 +85,99 @@ impl Baker {
         control: &Control,
         watch: &mut dyn FnMut(&Refining<'_>),
     ) -> Result<Option<Adapted>, SolveError> {
+        self.adapted_from(None, control, watch)
+    }
+
+    /// The same from where an earlier refinement with these settings under these lights was: the result has the bits of
+    /// one that was not interrupted.
+    ///
+    /// # Errors
+    /// When it is cancelled, tracing fails, or `state` is of another scene.
+    pub fn adapted_from(
+        &self,
+        state: Option<&RefinementState>,
+        control: &Control,
+        watch: &mut dyn FnMut(&Refining<'_>),
+    ) -> Result<Option<Adapted>, SolveError> {
         let Some(error) = self.settings().adaptive.error() else { return Ok(None) };
         let error = f64::from(error.get());
         let original = self.scene().original();
         let original = original.map(|scene| Self::new(Arc::new(scene), self.settings().clone()));
         let start = original.as_ref().unwrap_or(self);
-        let mesh = Bisection::new(Arc::clone(start.scene()));
-        let mut refiner = Refiner::new(mesh, error, self.settings().max_vertices as usize);
-        let probes = start.probes(None);
-        let mut ended = refiner.refine(|points| probes.measure(points, control), &mut |mesh| {
-            watch(&Refining { bounce: 0, mesh });
-        })?;
+        let max_vertices = self.settings().max_vertices as usize;
+        let (mut refiner, mut next) = match state {
+            None => {
+                let mesh = Bisection::new(Arc::clone(start.scene()));
+                (Refiner::new(mesh, error, max_vertices), NextRefinement::Direct)
+            }
+            Some(state) => {
+                let refiner = Refiner::from_state(start.scene(), state, error, max_vertices);
+                (refiner.map_err(|error| failed(&error))?, state.next)
+            }
+        };
         let most = match self.settings().bounces {
             BounceLimit::Count(n) => n,
             BounceLimit::All => u32::MAX,
         };
         let mut coarser: Option<Self> = None;
-        for bounce in 1..=most {
-            if ended == RefinementEnd::Vertices {
-                break;
-            }
-            let settings = self.settings().quick(bounce);
-            let fine = start.on_mesh(coarser.as_ref(), &refiner.mesh, settings)?;
-            let mut state = SolveState::new();
-            fine.run(&mut state, control, &Silent)?;
-            let all = Field::sum(state.node_count(), &state.bounces);
-            let light: Vec<f64> =
-                fine.light_reader(&state).at_vertices(&all).iter().map(|e| luminance(*e).into()).collect();
-            let reflecting = Field::sum(state.node_count(), &state.bounces[..bounce as usize]);
-            let probes = fine.probes(Some(&reflecting));
-            let before = refiner.mesh.splits().len();
-            let probe = |points: &[SurfacePoint]| {
-                let refined: Vec<_> = points.iter().map(|&at| fine.scene().refined_point(at)).collect();
-                probes.measure(&refined, control)
+        let ended = loop {
+            next = match next {
+                NextRefinement::Direct => {
+                    let probes = start.probes(None);
+                    let ended = refiner.refine(|points| probes.measure(points, control), &mut |refiner| {
+                        watch(&Refining { bounce: 0, next: Some(next), refiner })
+                    })?;
+                    after(0, ended)
+                }
+                NextRefinement::Bounce(bounce) if bounce > most => break RefinementEnd::Reached,
+                NextRefinement::Bounce(bounce) => {
+                    let before = refiner.mesh.splits().len();
+                    let fine =
+                        start.on_mesh(coarser.as_ref(), &refiner.mesh, self.settings().quick(bounce))?;
+                    let (ended, is_dim) = fine.refine_after(bounce, error, &mut refiner, control, watch)?;
+                    coarser = Some(fine);
+                    // Later bounces are smoother.
+                    let is_last = is_dim || refiner.mesh.splits().len() == before;
+                    if is_last && ended == RefinementEnd::Reached {
+                        NextRefinement::Reached
+                    } else {
+                        after(bounce, ended)
+                    }
+                }
+                NextRefinement::Reached => break RefinementEnd::Reached,
+                NextRefinement::Vertices => break RefinementEnd::Vertices,
             };
-            ended = refiner.refine_after_bounce(AFTER_BOUNCES * error, &light, probe, &mut |mesh| {
-                watch(&Refining { bounce, mesh });
-            })?;
-            let is_dim = fine.shares(&state).last().is_none_or(|&share| share < error);
-            coarser = Some(fine);
-            // Later bounces are smoother.
-            if is_dim || refiner.mesh.splits().len() == before {
-                break;
-            }
-        }
+            let bounce = if let NextRefinement::Bounce(bounce) = next { bounce - 1 } else { 0 };
+            watch(&Refining { bounce, next: Some(next), refiner: &refiner });
+        };
         let baker = start.on_mesh(coarser.as_ref(), &refiner.mesh, self.settings().clone())?;
         Ok(Some(Adapted { baker, ended }))
+    }
+
+    /// Solves so many bounces on the mesh of this baker and refines it further. Returns why no further, and whether the last
+    /// bounce is so dim that later ones need not be looked at.
+    fn refine_after(
+        &self,
+        bounce: u32,
+        error: f64,
+        refiner: &mut Refiner,
+        control: &Control,
+        watch: &mut dyn FnMut(&Refining<'_>),
+    ) -> Result<(RefinementEnd, bool), SolveError> {
+        let mut state = SolveState::new();
+        self.run(&mut state, control, &Silent)?;
+        let all = Field::sum(state.node_count(), &state.bounces);
+        let light = self.light_reader(&state).at_vertices(&all);
+        let reflecting = Field::sum(state.node_count(), &state.bounces[..bounce as usize]);
+        let probes = self.probes(Some(&reflecting));
+        let probe = |points: &[SurfacePoint]| {
+            let refined: Vec<_> = points.iter().map(|&at| self.scene().refined_point(at)).collect();
+            probes.measure(&refined, control)
+        };
+        let ended = refiner.refine_after_bounce(AFTER_BOUNCES * error, &light, probe, &mut |refiner| {
+            watch(&Refining { bounce, next: None, refiner });
+        })?;
+        Ok((ended, self.shares(&state).last().is_none_or(|&share| share < error)))
     }
 
     /// A baker of this one's scene with its edges split, and with the rays that `coarser` has stored.
@@ -113,10 +187,7 @@ impl Baker {
         mesh: &Bisection,
         settings: Settings,
     ) -> Result<Self, SolveError> {
-        let scene = self.scene().refined(mesh.splits()).map_err(|error| {
-            let worker = "refinement".to_owned();
-            TransportError::Failed { worker, cause: error.to_string() }
-        })?;
+        let scene = self.scene().refined(mesh.splits()).map_err(|error| failed(&error))?;
         let tracer = Refined::new(Arc::clone(self.tracer()), scene.clone());
         let none = StoredRays::default();
         let stored = coarser.map_or(&none, Self::stored);
@@ -129,12 +200,25 @@ impl Baker {
     }
 }
 
+/// What comes after a bounce.
+fn after(bounce: u32, ended: RefinementEnd) -> NextRefinement {
+    match ended {
+        RefinementEnd::Vertices => NextRefinement::Vertices,
+        RefinementEnd::Reached => NextRefinement::Bounce(bounce + 1),
+    }
+}
+
+fn failed(error: &SceneError) -> SolveError {
+    TransportError::Failed { worker: "refinement".to_owned(), cause: error.to_string() }.into()
+}
+
 impl Settings {
     /// What is solved to see where the mesh is too coarse.
     fn quick(&self, bounces: u32) -> Self {
         let (bounces, target_error) = (BounceLimit::Count(bounces), TargetError::Off);
         let (layers, directional) = (Layers::Off, Directional::Off);
         let direct_samples = self.direct_samples.div_ceil(DIRECT_PART);
-        Self { bounces, target_error, layers, directional, direct_samples, tail: Tail::Off, ..self.clone() }
+        let (schedule, tail) = (ScheduleKind::Gather, Tail::Off);
+        Self { schedule, bounces, target_error, layers, directional, direct_samples, tail, ..self.clone() }
     }
 }

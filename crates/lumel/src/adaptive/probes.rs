@@ -64,7 +64,8 @@ impl Probes<'_> {
             let values = sets.iter().map(|set| DVec3::splat(luminance(set.values()[i]).into()));
             let (mean, error) = mean_and_error(values);
             let visible = beacons.visible(self.scene, &**tracer, points[i]);
-            Probe { light: mean.x, variance: error.x * error.x, visible }
+            let irradiance = sets.iter().map(|set| set.values()[i]).sum::<Vec3>() / SETS as f32;
+            Probe { light: mean.x, variance: error.x * error.x, visible, irradiance }
         };
         Ok((0..points.len()).map(probe).collect())
     }

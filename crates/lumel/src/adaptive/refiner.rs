@@ -2,7 +2,8 @@
 
 use super::criterion::{Criterion, LONGEST, PROBED, PROBED_WITHIN, Probe, SHORTEST};
 use super::kinks;
-use lumel_scene::{Bisection, Part, SurfacePoint};
+use glam::Vec3;
+use lumel_scene::{Bisection, Part, SurfacePoint, luminance};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Where large triangles are probed within: strata of them.
@@ -36,6 +37,10 @@ pub(crate) struct Refiner {
     middles: HashMap<[u32; 2], Probe>,
     /// And within triangles.
     within: HashMap<[u32; 3], [Probe; 4]>,
+    /// After bounces: light at vertices, as far as it is known, W·m⁻².
+    light: Vec<Option<Vec3>>,
+    /// And how urgently edges that were looked at are to be split.
+    bent: HashMap<[u32; 2], f64>,
 }
 
 /// What became of edges that were to be split.
@@ -57,8 +62,9 @@ enum Target {
 impl Refiner {
     /// Splits edges of a mesh while light differs from a linear function by more than `error`, relative to itself.
     pub(crate) fn new(mesh: Bisection, error: f64, max_vertices: usize) -> Self {
-        let (middles, within) = (HashMap::new(), HashMap::new());
-        Self { mesh, max_vertices, error, floor: None, vertices: Vec::new(), middles, within }
+        let (middles, within, bent) = (HashMap::new(), HashMap::new(), HashMap::new());
+        let (vertices, light) = (Vec::new(), Vec::new());
+        Self { mesh, max_vertices, error, floor: None, vertices, middles, within, light, bent }
     }
 
     /// Splits edges that are too long whatever the light.
@@ -85,7 +91,7 @@ impl Refiner {
     pub(crate) fn refine<E>(
         &mut self,
         mut probe: impl FnMut(&[SurfacePoint]) -> Result<Vec<Probe>, E>,
-        watch: &mut dyn FnMut(&Bisection),
+        watch: &mut dyn FnMut(&Self),
     ) -> Result<RefinementEnd, E> {
         if self.split_long() == RefinementEnd::Vertices {
             return Ok(RefinementEnd::Vertices);
@@ -97,7 +103,7 @@ impl Refiner {
             });
             self.floor = Some(floor);
             let marked = self.marked(&Criterion { error: self.error, floor });
-            watch(&self.mesh);
+            watch(self);
             if marked.is_empty() {
                 return Ok(RefinementEnd::Reached);
             }
@@ -111,39 +117,46 @@ impl Refiner {
 
     /// Splits edges where light at vertices bends by more than `error`, if it is found to do so where it is measured once more.
     ///
-    /// `light` is that at the vertices of the mesh, `probe` measures the same light.
+    /// `light` is that at the vertices of the mesh, W·m⁻², `probe` measures the same light.
     ///
     /// # Errors
     /// Those of `probe`.
     pub(crate) fn refine_after_bounce<E>(
         &mut self,
         error: f64,
-        light: &[f64],
+        light: &[Vec3],
         mut probe: impl FnMut(&[SurfacePoint]) -> Result<Vec<Probe>, E>,
-        watch: &mut dyn FnMut(&Bisection),
+        watch: &mut dyn FnMut(&Self),
     ) -> Result<RefinementEnd, E> {
+        self.light = light.iter().copied().map(Some).collect();
+        let light: Vec<f64> = light.iter().map(|light| luminance(*light).into()).collect();
         let floor = FLOOR * self.mean(|vertex| Some(light[vertex as usize]));
         let criterion = Criterion { error, floor };
-        let mut doubtful = kinks::doubtful(&self.mesh, light, &criterion);
+        watch(self);
+        let mut doubtful = kinks::doubtful(&self.mesh, &light, &criterion);
         let mut vertices: HashMap<u32, Probe> = HashMap::new();
         while !doubtful.is_empty() {
             let middles = self.measure_edges(&doubtful, &mut vertices, &mut probe)?;
             let excess = |(ends, middle): (&[u32; 2], &Probe)| {
                 let of_ends = ends.each_ref().map(|vertex| &vertices[vertex]);
-                let excess = criterion.excess(middle, of_ends, self.mesh.relative_length(*ends));
-                (excess > 1.0).then_some((*ends, excess))
+                (*ends, criterion.excess(middle, of_ends, self.mesh.relative_length(*ends)))
             };
-            let marked = doubtful.iter().zip(&middles).filter_map(excess).collect();
+            let looked_at: Vec<([u32; 2], f64)> = doubtful.iter().zip(&middles).map(excess).collect();
+            self.bent.extend(looked_at.iter().copied());
+            let marked = looked_at.into_iter().filter(|(_, excess)| *excess > 1.0).collect();
             let (n_vertices, n_splits) = (self.mesh.vertex_count() as u32, self.mesh.splits().len());
             match self.split_worst(marked) {
                 Split::All => {}
                 Split::Nothing => break,
                 Split::UpToLimit => return Ok(RefinementEnd::Vertices),
             }
-            watch(&self.mesh);
             let measured: HashMap<[u32; 2], Probe> = doubtful.into_iter().zip(middles).collect();
-            let new = self.mesh.splits()[n_splits..].iter().zip(n_vertices..);
-            vertices.extend(new.filter_map(|(ends, vertex)| Some((vertex, *measured.get(ends)?))));
+            for (ends, vertex) in self.mesh.splits()[n_splits..].iter().zip(n_vertices..) {
+                let measured = measured.get(ends);
+                vertices.extend(measured.map(|probe| (vertex, *probe)));
+                self.light.push(measured.map(|probe| probe.irradiance));
+            }
+            watch(self);
             // What has become of edges that were too long.
             let is_new =
                 |ends: &[u32; 2]| ends[1] >= n_vertices && self.mesh.relative_length(*ends) > SHORTEST;
@@ -276,6 +289,17 @@ impl Refiner {
             let urgency = marked.entry(ends).or_insert(excess);
             *urgency = urgency.max(excess);
         };
+        self.for_each_edge(criterion, |ends, excess, is_split| {
+            if is_split {
+                mark(ends, excess);
+            }
+        });
+        marked.into_iter().collect()
+    }
+
+    /// Calls with each edge whose direct light is known, how much that differs from a linear function, and whether the edge is to
+    /// be split; as often as it is looked at.
+    fn for_each_edge(&self, criterion: &Criterion, mut call: impl FnMut([u32; 2], f64, bool)) {
         for part in self.mesh.parts() {
             let edges = edges(part);
             for ends in edges {
@@ -283,9 +307,7 @@ impl Refiner {
                 let of_ends = ends.each_ref().map(|&vertex| self.at(vertex));
                 let excess = criterion.excess(middle, of_ends, self.mesh.relative_length(ends));
                 let is_shadow = || criterion.is_shadow_edge(middle, of_ends, self.mesh.relative_length(ends));
-                if excess > 1.0 || is_shadow() {
-                    mark(ends, excess);
-                }
+                call(ends, excess, excess > 1.0 || is_shadow());
             }
             for (inside, weights) in self.within.get(&part.vertices).into_iter().flatten().zip(WITHIN) {
                 let length = |ends| self.mesh.relative_length(ends);
@@ -293,12 +315,9 @@ impl Refiner {
                 let Some(longest) = longest.filter(|&ends| length(ends) > SHORTEST) else { continue };
                 let corners = part.vertices.each_ref().map(|&vertex| self.at(vertex));
                 let excess = criterion.excess_within(inside, corners, weights, length(longest));
-                if excess > 1.0 {
-                    mark(longest, excess);
-                }
+                call(longest, excess, excess > 1.0);
             }
         }
-        marked.into_iter().collect()
     }
 
     fn at(&self, vertex: u32) -> &Probe {
@@ -351,5 +370,7 @@ fn inset(part: &Part, weights: [f32; 3]) -> SurfacePoint {
     part.at(weights.map(|weight| weight + INSET * (1.0 / 3.0 - weight)))
 }
 
+mod kept;
+mod shown;
 #[cfg(test)]
 mod tests;

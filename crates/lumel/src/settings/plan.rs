@@ -1,10 +1,11 @@
 //! What settings ask of the crates below.
 
 use super::bounce_limit::BounceLimit;
+use super::schedule_kind::ScheduleKind;
 use super::table::Settings;
 use super::target_error::TargetError;
 use lumel_basis::Directional;
-use lumel_solve::Stop;
+use lumel_solve::{Gather, Schedule, Shoot, Stop};
 use lumel_transport::Plan;
 
 /// More bounces than this are never computed until the rest is negligible: at the largest albedo allowed, 0.98, the
@@ -32,7 +33,15 @@ impl Settings {
         Self { target_error: TargetError::Off, directional, ..self.clone() }
     }
 
-    /// When to stop.
+    /// In which order light is transported, and until when.
+    pub fn schedule(&self) -> Box<dyn Schedule> {
+        match self.schedule {
+            ScheduleKind::Gather => Box::new(Gather { stop: self.stop() }),
+            ScheduleKind::Shoot => Box::new(Shoot { remainder: self.remainder }),
+        }
+    }
+
+    /// When to stop gathering.
     pub fn stop(&self) -> Stop {
         match self.bounces {
             BounceLimit::Count(n) => Stop::Bounces(n),

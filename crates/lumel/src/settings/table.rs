@@ -12,6 +12,7 @@ use super::layers::Layers;
 use super::memory::Memory;
 use super::preset::Preset;
 use super::projection::Projection;
+use super::schedule_kind::ScheduleKind;
 use super::share::Share;
 use super::solver_kind::SolverKind;
 use super::tail::Tail;
@@ -225,6 +226,10 @@ macro_rules! settings {
                 let mut settings = preset.settings();
                 $(if let Some(value) = self.$field { settings.$field = value; })+
                 settings.adaptive = settings.adaptive.with_error_of(preset);
+                // A number of bounces that only the preset asks for does not stand in the way of shooting.
+                if settings.schedule == ScheduleKind::Shoot && self.bounces.is_none() {
+                    settings.bounces = BounceLimit::All;
+                }
                 settings
             }
         }
@@ -284,6 +289,21 @@ settings! {
         offered: Some([1000.0, 5_000_000.0]),
     }
 
+    /// In which order light is transported.
+    ///
+    /// Shooting sends the light of the brightest vertices first and ends when less than the remainder of all light is missing. It
+    /// sends it along the stored rays, backwards, or where rays are not stored, by shadow rays to points of the surfaces that send it,
+    /// which takes longer than gathering. Both orders reach the same light. Shots tell no bounces apart: a solution then has direct
+    /// light and all light.
+    SCHEDULE = schedule: ScheduleKind {
+        presets: always(ScheduleKind::Gather),
+        label: "Order",
+        placeholder: "KIND",
+        influence: Influence::Bounces,
+        bounds: Bounds::Any,
+        offered: None,
+    }
+
     /// Number of bounces after the direct light, or all: until the rest is negligible.
     BOUNCES = bounces: BounceLimit {
         presets: [BounceLimit::Count(2), BounceLimit::All, BounceLimit::All],
@@ -295,7 +315,7 @@ settings! {
         offered: Some([0.0, 16.0]),
     }
 
-    /// With all bounces: the share of all light that may be missing.
+    /// With all bounces, and where light is shot: the share of all light that may be missing.
     REMAINDER = remainder: f32 {
         presets: [1e-2, 1e-2, 1e-3],
         label: "Remainder",
@@ -305,7 +325,9 @@ settings! {
         offered: Some([1e-5, 0.5]),
     }
 
-    /// What to add for the bounces that are not computed.
+    /// What to add for the light that is not computed.
+    ///
+    /// After shooting, that is the ambient term: as much on all surfaces as the light that is unshot would bring on average.
     TAIL = tail: Tail {
         presets: always(Tail::Auto),
         label: "Estimate the rest",
@@ -478,10 +500,11 @@ mod tests {
     use serde_json::{Value as Json, json};
 
     /// A value of each setting that is not its default, and one that it cannot have.
-    const EXAMPLES: [(&str, &str, &str); 18] = [
+    const EXAMPLES: [(&str, &str, &str); 19] = [
         ("projection", "area", "lightmap"),
         ("adaptive", "3 %", "fine"),
         ("max_vertices", "1000", "0"),
+        ("schedule", "shoot", "wait"),
         ("bounces", "7", "10001"),
         ("remainder", "0.25", "1"),
         ("tail", "geometric", "long"),

@@ -1,9 +1,13 @@
 //! Which settings can be used.
 
+use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
 use super::layers::Layers;
+use super::schedule_kind::ScheduleKind;
 use super::solver_kind::SolverKind;
-use super::table::{ALL, Definition, LAYERS, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR};
+use super::table::{
+    ALL, BOUNCES, Definition, LAYERS, SCHEDULE, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR,
+};
 use super::target_error::TargetError;
 use super::value::Value;
 
@@ -24,27 +28,32 @@ impl Settings {
     /// [`SettingsError::Invalid`] or [`SettingsError::Conflict`] for the first that is wrong.
     pub fn validate(&self) -> Result<(), SettingsError> {
         SettingsPatch::complete(self).validate()?;
+        if let (ScheduleKind::Shoot, BounceLimit::Count(_)) = (self.schedule, self.bounces) {
+            let reason = "shots tell no bounces apart, use bounces all";
+            return Err(self.excluded_by(&SCHEDULE, &BOUNCES, reason));
+        }
         if self.target_error == TargetError::Off {
             return Ok(());
         }
         if self.solver == SolverKind::Neumann {
-            return Err(self.excluded_by_target_error(&SOLVER, "a target error needs stored rays"));
+            return Err(self.excluded_by(&TARGET_ERROR, &SOLVER, "a target error needs stored rays"));
         }
         if self.layers != Layers::Off {
             let reason = "the error of single layers is not known";
-            return Err(self.excluded_by_target_error(&LAYERS, reason));
+            return Err(self.excluded_by(&TARGET_ERROR, &LAYERS, reason));
         }
         Ok(())
     }
 
-    fn excluded_by_target_error<T: Value>(
+    fn excluded_by<S: Value, T: Value>(
         &self,
+        setting: &Definition<S>,
         other: &Definition<T>,
         reason: &'static str,
     ) -> SettingsError {
         SettingsError::Conflict {
-            setting: TARGET_ERROR.about.name,
-            value: TARGET_ERROR.text(self),
+            setting: setting.about.name,
+            value: setting.text(self),
             other: other.about.name,
             other_value: other.text(self),
             reason,
@@ -65,7 +74,6 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::BounceLimit;
 
     #[test]
     fn what_makes_no_sense_is_refused_with_its_name_its_value_and_a_remedy() {
@@ -108,6 +116,21 @@ mod tests {
         assert_eq!((error.to_string().as_str(), error.setting()), (message, "target_error"));
         assert_eq!(error.remedy(), "change target_error or solver");
         assert_eq!(settings.mended(), Settings::default());
+    }
+
+    #[test]
+    fn shots_tell_no_bounces_apart_but_a_preset_does_not_ask_for_them() {
+        let shoot = SettingsPatch { schedule: Some(ScheduleKind::Shoot), ..SettingsPatch::default() };
+        let draft = SettingsPatch { preset: Some(crate::settings::Preset::Draft), ..shoot.clone() };
+        for patch in [shoot.clone(), draft] {
+            assert_eq!(patch.settings().validate(), Ok(()));
+        }
+        let three = SettingsPatch { bounces: Some(BounceLimit::Count(3)), ..shoot };
+        let error = three.settings().validate().unwrap_err();
+        let message =
+            "schedule shoot and bounces 3 exclude each other: shots tell no bounces apart, use bounces all";
+        assert_eq!(error.to_string(), message);
+        assert_eq!(error.remedy(), "change schedule or bounces");
     }
 
     #[test]

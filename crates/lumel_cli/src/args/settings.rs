@@ -142,8 +142,8 @@ mod tests {
     use crate::args::{Cli, Command};
     use clap::Parser;
     use lumel::{
-        BounceLimit, Directional, Layers, LightSampling, Memory, Projection, SamplerKind, Settings,
-        SolverKind, Tail,
+        BounceLimit, Directional, Layers, LightSampling, Memory, Projection, SamplerKind, ScheduleKind,
+        Settings, SolverKind, Tail,
     };
 
     /// Every setting other than by default. A new setting belongs here.
@@ -152,6 +152,7 @@ mod tests {
             projection: Projection::Area,
             adaptive: "3%".parse().unwrap(),
             max_vertices: 1000,
+            schedule: ScheduleKind::Shoot,
             bounces: BounceLimit::Count(7),
             remainder: 0.25,
             tail: Tail::Geometric,

@@ -13,8 +13,8 @@ use crate::outcome::Outcome;
 use crate::outputs::{self, Light, Output};
 use anyhow::bail;
 use lumel::{
-    AmbientOcclusion, Baker, Control, Ended, LightmapEntry, LightmapTarget, Preset, ResumeError, Saved,
-    Settings, Solution, SolveState,
+    AmbientOcclusion, Baker, Control, Ended, LightmapEntry, LightmapTarget, Preset, RefinementState,
+    ResumeError, Saved, Settings, Solution, SolveState,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -113,36 +113,35 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     let scene = load::refined(scene, &splits)?;
     let (baker, build_seconds) = run.timed("build", || Baker::new(scene, settings));
     let has_lost_light = load::warn_of_lost_light(&baker, &run.console);
-    let (baker, adaptive) = match args.resume {
-        Some(_) => (baker, None),
-        None => match run.adapt(baker)? {
-            Some(adapted) => adapted,
-            None => {
-                return Ok(Baked::Stopped(
-                    "stopped before the mesh was fine enough; the same command starts again".to_owned(),
-                ));
-            }
-        },
-    };
-    let mut state = match &args.resume {
-        Some(file) => resume(&baker, file)?,
-        None => SolveState::new(),
-    };
-    let first_bounce = state.bounces.len();
     let checkpoint = Checkpoint::new(wanted.checkpoint.clone(), &run.console);
     match &args.resume {
         Some(file) => checkpoint.resumed_from(file),
         None => tell_of_old_checkpoint(checkpoint.path(), run),
     }
+    let resumed = args.resume.as_deref().map(|file| load_resumed(&baker, file)).transpose()?;
+    let (baker, adaptive, mut state) = match resumed {
+        Some(Resumed::Light(state)) => (baker, None, *state),
+        refinement => {
+            let refinement = match &refinement {
+                Some(Resumed::Refinement(state)) => Some(state),
+                _ => None,
+            };
+            match run.adapt(baker, refinement, Some(&checkpoint))? {
+                Some((baker, adaptive)) => (baker, adaptive, SolveState::new()),
+                None => return Ok(Baked::Stopped(after_cancel_in_refinement(&checkpoint))),
+            }
+        }
+    };
+    let (first_bounce, begun) = (state.bounces.len(), steps_of(&state));
     let lumels = prepared.as_ref().map(|prepared| &prepared.lumels);
     let draws = wanted.outputs.iter().any(Output::is_picture);
     let announced = memory::announce(&baker, lumels, draws, &run.console);
     let log = run.solve(&baker, &mut state, Some(&checkpoint))?;
-    if state.bounces.len() > first_bounce {
+    if steps_of(&state) > begun {
         checkpoint.update(&baker, &state);
     }
     let Some(log) = log else {
-        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
+        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, begun)));
     };
     if !has_lost_light {
         load::warn_of_darkness(&baker, &state, &run.console);
@@ -172,14 +171,14 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
             });
             match unless_stopped(measured.0)? {
                 Some(openness) => Some(openness),
-                None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce))),
+                None => return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, begun))),
             }
         }
     };
     let mut solution = Solution { occlusion: openness, ..solution(&baker, &state, run, &log) };
     solution.meta.vertex_budget = auto_edge.map(|auto| auto.vertex_budget);
     let kept = if checkpoint.is_current() { Some(checkpoint.path()) } else { args.resume.as_deref() };
-    let kept = kept.filter(|_| checkpoint.is_current() || state.bounces.len() == first_bounce);
+    let kept = kept.filter(|_| checkpoint.is_current() || steps_of(&state) == begun);
     let (written, write_seconds) = run.timed("write", || {
         let light = Light {
             baker: &baker,
@@ -191,7 +190,7 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
         write(&wanted.outputs, &light, kept, run)
     });
     let Some(written) = written? else {
-        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, first_bounce)));
+        return Ok(Baked::Stopped(after_cancel(args, &checkpoint, &state, begun)));
     };
     checkpoint.remove();
     let mut summary = Summary::new(&baker, &state, &solution, run.interrupt.control().rays(), &log);
@@ -210,13 +209,25 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     Ok(Baked::Done(Box::new(summary)))
 }
 
-/// The state to resume from.
-fn resume(baker: &Baker, file: &Path) -> anyhow::Result<SolveState> {
+/// What a bake goes on with.
+enum Resumed {
+    /// A mesh that is being refined.
+    Refinement(RefinementState),
+    /// Bounces.
+    Light(Box<SolveState>),
+}
+
+/// Reads what is to be resumed.
+fn load_resumed(baker: &Baker, file: &Path) -> anyhow::Result<Resumed> {
     let saved = Saved::load_for(file, baker.scene()).map_err(|error| match error {
         error @ lumel_export::SolutionError::OtherScene { .. } => load::belongs_hint(error),
         error => error.into(),
     })?;
-    baker.resume(&saved).map_err(|error| {
+    let resumed = baker.resume_refinement(&saved).and_then(|refinement| match refinement {
+        Some(refinement) => Ok(Resumed::Refinement(refinement)),
+        None => baker.resume(&saved).map(|state| Resumed::Light(Box::new(state))),
+    });
+    resumed.map_err(|error| {
         let hint = match error {
             ResumeError::Settings { .. } => {
                 "only --bounces, --remainder, --tail, --layers and --directional may differ"
@@ -260,8 +271,28 @@ fn tell_of_old_checkpoint(path: &Path, run: &CommandRun) {
     }
 }
 
+/// How many steps a state has behind it.
+fn steps_of(state: &SolveState) -> usize {
+    state.bounces.len() + state.shot.as_ref().map_or(0, |shot| shot.shots as usize)
+}
+
+/// What to tell a user who stopped a bake while its mesh was refined.
+fn after_cancel_in_refinement(checkpoint: &Checkpoint) -> String {
+    if checkpoint.is_current() {
+        return after_cancel_with_refined_mesh(checkpoint);
+    }
+    "stopped before the mesh was fine enough; the same command starts again".to_owned()
+}
+
+fn after_cancel_with_refined_mesh(checkpoint: &Checkpoint) -> String {
+    let file = checkpoint.path().display();
+    format!(
+        "stopped; the mesh as far as it is refined is in the checkpoint; continue with the same command and --resume {file}"
+    )
+}
+
 /// What to tell a user who stopped a bake.
-fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, first_bounce: usize) -> String {
+fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, begun: usize) -> String {
     let n = state.bounces.len();
     if let Some(errors) = &state.errors
         && checkpoint.is_current()
@@ -272,22 +303,26 @@ fn after_cancel(args: &BakeArgs, checkpoint: &Checkpoint, state: &SolveState, fi
             "stopped; {rounds} of samples are in the checkpoint; continue with the same command and --resume {file}"
         );
     }
-    if let Some(file) = args.resume.as_ref().filter(|_| n == first_bounce) {
+    if let Some(file) = args.resume.as_ref().filter(|_| steps_of(state) == begun) {
         return format!(
-            "stopped; no bounce was finished; continue with the same command and --resume {}",
+            "stopped; no further step was finished; continue with the same command and --resume {}",
             file.display()
         );
     }
     match n {
+        0 if checkpoint.is_current() => after_cancel_with_refined_mesh(checkpoint),
         0 => "stopped before direct light was finished; the same command starts again".to_owned(),
         _ if !checkpoint.is_current() => {
             "stopped; there is no checkpoint because it could not be written".to_owned()
         }
         _ => {
-            let done = if n == 1 {
-                "direct light is".into()
-            } else {
-                format!("direct light and {} are", bounces(n - 1))
+            let done = match (n, &state.shot) {
+                (_, Some(shot)) if shot.shots > 0 => {
+                    let shots = crate::report::counted(shot.shots as usize, "shot", "shots");
+                    format!("direct light and {shots} are")
+                }
+                (1, _) => "direct light is".into(),
+                _ => format!("direct light and {} are", bounces(n - 1)),
             };
             let file = checkpoint.path().display();
             format!("stopped; {done} in the checkpoint; continue with the same command and --resume {file}")

@@ -12,8 +12,8 @@ use crate::report;
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
-    Baker, BounceLimit, PointMeasurement, Saved, Scene, Settings, SettingsPatch, SolveState, Tail,
-    measure_points,
+    Baker, BounceLimit, PointMeasurement, Saved, Scene, ScheduleKind, Settings, SettingsPatch, SolveState,
+    Tail, measure_points,
 };
 use lumel_export::{Array, ArrayData, SolutionError, write_npz};
 use serde_json::json;
@@ -91,7 +91,7 @@ fn solve(
     load::check_shines(&scene, settings.emitters)?;
     let (baker, _) = run.timed("build", || Baker::new(scene, settings));
     load::warn_of_lost_light(&baker, &run.console);
-    let Some((baker, _)) = run.adapt(baker)? else { return Ok(None) };
+    let Some((baker, _)) = run.adapt(baker, None, None)? else { return Ok(None) };
     let mut state = SolveState::new();
     Ok(run.solve(&baker, &mut state, None)?.map(|_| (baker, state)))
 }
@@ -114,12 +114,14 @@ fn reuse(
         .with_context(|| format!("the settings of this solution are unknown: {}", file.display()))?;
     let stored = SettingsPatch::complete(&settings);
     let (baker, _) = run.timed("build", || Baker::new(Arc::clone(scene), settings));
-    let mut state = baker.resume(&saved).map_err(|error| {
+    let is_shot = baker.settings().schedule == ScheduleKind::Shoot;
+    let state = if is_shot { baker.shot_light(&saved) } else { baker.resume(&saved) };
+    let mut state = state.map_err(|error| {
         let error = anyhow::Error::new(error).context(format!("cannot use {}", file.display()));
         with_hint(error, "use the scene and lights it was baked with, or omit --solution")
     })?;
     // All bounces are present: this only computes the tail.
-    if run.solve(&baker, &mut state, None)?.is_none() {
+    if !is_shot && run.solve(&baker, &mut state, None)?.is_none() {
         return Ok(None);
     }
     let wanted = load::settings(stored, &args.settings, &args.scene)?;
@@ -134,6 +136,9 @@ fn reuse(
 fn stored_settings(saved: &Saved) -> anyhow::Result<Settings> {
     let settings: Settings = serde_json::from_value(saved.settings().clone())?;
     settings.validate()?;
+    if settings.schedule == ScheduleKind::Shoot {
+        return Ok(settings);
+    }
     let last = saved.bounce_count().checked_sub(1).context("it holds no light")?;
     let tail = if saved.has_tail() { Tail::Geometric } else { Tail::Off };
     Ok(Settings { bounces: BounceLimit::Count(last as u32), tail, ..settings })

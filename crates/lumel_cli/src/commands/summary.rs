@@ -27,8 +27,11 @@ pub(crate) struct Summary {
     steps: Vec<StepReport>,
     /// Bounces from the checkpoint, direct light included.
     pub(crate) resumed_bounces: usize,
-    /// Fraction of all light that no bounce contains.
+    /// Fraction of all light that was not computed.
     remainder: Option<f64>,
+    /// What that is.
+    #[serde(skip)]
+    remainder_in: &'static str,
     /// Whether an estimate of the remainder was added.
     tail: bool,
     /// What the error is about, where it was not measured.
@@ -172,6 +175,8 @@ pub(crate) enum Step {
     Validity,
     /// A bounce; 0 is direct light.
     Bounce(usize),
+    /// A batch of vertices that have sent their light.
+    Shot(u32),
     /// A final gather of all indirect light.
     FinalGather,
     Directional,
@@ -286,6 +291,7 @@ impl From<lumel::Step> for Step {
         match step {
             lumel::Step::Validity => Self::Validity,
             lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
+            lumel::Step::Shot(shot) => Self::Shot(shot),
             lumel::Step::FinalGather => Self::FinalGather,
             lumel::Step::Directional => Self::Directional,
             lumel::Step::Round(round) => Self::Round(round),
@@ -301,6 +307,7 @@ impl Step {
             Self::Validity => "validity".to_owned(),
             Self::Bounce(0) => "direct".to_owned(),
             Self::Bounce(k) => format!("bounce {k}"),
+            Self::Shot(shot) => format!("shot {}", shot + 1),
             Self::FinalGather => "final gather".to_owned(),
             Self::Directional => "directional".to_owned(),
             Self::Round(round) => format!("round {}", round + 1),
@@ -329,6 +336,7 @@ impl Summary {
         let validity = seconds_of(Step::Validity).map(|_| report(Step::Validity, None));
         let shares = baker.shares(state).into_iter().enumerate();
         let bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
+        let shots = shots_report(baker, state, log);
         let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
         let rounds = (0..rounds).map(|round| report(Step::Round(round), None));
         let layers = (0..state.layers.len() as u32).map(|layer| report(Step::Layer(layer), None));
@@ -346,6 +354,7 @@ impl Summary {
             steps: validity
                 .into_iter()
                 .chain(bounces)
+                .chain(shots)
                 .chain(gather)
                 .chain(rounds)
                 .chain(directional)
@@ -353,7 +362,8 @@ impl Summary {
                 .collect(),
             resumed_bounces: 0,
             remainder: baker.remainder(state),
-            tail: solution.tail.is_some(),
+            remainder_in: if state.shot.is_some() { "what is unshot" } else { "further bounces" },
+            tail: state.tail.is_some(),
             estimate: estimate.map(|estimate| EstimateReport::new(estimate, baker.settings())),
             error: state.errors.as_ref().map(|errors| ErrorReport::new(&errors.accuracy)),
             rays,
@@ -433,8 +443,22 @@ impl Summary {
     fn remainder_text(&self) -> String {
         let Some(remainder) = self.remainder else { return "remainder unknown".to_owned() };
         let fate = if self.tail { "estimated and added" } else { "not included" };
-        format!("remainder {} of the light, in further bounces: {fate}", report::percent(remainder))
+        format!("remainder {} of the light, in {}: {fate}", report::percent(remainder), self.remainder_in)
     }
+}
+
+/// All shots as one step, if light was shot.
+fn shots_report(baker: &Baker, state: &SolveState, log: &SolveLog) -> Option<StepReport> {
+    let shot = state.shot.as_ref()?;
+    let is_shot = |step: &lumel::Step| matches!(step, lumel::Step::Shot(_));
+    let seconds: Vec<f64> =
+        log.steps.iter().filter(|(step, _)| is_shot(step)).map(|(_, seconds)| *seconds).collect();
+    Some(StepReport {
+        step: counted(shot.shots as usize, "shot", "shots"),
+        seconds: (!seconds.is_empty()).then(|| seconds.iter().sum()),
+        share: Some(1.0 - baker.shares(state).iter().sum::<f64>()),
+        in_rounds: state.errors.is_some(),
+    })
 }
 
 impl StepReport {

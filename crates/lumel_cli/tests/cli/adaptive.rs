@@ -1,4 +1,4 @@
-use crate::common::{Place, assert_same_light, run};
+use crate::common::{LUMEL, Place, assert_same_light, run};
 
 /// A room of twelve triangles with a lamp.
 const ROOM: &str = "\
@@ -39,4 +39,44 @@ fn a_mesh_follows_light_and_its_solution_is_drawn_resumed_and_measured() {
     other.failed("does not belong to scene");
     let lightmap = format!("bake room.obj --adaptive 10% --basis lightmap --lumels 600 {SMALL} -o a.exr");
     lumel(&lightmap).done();
+}
+
+#[test]
+fn a_bake_that_is_killed_while_it_refines_goes_on_with_the_same_bits() {
+    use lumel_export::Checkpoint;
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let place = Place::new();
+    place.write("room.obj", ROOM);
+    let bake = format!("bake room.obj --adaptive 1% {SMALL} --threads 2");
+    let mut child = Command::new(LUMEL)
+        .current_dir(place.folder())
+        .args(bake.split_whitespace())
+        .args(LAMP)
+        .args(["-o", "a.npz"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let (path, begun) = (place.path("a.checkpoint.npz"), Instant::now());
+    while !path.exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60) && child.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let checkpoint = Checkpoint::load(&path).unwrap();
+    let refinement = checkpoint.refinement.expect("the mesh is being refined");
+    println!("{:?}, {} splits, {} probes", refinement.next, refinement.splits.len(), refinement.probes.len());
+    // Another error would have split other edges.
+    let lumel = |line: &str| run(place.lumel(line).args(LAMP));
+    let other = bake.replace("1%", "2%");
+    lumel(&format!("{other} --resume a.checkpoint.npz -o a.npz")).failed("adaptive");
+    lumel(&format!("{bake} --resume a.checkpoint.npz -o a.npz")).done();
+    assert!(!path.exists(), "a checkpoint is removed when its bake is done");
+    lumel(&format!("{bake} -o whole.npz")).done();
+    let (whole, resumed) = (place.solution("whole.npz"), place.solution("a.npz"));
+    assert!(whole.splits.len() > refinement.splits.len() && whole.splits == resumed.splits);
+    assert_same_light(&whole, &resumed);
 }

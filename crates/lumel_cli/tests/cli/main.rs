@@ -17,6 +17,7 @@ mod project;
 mod refusals;
 mod render;
 mod resume;
+mod shooting;
 mod shown;
 mod three;
 mod unwrap;

@@ -91,7 +91,7 @@ impl LightmapSolution {
         match selection {
             SolutionSelection::Sum => Ok(0),
             SolutionSelection::Bounce(wanted) => named(&LightmapLayer::of_bounce(*wanted))
-                .ok_or_else(|| SolutionError::NoSuchBounce { wanted: *wanted, count: self.bounces().len() }),
+                .ok_or_else(|| self.meta.no_bounce(*wanted, self.bounces().len())),
             SolutionSelection::Layer(wanted) => named(wanted).ok_or_else(|| {
                 let names = self.lightmap.layers.iter().map(|layer| layer.name.clone()).collect();
                 SolutionError::NoSuchLayer { wanted: wanted.clone(), names }

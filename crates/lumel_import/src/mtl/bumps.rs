@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn normal_maps_and_height_maps_are_told_apart() {
         let flat = |_: u32, _: u32| [128, 128, 255];
-        let bumpy = |x: u32, y: u32| if (x + y) % 2 == 0 { [200, 100, 220] } else { [60, 160, 220] };
+        let bumpy = |x: u32, y: u32| if (x + y).is_multiple_of(2) { [200, 100, 220] } else { [60, 160, 220] };
         for normals in [image(4, flat), image(4, bumpy)] {
             assert_eq!(into_normals(normals.clone()), normals);
         }

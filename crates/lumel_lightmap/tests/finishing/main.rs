@@ -7,6 +7,7 @@ mod dilation;
 mod fireflies;
 mod reading;
 mod seams;
+mod shrinking;
 
 use glam::{DVec3, Quat, Vec3};
 use lumel_lightmap::{Lightmap, LightmapLayer};

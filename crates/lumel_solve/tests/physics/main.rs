@@ -5,6 +5,7 @@ mod energy;
 mod furnace;
 mod hidden;
 mod metamorphic;
+mod shooting;
 mod spheres;
 mod watching;
 

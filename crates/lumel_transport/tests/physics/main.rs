@@ -10,5 +10,6 @@ mod lamps;
 mod patches;
 mod portions;
 mod shadows;
+mod shots;
 mod sized;
 mod skies;

@@ -18,6 +18,13 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
     if view.mode == ViewMode::StandardError && !known {
         hint(ui, "Not measured yet: solve, then press \"Measure standard error\" under Solve.");
     }
+    let is_refined = session.document.as_ref().is_some_and(|document| document.indicator.is_some());
+    if view.mode == ViewMode::Bends && !is_refined {
+        hint(
+            ui,
+            "Not known yet: it is measured while a mesh is refined. Switch \"Follow light\" on under Solve.",
+        );
+    }
     if view.mode.needs_lumels() && !has_lumels {
         hint(ui, "There is no lightmap yet: choose it as the basis under Solve.");
     }
@@ -79,7 +86,7 @@ fn exposure(ui: &mut Ui, view: &mut ViewPrefs, metered: f32) {
 }
 
 fn colors(ui: &mut Ui, view: &mut ViewPrefs, range: Option<[f32; 2]>) {
-    if view.mode != ViewMode::LumelDensity {
+    if !matches!(view.mode, ViewMode::LumelDensity | ViewMode::Bends) {
         check(ui, "Logarithmic", "Equal ratios have equal steps", &mut view.logarithmic);
     }
     if view.mode != ViewMode::FalseColor {

@@ -7,7 +7,7 @@ use lumel::setting::{
     self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, INDIRECT_SAMPLES, MAX_VERTICES,
     REMAINDER, SAMPLER, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
 };
-use lumel::{BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
+use lumel::{Adaptive, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
 use std::ops::RangeInclusive;
 
 /// What the bounces slider offers when it is switched back from "until converged".
@@ -20,26 +20,32 @@ const DEFAULT_ERROR: f32 = 0.02;
 const PRESETS_WIDTH: f32 = 240.0;
 
 /// The settings with a place of their own, in that order; all others are under "More".
-static PLACED: [&dyn Setting; 8] =
-    [&DIRECT_SAMPLES, &INDIRECT_SAMPLES, &SAMPLER, &BOUNCES, &REMAINDER, &TAIL, &TARGET_ERROR, &TARGET_SHARE];
-
-/// Settings of bakes from the command line: the window shows the mesh that it has opened.
-static OF_BAKES: [&dyn Setting; 2] = [&ADAPTIVE, &MAX_VERTICES];
+static PLACED: [&dyn Setting; 10] = [
+    &DIRECT_SAMPLES,
+    &INDIRECT_SAMPLES,
+    &SAMPLER,
+    &BOUNCES,
+    &REMAINDER,
+    &TAIL,
+    &ADAPTIVE,
+    &MAX_VERTICES,
+    &TARGET_ERROR,
+    &TARGET_SHARE,
+];
 
 pub(super) fn show(ui: &mut Ui, settings: &mut Settings) {
     presets(ui, settings);
     for setting in PLACED {
         match setting.about().name {
             name if name == REMAINDER.about.name && settings.bounces != BounceLimit::All => {}
+            name if name == MAX_VERTICES.about.name && settings.adaptive == Adaptive::Off => {}
             name if name == TARGET_SHARE.about.name && settings.target_error == TargetError::Off => {}
             _ => control(ui, setting, settings),
         }
     }
     ui.collapsing("More", |ui| {
-        let is_elsewhere = |setting: &dyn Setting| {
-            PLACED.iter().chain(&OF_BAKES).any(|s| s.about().name == setting.about().name)
-        };
-        for setting in setting::ALL.iter().filter(|setting| !is_elsewhere(**setting)) {
+        let is_placed = |setting: &dyn Setting| PLACED.iter().any(|s| s.about().name == setting.about().name);
+        for setting in setting::ALL.iter().filter(|setting| !is_placed(**setting)) {
             control(ui, *setting, settings);
         }
     });
@@ -95,8 +101,7 @@ fn control(ui: &mut Ui, setting: &dyn Setting, settings: &mut Settings) {
         Slot::Memory(memory) => size(ui, about, &hint, memory),
         Slot::Share(share) => percent_of(ui, about, &hint, share),
         Slot::TargetError(error) => target(ui, about, &hint, error),
-        // Of bakes alone.
-        Slot::Adaptive(_) => {}
+        Slot::Adaptive(adaptive) => follow_light(ui, about, &hint, adaptive),
     }
 }
 
@@ -148,6 +153,26 @@ fn target(ui: &mut Ui, about: &About, hint: &str, error: &mut TargetError) {
     }
     if let TargetError::At(error) = error {
         percent_of(ui, about, hint, error);
+    }
+}
+
+/// Whether the mesh follows light, and how closely.
+fn follow_light(ui: &mut Ui, about: &About, hint: &str, adaptive: &mut Adaptive) {
+    let mut follows = *adaptive != Adaptive::Off;
+    let about_switch =
+        "Refines the mesh where light needs it before the bounces are solved, and shows it meanwhile";
+    if check(ui, "Follow light", about_switch, &mut follows).changed() {
+        let start = Adaptive::At(Preset::default().adaptive_error());
+        *adaptive = if follows { start } else { Adaptive::Off };
+    }
+    let Some(error) = adaptive.error() else { return };
+    let [lo, hi] = about.offered.unwrap_or([0.0, 1.0]).map(|share| 100.0 * share);
+    let before = error.percent();
+    let mut percent = before;
+    let range = Slider::new(&mut percent, lo..=hi).logarithmic(true).suffix(" %").max_decimals(2);
+    slider(ui, "Bend", hint, range);
+    if let (true, Some(new)) = (percent != before, Share::new((percent / 100.0) as f32)) {
+        *adaptive = Adaptive::At(new);
     }
 }
 

@@ -4,13 +4,16 @@ use crate::actions::Actions;
 use crate::input::Command;
 use crate::session::{Computed, Session};
 use crate::theme;
-use crate::widgets::primary_button;
+use crate::widgets::{hint, primary_button};
 use eframe::egui::{Button, RichText, Ui};
 
 pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
     buttons(session, actions, ui);
     super::lumels::show(session, ui);
     super::settings::show(ui, &mut session.settings);
+    if session.follows_other_light() && session.phase().is_none() {
+        hint(ui, "The mesh follows light as it was: Enter refines it for what it is now.");
+    }
     live(session, ui);
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {

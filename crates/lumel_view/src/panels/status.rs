@@ -85,12 +85,19 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
     }
     let mut text = match phase {
         Phase::Preparing => "Preparing".to_owned(),
+        Phase::Refining { bounce: 0, vertices } => {
+            format!("Refining by direct light: {} vertices", grouped(*vertices))
+        }
+        Phase::Refining { bounce, vertices } => {
+            format!("Refining by bounce {bounce}: {} vertices", grouped(*vertices))
+        }
         Phase::Probing => "Testing validity".to_owned(),
         Phase::Bounce(0) => "Direct light".to_owned(),
         Phase::Bounce(k) => match progress.last_bounce.filter(|last| last >= k) {
             Some(last) => format!("Bounce {k} of {last}"),
             None => format!("Bounce {k}"),
         },
+        Phase::Shot(shot) => format!("Shot {}", shot + 1),
         Phase::FinalGather => "Final gather".to_owned(),
         Phase::Directional => "Light by direction".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),

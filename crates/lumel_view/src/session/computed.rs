@@ -4,7 +4,7 @@ use crate::inputs::Inputs;
 use crate::selection::Illumination;
 use crate::solver::Solved;
 use lumel::setting::{PROJECTION, Setting as _};
-use lumel::{Accuracy, Settings, Solution, TargetError};
+use lumel::{Accuracy, RefinementState, Settings, Solution, TargetError};
 use std::sync::Arc;
 
 /// What the light on the surfaces was computed from.
@@ -18,6 +18,8 @@ pub struct Computed {
     pub saved: bool,
     /// What computed it, when that was this session.
     pub solved: Option<Arc<Solved>>,
+    /// What goes on with a mesh whose refinement was stopped.
+    pub refinement: Option<Box<RefinementState>>,
     /// The file it was read from.
     pub file: Option<Arc<Solution>>,
     /// What to call it.
@@ -29,8 +31,8 @@ pub struct Computed {
 impl Computed {
     /// Light of which this session has computed a part.
     pub(super) fn unfinished(inputs: Inputs) -> Self {
-        let (solved, file, origin, seconds) = (None, None, None, None);
-        Self { inputs, complete: false, saved: false, solved, file, origin, seconds }
+        let (solved, refinement, file, origin, seconds) = (None, None, None, None, None);
+        Self { inputs, complete: false, saved: false, solved, refinement, file, origin, seconds }
     }
 
     /// The settings; `None` where a file does not tell.

@@ -1,5 +1,6 @@
 //! Light from files and into files.
 
+use crate::mesh::Mesh;
 use crate::selection::{Illumination, Layer};
 use lumel::{LightFile, Solution, SolutionLayer};
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use std::sync::Arc;
 pub struct LoadedLight {
     pub(super) path: PathBuf,
     pub(super) file: LightFile,
+    pub(super) mesh: Mesh,
     pub(super) usage: LightUse,
 }
 

@@ -1,14 +1,17 @@
 //! Files that a session reads and writes, on other threads.
 
 use super::file_light::{LightUse, LoadedLight, SavedFile, light_from};
-use super::{Computed, Kept, Session};
+use super::{Computed, Session};
 use crate::document::error_text;
 use crate::inputs::Inputs;
 use crate::lights::shining;
+use crate::mesh::{Given, Mesh};
 use crate::notice::Level;
 use crate::selection::Selection;
 use crate::task::Background;
-use lumel::{CameraEntry, LightFile, Project, SettingsPatch, SolutionSelection, VertexLighting};
+use lumel::{
+    Baker, CameraEntry, LightFile, Project, Saved, Scene, SettingsPatch, SolutionSelection, VertexLighting,
+};
 use lumel_export::{ColorScale, RadFile, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -36,11 +39,13 @@ impl Session {
             self.notices.push(Level::Warning, "Open the scene of the solution first");
             return;
         };
-        let (scene, path) = (Arc::clone(&document.scene), path.to_owned());
+        let (scene, opened, given) =
+            (Arc::clone(&document.scene), Arc::clone(&document.opened), document.given.clone());
+        let path = path.to_owned();
         let what = format!("reading {}", path.display());
         self.loading = Some(Background::start(what, Arc::clone(&self.wakes.event), move || {
-            let file = LightFile::load_for(&path, &scene).map_err(|e| error_text(&e))?;
-            Ok(LoadedLight { path, file, usage })
+            let (mesh, file) = load_light(&path, &scene, &opened, &given)?;
+            Ok(LoadedLight { path, file, mesh, usage })
         }));
     }
 
@@ -50,6 +55,9 @@ impl Session {
     /// When there is nothing to write, or the name says no format.
     pub fn save_solution(&mut self, path: &Path) -> Result<(), String> {
         let format = extension_of(path, &SOLUTION_FORMATS)?;
+        if self.light.bounces.is_empty() && self.computed.as_ref().is_some_and(|c| c.file.is_none()) {
+            return Err("there is no solution yet: the mesh is not refined".to_owned());
+        }
         let solution = self.solution().ok_or("there is no solution yet: solve first")?;
         let (Some(document), false) = (&self.document, self.light.is_empty()) else {
             return Err("there is no solution yet: solve first".to_owned());
@@ -164,9 +172,7 @@ impl Session {
             project.materials.push(entry);
         }
         project.slots = self.slots.entries();
-        // The window does not refine meshes: what a bake is told about it stays.
-        let SettingsPatch { adaptive, max_vertices, .. } = project.bake;
-        project.bake = SettingsPatch { adaptive, max_vertices, ..SettingsPatch::complete(&self.settings) };
+        project.bake = SettingsPatch::complete(&self.settings);
         let view = CameraEntry::from(&self.camera.camera());
         project.cameras.retain(|camera| camera.name != view.name);
         project.cameras.insert(0, view);
@@ -213,16 +219,16 @@ impl Session {
     }
 
     fn take_in(&mut self, loaded: LoadedLight) {
-        let LoadedLight { path, file, usage } = loaded;
+        let LoadedLight { path, file, mesh, usage } = loaded;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if usage == LightUse::Compare {
             let light = light_from(&file);
-            self.notices.push(Level::Info, format!("Kept for comparison: {name}"));
-            self.kept.push(Kept { name, light, id: self.next_kept });
-            self.next_kept += 1;
-            return;
+            return self.keep(name, light, mesh);
         }
+        self.end_solve();
+        self.show_mesh(&mesh);
         self.show_light(file, name.clone(), true);
+        self.note_refined_for(self.computed.as_ref().map(|computed| computed.inputs.clone()));
         self.notices.push(Level::Info, format!("Loaded {name}"));
     }
 
@@ -264,6 +270,26 @@ impl Session {
         self.light = light;
         self.light_generation += 1;
     }
+}
+
+/// Light from a file, with the mesh that it is on: one whose edges were split where light needed it, or that which was opened.
+///
+/// # Errors
+/// A file that cannot be read, or is of another scene.
+pub fn load_light(
+    path: &Path,
+    scene: &Scene,
+    opened: &Baker,
+    given: &Given,
+) -> Result<(Mesh, LightFile), String> {
+    // A file that is none is told by what reads it.
+    let splits = Saved::load_splits(path).unwrap_or_default();
+    let mesh = match splits.is_empty() {
+        true => Mesh::of(opened),
+        false => Mesh::refined(&*given.read(scene)?, &splits)?,
+    };
+    let file = LightFile::load_for(path, &mesh.scene).map_err(|e| error_text(&e))?;
+    Ok((mesh, file))
 }
 
 fn folder_of(file: &Path) -> PathBuf {

@@ -25,7 +25,8 @@ impl Session {
         if self.settings.target_error != lumel::TargetError::Off {
             return Some("a target error needs new rays");
         }
-        (!document.baker.has_rays_of(&self.settings)).then_some("solve once to store all rays")
+        let has_rays = document.has_baker() && document.baker.has_rays_of(&self.settings);
+        (!has_rays).then_some("solve once to store all rays")
     }
 
     /// Whether a solve of live relighting runs.

@@ -88,7 +88,7 @@ impl Session {
         let wanted = self.lumels.basis == LightBasis::Lightmap && self.document.is_some();
         let (document, count, page_size) =
             (self.document_generation, self.lumels.count, self.lumels.page_size);
-        wanted.then_some(LayoutKey { document, count, page_size })
+        wanted.then_some(LayoutKey { document, count, page_size, mesh: self.mesh_generation })
     }
 
     /// Starts what is missing of the lightmap, and stops what is no longer wanted.
@@ -132,6 +132,10 @@ impl Session {
             return;
         };
         let lightmapping = &self.lightmapping;
+        if self.is_refining() {
+            // There will soon be other triangles.
+            return;
+        }
         let is_under_way = lightmapping.laying_out.as_ref().is_some_and(|laying_out| laying_out.key == key);
         if is_under_way || self.layout().is_some() || lightmapping.impossible == Some(key) {
             return;
@@ -141,8 +145,12 @@ impl Session {
         let (stop, pool) = (Arc::new(AtomicBool::new(false)), Arc::clone(&self.pool));
         let stopped = Arc::clone(&stop);
         let what = format!("unwrapping {}", request.title());
+        let known = lightmapping.layout.clone().filter(|layout| layout.key.has_lumels_of(&key));
         let task = Background::start(what, Arc::clone(&self.wakes.event), move || {
-            pool.install(|| Layout::new(&request, &open, key, &stopped))
+            pool.install(|| match known {
+                Some(layout) => Ok(layout.on(&open, key)),
+                None => Layout::new(&request, &open, key, &stopped),
+            })
         });
         self.lightmapping.laying_out = Some(LayingOut { key, task, stop });
     }
@@ -153,6 +161,12 @@ impl Session {
         self.lightmapping.laying_out = None;
         match result {
             Ok(layout) => {
+                let known = self.lightmapping.layout.as_ref();
+                if known.is_some_and(|known| known.key.has_lumels_of(&layout.key)) {
+                    self.lightmapping.layout = Some(Arc::new(layout));
+                    self.lumel_generation += 1;
+                    return;
+                }
                 for finding in &layout.report.findings {
                     self.notices.log(Level::Warning, finding.to_string());
                 }

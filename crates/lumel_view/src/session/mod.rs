@@ -8,9 +8,11 @@ mod edit;
 mod editing;
 mod file_light;
 mod files;
+mod kept;
 mod lightmap_files;
 mod live;
 mod lumels;
+mod meshes;
 mod opening;
 mod outcome;
 mod outdated;
@@ -20,15 +22,17 @@ mod unsaved;
 
 pub use computed::Computed;
 pub use file_light::{LightUse, LoadedLight, SavedFile, light_from};
-pub use files::{MESH_FORMATS, SOLUTION_FORMATS};
+pub use files::{MESH_FORMATS, SOLUTION_FORMATS, load_light};
+pub use kept::Kept;
 pub use lightmap_files::LIGHTMAP_FORMATS;
 
 use crate::camera::FlyCamera;
 use crate::document::{self, Contents, Document, OpenRequest};
 use crate::history::History;
+use crate::inputs::Inputs;
 use crate::layout::LumelSettings;
 use crate::lights::EditLight;
-use crate::notice::{Level, Notices};
+use crate::notice::Notices;
 use crate::recovery::{LeftBehind, Recovery};
 use crate::selection::{Illumination, Selection};
 use crate::slots::Slots;
@@ -43,17 +47,6 @@ use rayon::ThreadPool;
 use running::Running;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Light that is kept to compare with.
-#[derive(Clone, Debug)]
-pub struct Kept {
-    /// What it is: sampler, rays and bounces, or a file.
-    pub name: String,
-    /// The light.
-    pub light: Illumination,
-    /// Tells it from others that had its place in the list.
-    pub id: u64,
-}
 
 /// Whether an edit is in progress, such as the drag of a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +63,8 @@ pub struct Session {
     pub document: Option<Document>,
     /// Changes with the document.
     pub document_generation: u64,
+    /// Changes with the triangles that are shown.
+    pub mesh_generation: u64,
     /// Rectangle lights.
     pub lights: Vec<EditLight>,
     /// The albedo of each material.
@@ -103,6 +98,8 @@ pub struct Session {
     /// Unsaved work of an earlier run that can be restored.
     pub left_behind: Option<LeftBehind>,
     computed: Option<Computed>,
+    /// What the triangles that are shown were refined for.
+    refined_for: Option<Inputs>,
     history: History<Edit>,
     saved_edit: Edit,
     lightmapping: Lightmapping,
@@ -148,6 +145,7 @@ impl Session {
         Ok(Self {
             document: None,
             document_generation: 0,
+            mesh_generation: 0,
             lights: Vec::new(),
             albedos: Vec::new(),
             paint_generation: 0,
@@ -165,6 +163,7 @@ impl Session {
             notices: Notices::default(),
             left_behind: folder.and_then(|folder| Recovery::left_behind(folder).into_iter().next()),
             computed: None,
+            refined_for: None,
             history: History::new(Edit::default()),
             saved_edit: Edit::default(),
             lightmapping: Lightmapping::default(),
@@ -224,18 +223,6 @@ impl Session {
     /// The running or ended job.
     pub fn job(&self) -> Option<&SolveJob> {
         self.running.as_ref().map(|running| &running.job)
-    }
-
-    /// Keeps the light to compare with.
-    pub fn keep_light(&mut self) {
-        if self.light.is_empty() {
-            self.notices.push(Level::Warning, "There is no solution to keep yet: solve first");
-            return;
-        }
-        let name = self.computed.as_ref().map_or_else(|| "unfinished".to_owned(), |c| c.label(&self.light));
-        self.notices.push(Level::Info, format!("Kept for comparison: {name}"));
-        self.kept.push(Kept { name, light: self.light.clone(), id: self.next_kept });
-        self.next_kept += 1;
     }
 
     /// The chosen part of the light at all vertices.

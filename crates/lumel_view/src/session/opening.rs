@@ -74,6 +74,8 @@ impl Session {
         self.albedos.clone_from(&document.albedos);
         self.document = Some(document);
         self.document_generation += 1;
+        self.mesh_generation += 1;
+        self.refined_for = None;
         self.forget_light();
         self.kept.clear();
         if let Some(recovery) = &self.recovery {

@@ -3,8 +3,9 @@
 use super::running::{Errand, Then};
 use super::{Computed, Hand, Session};
 use crate::lumel_light::LumelIllumination;
+use crate::mesh::{Given, Mesh};
 use crate::notice::Level;
-use crate::solver::{Ending, Phase, SolveStart};
+use crate::solver::{Ending, Phase};
 use lumel::{Control, TargetError};
 use std::sync::Arc;
 
@@ -22,7 +23,7 @@ impl Session {
                 Errand::Solve | Errand::Follow | Errand::Read { .. } => {
                     self.light = published.light;
                     self.stats = published.stats;
-                    self.computed = Some(Computed::unfinished(running.inputs.clone()));
+                    self.take_mesh(published.mesh.as_deref(), &phase);
                 }
                 Errand::StandardError => self.light.standard_error = published.light.standard_error,
                 Errand::Lumels => return self.poll_lumels(published.lumels, phase),
@@ -34,6 +35,25 @@ impl Session {
             _ if hand == Hand::Free => self.heed_changes(),
             _ => {}
         }
+    }
+
+    /// Shows the triangles that light which was taken in is on, and notes what that is computed from.
+    fn take_mesh(&mut self, mesh: Option<&Mesh>, phase: &Phase) {
+        if let Some(mesh) = mesh {
+            self.show_mesh(mesh);
+        }
+        let (Some(running), Some(document)) = (&mut self.running, &self.document) else { return };
+        // What was painted meanwhile is a change.
+        if let Some(mesh) = mesh.filter(|mesh| !mesh.is_of(&running.inputs.scene)) {
+            let unpainted = mesh.scene.materials() != document.scene.materials();
+            running.inputs.scene = Arc::clone(if unpainted { &mesh.scene } else { &document.scene });
+        }
+        let inputs = running.inputs.clone();
+        if let Phase::Refining { .. } = phase {
+            self.refined_for = None;
+        }
+        self.computed = Some(Computed::unfinished(inputs.clone()));
+        self.note_refined_for(Some(inputs));
     }
 
     /// The same for the light of lumels, beside which that of vertices stays.
@@ -85,6 +105,12 @@ impl Session {
             return;
         }
         let done = ending == Ending::Done;
+        if let (Some(given), Some(document)) = (running.job.given(), &mut self.document) {
+            document.given = Given::Known(given);
+        }
+        if let (Some(refinement), Some(computed)) = (running.job.refinement(), &mut self.computed) {
+            computed.refinement = Some(Box::new(refinement));
+        }
         if let (Some(solved), Some(document)) = (running.job.solved(), &mut self.document) {
             // With it come the rays that it has stored: the next solve needs no new ones for other lights.
             document.baker = Arc::clone(&solved.baker);
@@ -112,17 +138,26 @@ impl Session {
                 }
                 self.notices.push(Level::Error, format!("The solve failed: {problem}"))
             }
-            (_, Then::Restart) => self.start_solve(SolveStart::Anew),
+            (_, Then::Restart) => self.start_solve(self.begin_anew()),
             (_, Then::GoOn) => self.solve(),
             (Ending::Done, Then::Rest) => {
                 let seconds = running.job.seconds();
                 let bounces = self.light.bounce_count().saturating_sub(1);
                 let text = format!("Solved: direct light and {bounces} bounces in {seconds:.1} s");
                 self.notices.push(Level::Info, text);
+                if let Some(limit) = running.job.vertices_missing() {
+                    let limit = crate::values::grouped(limit);
+                    let text = format!(
+                        "The mesh does not follow light everywhere: that takes more than {limit} vertices"
+                    );
+                    self.notices.push(Level::Warning, text);
+                }
                 self.warn_of_dark_faces();
             }
             (Ending::Stopped, Then::Rest) => {
+                let is_refined = self.computed.as_ref().is_some_and(|c| c.refinement.is_some());
                 let text = match self.light.bounces.len() {
+                    _ if is_refined => "Stopped; press Enter to refine the mesh further",
                     0 => "Stopped before any light was computed",
                     _ if self.settings.target_error != TargetError::Off => {
                         "Stopped; press Enter to resume after the last finished round"

@@ -52,26 +52,29 @@ impl Session {
     /// Starts a solve from scratch, even if the light is up to date.
     pub fn solve_anew(&mut self) {
         self.running = None;
-        self.start_solve(SolveStart::Anew);
+        self.start_solve(self.begin_anew());
     }
 
     /// Where the next solve begins; `None` when there is nothing left to do.
     fn start_point(&self) -> Option<SolveStart> {
-        let Some(computed) = &self.computed else { return Some(SolveStart::Anew) };
+        let Some(computed) = &self.computed else { return Some(self.begin_anew()) };
         let changes = self.changes_since(&computed.inputs);
-        if changes.outdates() {
-            return Some(SolveStart::Anew);
+        if changes.outdates() || self.follows_other_light() && !self.is_solving() {
+            return Some(self.begin_anew());
         }
         if computed.complete && !changes.any() {
             return None;
         }
+        if computed.refinement.is_some() {
+            return Some(SolveStart::Refine(computed.refinement.clone()));
+        }
         if !self.resumes(computed, changes) {
-            return Some(SolveStart::Anew);
+            return Some(self.begin_anew());
         }
         Some(match (&computed.solved, &computed.file) {
             (Some(solved), _) => SolveStart::From(Box::new(solved.state.clone())),
             (None, Some(file)) => SolveStart::FromFile(Saved::Solution(Box::new((**file).clone()))),
-            (None, None) => SolveStart::Anew,
+            (None, None) => self.begin_anew(),
         })
     }
 
@@ -92,7 +95,16 @@ impl Session {
                 return;
             }
         };
-        let task = task(document, &scene, &self.settings);
+        let mut task = task(document, &scene, &self.settings);
+        if let SolveStart::Anew = start
+            && document.opened.scene().geometry_hash() != scene.geometry_hash()
+        {
+            // The mesh that is shown was refined.
+            match crate::mesh::lit_like(document.opened.scene(), &scene) {
+                Ok(scene) => (task.scene, task.baker) = (scene, Arc::clone(&document.opened)),
+                Err(problem) => return self.notices.push(Level::Error, format!("Cannot solve: {problem}")),
+            }
+        }
         let inputs = self.inputs(&scene, &self.settings);
         let keep = self.keeper();
         self.run(inputs, task, Work::Solve(start), keep, Errand::Solve);
@@ -173,5 +185,8 @@ impl Session {
 }
 
 pub(super) fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings) -> Task {
-    Task { scene: Arc::clone(scene), baker: Arc::clone(&document.baker), settings: settings.clone() }
+    // What was stopped while edges were split has left a baker of other triangles.
+    let baker = if document.has_baker() { &document.baker } else { &document.opened };
+    let (scene, baker) = (Arc::clone(scene), Arc::clone(baker));
+    Task { scene, baker, settings: settings.clone(), given: document.given.clone() }
 }

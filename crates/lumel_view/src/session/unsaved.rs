@@ -18,9 +18,10 @@ impl Session {
     /// Writes the state to the place for unsaved work after each bounce or round; `None` where there is no such place.
     pub(super) fn keeper(&self) -> Keep {
         let (recovery, note) = (self.recovery.clone()?, self.note()?);
-        Some(Box::new(move |baker, state| {
-            let note = Note { bounces: state.bounces.len(), complete: false, ..note.clone() };
-            recovery.write(&note, Some(&baker.checkpoint(state)))
+        Some(Box::new(move |checkpoint| {
+            let (bounces, refining) = (checkpoint.bounces.len(), checkpoint.refinement.is_some());
+            let note = Note { bounces, refining, complete: false, ..note.clone() };
+            recovery.write(&note, Some(checkpoint))
         }))
     }
 
@@ -52,6 +53,7 @@ impl Session {
             settings: self.settings.clone(),
             camera: self.camera,
             bounces: if self.has_unsaved_light() { self.light.bounces.len() } else { 0 },
+            refining: self.computed.as_ref().is_some_and(|c| c.refinement.is_some()),
             complete: self.computed.as_ref().is_some_and(|c| c.complete),
             process: std::process::id(),
         })
@@ -79,9 +81,12 @@ impl Session {
         self.recovery = Some(recovery.clone());
         if let Some(note) = self.note() {
             // The note that is there says the same, but for the process.
-            let _ = recovery.write(&Note { bounces: left.bounces, complete: left.complete, ..note }, None);
+            let _ = recovery.write(
+                &Note { bounces: left.bounces, refining: left.refining, complete: left.complete, ..note },
+                None,
+            );
         }
-        if left.bounces > 0 {
+        if left.bounces > 0 || left.refining {
             match Saved::load(&recovery.checkpoint()) {
                 Ok(Saved::Solution(solution)) if left.settings.target_error != TargetError::Off => {
                     // Of an earlier version. A solution does not tell the rounds of a target error.
@@ -117,7 +122,8 @@ impl Session {
             let _ = task.wait();
         }
         let Some(recovery) = &self.recovery else { return };
-        if !(self.has_unsaved_light() || self.has_unsaved_edits()) {
+        let has_unsaved_mesh = self.computed.as_ref().is_some_and(|c| c.refinement.is_some());
+        if !(self.has_unsaved_light() || has_unsaved_mesh || self.has_unsaved_edits()) {
             recovery.remove();
             return;
         }

@@ -4,7 +4,7 @@ use super::published::{Ending, Phase, Published, Shared, lock};
 use super::run::run;
 use super::task::{Keep, Solved, Task, Work};
 use crate::wake::Wakes;
-use lumel::{Control, Progress, Settings};
+use lumel::{Baker, Control, Progress, RefinementState, Settings};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -83,6 +83,21 @@ impl SolveJob {
     /// What it has computed, once it has ended.
     pub fn solved(&self) -> Option<Arc<Solved>> {
         lock(&self.shared.solved).clone()
+    }
+
+    /// The mesh that is refined, once it was read.
+    pub fn given(&self) -> Option<Arc<Baker>> {
+        lock(&self.shared.given).clone()
+    }
+
+    /// What its refinement goes on with, if it was stopped in it.
+    pub fn refinement(&self) -> Option<RefinementState> {
+        lock(&self.shared.refinement).clone()
+    }
+
+    /// How many vertices its mesh was allowed, where light needs more.
+    pub fn vertices_missing(&self) -> Option<usize> {
+        *lock(&self.shared.vertices_missing)
     }
 
     /// How far its solve is.

@@ -7,6 +7,7 @@ mod job;
 mod lumels;
 mod published;
 mod publisher;
+mod refine;
 mod run;
 mod task;
 

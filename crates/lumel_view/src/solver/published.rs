@@ -2,9 +2,10 @@
 
 use super::task::Solved;
 use crate::lumel_light::LumelIllumination;
+use crate::mesh::Mesh;
 use crate::selection::Illumination;
 use crate::wake::Wakes;
-use lumel::{Control, Reading, Tracker};
+use lumel::{Baker, Control, Reading, RefinementState, Tracker};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -13,10 +14,19 @@ use std::time::Instant;
 pub enum Phase {
     /// Building what the solve needs.
     Preparing,
+    /// Splitting edges where light needs it.
+    Refining {
+        /// The bounce after which light is looked at; 0 is direct light.
+        bounce: u32,
+        /// So far.
+        vertices: usize,
+    },
     /// Finding vertices that lie inside geometry.
     Probing,
     /// Measuring this bounce; 0 is direct light.
     Bounce(u32),
+    /// Sending the light of the brightest vertices; 0 is the first batch of them.
+    Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
     /// Measuring where all light comes from.
@@ -65,10 +75,12 @@ pub struct BounceStats {
 }
 
 /// What can be seen of a job.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Published {
     /// Where it is.
     pub phase: Phase,
+    /// The mesh that the light is on, once that is known.
+    pub mesh: Option<Arc<Mesh>>,
     /// The light so far.
     pub light: Illumination,
     /// The light of lumels so far, once they are measured.
@@ -85,6 +97,12 @@ pub struct Published {
 pub(super) struct Shared {
     pub(super) published: Mutex<Published>,
     pub(super) solved: Mutex<Option<Arc<Solved>>>,
+    /// The mesh that was or is to be refined, once it was read.
+    pub(super) given: Mutex<Option<Arc<Baker>>>,
+    /// What a refinement that was stopped goes on with.
+    pub(super) refinement: Mutex<Option<RefinementState>>,
+    /// How many vertices a refined mesh was allowed, where light needs more.
+    pub(super) vertices_missing: Mutex<Option<usize>>,
     /// When the job began.
     pub(super) begun: Instant,
     /// Follows the solve, once there is one.
@@ -96,6 +114,7 @@ impl Shared {
     pub(super) fn new(wakes: Wakes) -> Self {
         let published = Published {
             phase: Phase::Preparing,
+            mesh: None,
             light: Illumination::new(),
             lumels: None,
             stats: Vec::new(),
@@ -105,6 +124,9 @@ impl Shared {
         Self {
             published: Mutex::new(published),
             solved: Mutex::default(),
+            given: Mutex::default(),
+            refinement: Mutex::default(),
+            vertices_missing: Mutex::default(),
             begun: Instant::now(),
             tracker: Mutex::default(),
             wakes,

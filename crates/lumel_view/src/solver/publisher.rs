@@ -70,6 +70,10 @@ impl<'a> Publisher<'a> {
         let Some((values, stats)) = self.last_bounce(reader, state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
         self.shared.publish_light(|p| {
+            // Light to look at while the mesh was refined.
+            if p.light.sum_only.is_some() {
+                p.light = Illumination::new();
+            }
             p.light.bounces.push(values);
             p.light.current = None;
             p.light.valid = valid;
@@ -119,7 +123,7 @@ impl<'a> Publisher<'a> {
         loop {
             if let Some(state) = mail.state.take() {
                 drop(mail);
-                let problem = self.keep.as_ref().and_then(|keep| keep(self.baker, &state).err());
+                let problem = self.keep.as_ref().and_then(|keep| keep(&self.baker.checkpoint(&state)).err());
                 lock(&self.shared.published).checkpoint_problem = problem;
                 mail = lock(&self.mail);
             } else if mail.closed {
@@ -139,6 +143,7 @@ impl<'a> Publisher<'a> {
             Step::Bounce(bounce) => bounce,
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
+            Step::Shot(_) => return self.publish_shots(snapshot),
             Step::Round(_) | Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => {
                 return;
             }
@@ -154,6 +159,14 @@ impl<'a> Publisher<'a> {
                 p.light.current = current;
             }
         });
+        (self.shared.wakes.glimpse)();
+    }
+
+    /// What shots have brought so far stands beyond direct light, as a tail does.
+    fn publish_shots(&self, snapshot: &Snapshot) {
+        let Some(reader) = self.reader.get() else { return };
+        let tail = Some(Arc::new(reader.at_vertices(&snapshot.current)));
+        self.shared.change_light(|p| p.light.tail = tail);
         (self.shared.wakes.glimpse)();
     }
 
@@ -196,6 +209,7 @@ impl Observer for Publisher<'_> {
         self.shared.publish_phase(match step {
             Step::Validity => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
+            Step::Shot(shot) => Phase::Shot(shot),
             Step::FinalGather => Phase::FinalGather,
             Step::Directional => Phase::Directional,
             Step::Round(round) => Phase::Round(round),
@@ -210,6 +224,8 @@ impl Observer for Publisher<'_> {
         match step {
             Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
             Step::Round(_) => self.publish_round(state),
+            // Snapshots show what they have brought.
+            Step::Shot(_) => {}
             Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => return,
         }
         if self.keep.is_some() {

@@ -3,9 +3,11 @@
 use super::lumels;
 use super::published::{Ending, Phase, Shared, lock};
 use super::publisher::Publisher;
+use super::refine;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
+use crate::mesh::Mesh;
 use crate::selection::Layer;
-use lumel::{Baker, Control, LightReader, SolveState, Tracker};
+use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker};
 use lumel_basis::Field;
 use std::sync::Arc;
 
@@ -43,15 +45,15 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
     if let Err(error) = task.settings.validate() {
         return Ending::Failed(error.to_string());
     }
-    let baker = Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
-    let mut state = match start {
-        SolveStart::Anew => SolveState::new(),
-        SolveStart::From(state) => baker.continued(*state),
-        SolveStart::FromFile(saved) => match baker.resume(&saved) {
-            Ok(state) => state,
-            Err(error) => return Ending::Failed(error.to_string()),
-        },
+    let (baker, mut state) = match begin(task, start, control, shared, keep) {
+        Ok(begun) => begun,
+        Err(ending) => return ending,
     };
+    let mesh = Arc::new(Mesh::of(&baker));
+    shared.change_light(|published| {
+        let known = published.mesh.take().filter(|known| known.is_of(&mesh.scene));
+        published.mesh = known.or(Some(mesh));
+    });
     *lock(&shared.tracker) = Some(Tracker::new(&baker, &state));
     let publisher = Publisher::new(&baker, control, shared, keep);
     publisher.resumed(&state);
@@ -66,6 +68,42 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
         Err(lumel::SolveError::Cancelled) => Ending::Stopped,
         Err(error) => Ending::Failed(error.to_string()),
     }
+}
+
+/// What solves, on the mesh that it solves on, and the state from which it goes on.
+fn begin(
+    task: &Task,
+    start: SolveStart,
+    control: &Control,
+    shared: &Shared,
+    keep: &Keep,
+) -> Result<(Arc<Baker>, SolveState), Ending> {
+    let open = || Arc::new(task.baker.relit(Arc::clone(&task.scene), task.settings.clone()));
+    let saved = match start {
+        SolveStart::Anew => return Ok((open(), SolveState::new())),
+        SolveStart::Refine(state) => {
+            let start = refine::start(task, shared)?;
+            return Ok((refine::refine(start, state.as_deref(), control, shared, keep)?, SolveState::new()));
+        }
+        SolveStart::From(state) => {
+            let baker = open();
+            let state = baker.continued(*state);
+            return Ok((baker, state));
+        }
+        SolveStart::FromFile(saved) => saved,
+    };
+    let failed = |error: ResumeError| Ending::Failed(error.to_string());
+    if saved.is_refinement() {
+        let start = refine::start(task, shared)?;
+        let state = start.resume_refinement(&saved).map_err(failed)?;
+        return Ok((refine::refine(start, state.as_ref(), control, shared, keep)?, SolveState::new()));
+    }
+    let baker = match saved.splits() {
+        [] => open(),
+        splits => refine::refined(task, splits, shared)?,
+    };
+    let state = baker.resume(&saved).map_err(failed)?;
+    Ok((baker, state))
 }
 
 /// Publishes what there is besides the bounces, and hands over what was computed.
@@ -100,10 +138,10 @@ fn layers(reader: &LightReader<'_>, state: &SolveState) -> Vec<Layer> {
     names.zip(&state.layers).enumerate().map(layer).collect()
 }
 
-/// What the sum of the bounces lacks of all light: the tail, or what a final gather has made different.
+/// What the sum of the bounces lacks of all light: the tail, what was shot, or what a final gather has made different.
 fn beyond_bounces(state: &SolveState) -> Option<Field> {
     if state.gathered.is_none() {
-        return state.tail.clone();
+        return state.beyond_bounces();
     }
     let bounces = Field::sum(state.valid.len(), &state.bounces);
     let total = state.total();

@@ -1,7 +1,8 @@
 //! What there is to compute, and what was computed.
 
 use crate::layout::Layout;
-use lumel::{Baker, Saved, Scene, Settings, SolveState};
+use crate::mesh::Given;
+use lumel::{Baker, Checkpoint, RefinementState, Saved, Scene, Settings, SolveState};
 use std::sync::Arc;
 
 /// What a solve works with.
@@ -13,6 +14,8 @@ pub struct Task {
     pub baker: Arc<Baker>,
     /// The settings.
     pub settings: Settings,
+    /// What is refined, where that is to be done.
+    pub given: Given,
 }
 
 /// What to compute.
@@ -38,6 +41,8 @@ pub enum Work {
 pub enum SolveStart {
     /// With direct light.
     Anew,
+    /// With refining the given mesh, or with what a refinement with these settings has.
+    Refine(Option<Box<RefinementState>>),
     /// With what a solve with these settings continues of this state.
     From(Box<SolveState>),
     /// With what was saved; an error if it does not fit.
@@ -53,5 +58,5 @@ pub struct Solved {
     pub state: SolveState,
 }
 
-/// Keeps the state of a solve somewhere after each bounce; `None` to keep nothing.
-pub type Keep = Option<Box<dyn Fn(&Baker, &SolveState) -> Result<(), String> + Send + Sync>>;
+/// Keeps a solve somewhere after each bounce, and after each step of a refinement; `None` to keep nothing.
+pub type Keep = Option<Box<dyn Fn(&Checkpoint) -> Result<(), String> + Send + Sync>>;

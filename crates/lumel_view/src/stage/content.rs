@@ -5,6 +5,7 @@ use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::values;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// Which light is on one side of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +20,7 @@ pub enum Side {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Content {
     document: u64,
+    mesh: u64,
     paint: u64,
     light: Version,
     side: Side,
@@ -48,13 +50,13 @@ impl Content {
     /// What a mode shows of a part of the light.
     pub(super) fn new(session: &Session, side: Side, mode: ViewMode, selection: Selection) -> Self {
         let light = light_of(session, side);
-        let unlit = light.is_none_or(Illumination::is_empty) && side == Side::Current;
+        let unlit = light.as_ref().is_none_or(|light| light.is_empty()) && side == Side::Current;
         let values = match mode {
             ViewMode::Final | ViewMode::Irradiance if unlit => Values::Preview,
             ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => Values::Light,
             mode => Values::Mode(mode),
         };
-        let is_done = |last: u32| light.is_some_and(|l| (last as usize) < l.bounces.len());
+        let is_done = |last: u32| light.as_ref().is_some_and(|l| (last as usize) < l.bounces.len());
         let version = match (side, selection) {
             (Side::Kept(_), _) | (_, Selection::NONE) => Version::Finished(0),
             (Side::Current, Selection::Range(_, last)) if is_done(last) && values == Values::Light => {
@@ -62,8 +64,9 @@ impl Content {
             }
             (Side::Current, _) => Version::Generation(session.light_generation),
         };
-        let (document, paint) = (session.document_generation, session.paint_generation);
-        Self { document, paint, light: version, side, values, selection }
+        let (document, mesh) = (session.document_generation, session.mesh_generation);
+        let paint = session.paint_generation;
+        Self { document, mesh, paint, light: version, side, values, selection }
     }
 
     /// Whether it is light, of which there can be two side by side.
@@ -78,7 +81,7 @@ impl Content {
 
     /// Whether both are the same part of a light, which may have grown or changed with the materials meanwhile.
     pub(super) fn shows_the_same_as(&self, other: &Self) -> bool {
-        *self == Self { light: self.light, paint: self.paint, ..*other }
+        *self == Self { light: self.light, mesh: self.mesh, paint: self.paint, ..*other }
     }
 
     /// Whether it can no longer change.
@@ -89,11 +92,14 @@ impl Content {
     /// The values, one for each vertex; `None` when nothing is open.
     pub(super) fn values(&self, session: &Session) -> Option<Vec<Vec3>> {
         let scene = &session.document.as_ref()?.scene;
-        let none = Illumination::default();
-        let light = light_of(session, self.side).unwrap_or(&none);
+        let light = light_of(session, self.side).unwrap_or_default();
+        let light = &*light;
         let values = match self.values {
             Values::Light => values::of_vertices(ViewMode::Final, scene, light, self.selection),
             Values::Preview => Some(values::preview(scene)),
+            Values::Mode(ViewMode::Bends) => {
+                session.document.as_ref()?.indicator.as_ref().map(|indicator| indicator.to_vec())
+            }
             Values::Mode(mode) => values::of_vertices(mode, scene, light, self.selection),
         };
         // What is not known is dark.
@@ -101,9 +107,12 @@ impl Content {
     }
 }
 
-fn light_of(session: &Session, side: Side) -> Option<&Illumination> {
+fn light_of(session: &Session, side: Side) -> Option<Cow<'_, Illumination>> {
     match side {
-        Side::Current => Some(&session.light),
-        Side::Kept(id) => session.kept.iter().find(|kept| kept.id == id).map(|kept| &kept.light),
+        Side::Current => Some(Cow::Borrowed(&session.light)),
+        Side::Kept(id) => {
+            let kept = session.kept.iter().find(|kept| kept.id == id)?;
+            Some(kept.light_on(&session.document.as_ref()?.scene))
+        }
     }
 }

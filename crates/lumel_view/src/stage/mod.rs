@@ -38,6 +38,9 @@ use strip::{Canvas, Strip};
 const LEFT: usize = 0;
 const RIGHT: usize = 1;
 
+/// The colours of bends of light: from a tenth of what they may be to ten times that.
+const BENDS: [f32; 2] = [0.1, 10.0];
+
 /// All that a picture depends on.
 #[derive(Clone, PartialEq)]
 struct Drawn {
@@ -59,6 +62,8 @@ struct Drawn {
 struct LoadedModel {
     /// The generation of the document that it is of.
     document: u64,
+    /// The generation of its triangles.
+    mesh: u64,
     /// The generation of the albedos that its materials have.
     paint: u64,
     model: Arc<Model>,
@@ -239,13 +244,16 @@ impl Stage {
     }
 
     fn load(&mut self, session: &Session, scene: &Scene) -> Result<(), RenderError> {
-        let (document, paint) = (session.document_generation, session.paint_generation);
+        let (document, mesh) = (session.document_generation, session.mesh_generation);
+        let paint = session.paint_generation;
         let layout = session.layout();
         let has_layout = |lumels: &Option<ShownLumels>| match layout {
             Some(layout) => lumels.as_ref().is_some_and(|lumels| Arc::ptr_eq(lumels.layout(), layout)),
             None => true,
         };
-        let is_there = |loaded: &&mut LoadedModel| loaded.document == document && has_layout(&self.lumels);
+        let is_there = |loaded: &&mut LoadedModel| {
+            loaded.document == document && loaded.mesh == mesh && has_layout(&self.lumels)
+        };
         if let Some(loaded) = self.model.as_mut().filter(is_there) {
             if loaded.paint != paint {
                 self.renderer.repaint(&loaded.model, scene);
@@ -265,7 +273,7 @@ impl Stage {
         self.buffers = (0..2).map(|_| self.renderer.light(&model)).collect();
         (self.contents, self.drawn, self.range) = ([None; 2], None, None);
         self.exposure = Metered::default();
-        self.model = Some(LoadedModel { document, paint, model: Arc::new(model) });
+        self.model = Some(LoadedModel { document, mesh, paint, model: Arc::new(model) });
         Ok(())
     }
 
@@ -346,10 +354,14 @@ impl Stage {
             ViewMode::StandardError if lumels.is_none() && showing.session.light.standard_error.is_none() => {
                 Look::Plain
             }
+            ViewMode::Bends if showing.session.document.as_ref().is_none_or(|d| d.indicator.is_none()) => {
+                Look::Plain
+            }
             ViewMode::LumelDensity if lumels.is_none() => Look::Plain,
             ViewMode::FalseColor
             | ViewMode::StandardError
             | ViewMode::TriangleSize
+            | ViewMode::Bends
             | ViewMode::LumelDensity => {
                 // That of light is the same, wherever it is stored.
                 let lumels = lumels.filter(|_| view.mode != ViewMode::FalseColor);
@@ -366,6 +378,9 @@ impl Stage {
         if let (ViewMode::LumelDensity, Some(layout)) = (view.mode, showing.session.layout()) {
             let density = layout.lumels.atlas.density();
             return [0.5 * density, 2.0 * density];
+        }
+        if view.mode == ViewMode::Bends {
+            return BENDS;
         }
         let scale = view.scale();
         let lumels = lumels.copied();

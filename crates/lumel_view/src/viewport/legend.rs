@@ -14,6 +14,7 @@ pub(super) fn show(view: &ViewPrefs, range: Option<[f32; 2]>, ui: &Ui, rect: Rec
     let (unit, factor) = match (view.mode, view.unit) {
         (ViewMode::TriangleSize, _) => ("m", Some(1.0)),
         (ViewMode::LumelDensity, _) => ("per m", Some(1.0)),
+        (ViewMode::Bends, _) => ("of allowed", Some(1.0)),
         (ViewMode::FalseColor, Unit::Lux) => ("lux", Some(view.efficacy)),
         (ViewMode::FalseColor, Unit::Stops) => ("stops", None),
         _ => ("W/m²", Some(1.0)),

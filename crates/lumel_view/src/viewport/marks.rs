@@ -17,6 +17,7 @@ const MAX_POINTS: usize = 200_000;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct MarksKey {
     document: u64,
+    mesh: u64,
     light: u64,
     points: bool,
     rays_of: Option<usize>,
@@ -42,6 +43,7 @@ impl CurrentMarks {
         let solved = session.computed().and_then(|c| c.solved.as_ref());
         let key = MarksKey {
             document: session.document_generation,
+            mesh: session.mesh_generation,
             light: if solved.is_some() { session.light_generation } else { 0 },
             points: view.sample_points,
             rays_of: pick.filter(|_| view.rays).map(|pick| pick.spot.vertex),

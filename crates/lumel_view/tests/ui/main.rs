@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are no tests to Clippy")]
 
+mod adaptive;
 mod camera;
 mod changes;
 mod compare;

@@ -56,6 +56,8 @@ fn the_sampler_is_chosen_from_a_list_or_by_f2() {
 fn seed_projection_and_estimators_are_under_more() {
     let Some(mut window) = Window::solved_room() else { return };
     let before = bits(window.state());
+    window.find(Role::DisclosureTriangle, "More").scroll_to_me();
+    window.run_steps(4);
     window.find(Role::DisclosureTriangle, "More").click();
     window.run_steps(10);
     window.find(Role::SpinButton, "Seed").set_value_accesskit(7.0);
@@ -82,6 +84,8 @@ fn means_over_areas_are_read_by_least_squares_without_a_solve() {
         session.computed().unwrap().label(&session.light)
     };
     let label_of_means = label(&mut window);
+    window.find(Role::DisclosureTriangle, "More").scroll_to_me();
+    window.run_steps(4);
     window.find(Role::DisclosureTriangle, "More").click();
     window.run_steps(10);
     window.choose("Projection", "Least squares");

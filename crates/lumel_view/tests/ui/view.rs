@@ -88,7 +88,8 @@ fn terms_of_the_series_are_shown_large_when_clicked() {
 fn every_view_mode_draws_another_picture() {
     let Some(mut window) = Window::solved_room() else { return };
     let mut pictures: Vec<(ViewMode, Picture)> = Vec::new();
-    for mode in ViewMode::offered(false) {
+    // Bends are known once a mesh was refined.
+    for mode in ViewMode::offered(false).filter(|mode| *mode != ViewMode::Bends) {
         window.choose("View mode", mode.name());
         assert_eq!(window.state().view().mode, mode);
         let picture = window.picture();

@@ -66,7 +66,7 @@ fn linear_light_and_noise_split_nothing() {
     // A tenth of the light, and known to be as uncertain.
     let noisy = |p: DVec3| {
         let noise = 0.1 * (1e4 * (p.x + 3.0 * p.y)).sin();
-        Probe { light: 1.0 + noise, variance: 0.01, visible: 0 }
+        Probe { light: 1.0 + noise, variance: 0.01, ..Probe::NONE }
     };
     assert_eq!(refined(&scene, 1e-3, usize::MAX, noisy).0.mesh.vertex_count(), coarsest(&scene));
     let certain = |p: DVec3| Probe { variance: 1e-8, ..noisy(p) };
@@ -176,8 +176,8 @@ fn after_a_bounce_only_what_is_measured_to_bend_is_split() {
         let mut refiner = Refiner::new(Bisection::new(Arc::clone(&scene)), 0.02, usize::MAX);
         refiner.split_long();
         let position = |vertex: u32| refiner.mesh.position(vertex).as_dvec3();
-        let light: Vec<f64> = (0..refiner.mesh.vertex_count() as u32)
-            .map(|v| f(position(v)) + noise * (37.0 * f64::from(v)).sin())
+        let light: Vec<Vec3> = (0..refiner.mesh.vertex_count() as u32)
+            .map(|v| Vec3::splat((f(position(v)) + noise * (37.0 * f64::from(v)).sin()) as f32))
             .collect();
         let measure = |points: &[SurfacePoint]| {
             let at = |at: &SurfacePoint| exact(f(scene.position(*at).as_dvec3()));
