@@ -96,18 +96,17 @@ impl Lightmap {
     fn calmed(atlas: &Arc<Atlas>, coverage: &Coverage, light: &LumelLight, denoises: bool) -> Self {
         let n_lumels = atlas.lumel_count();
         let light = match denoises {
-            true => Cow::Owned(light.shrunk(atlas, coverage)),
+            true => {
+                let shrunk = light.shrunk(atlas, coverage);
+                let sources = shrunk.with_fireflies_spread(atlas, coverage);
+                Cow::Owned(LumelLight { sources, ..shrunk })
+            }
             false => Cow::Borrowed(light),
         };
-        let sources = match denoises {
-            true => Cow::Owned(light.with_fireflies_spread(atlas, coverage)),
-            false => Cow::Borrowed(&light.sources),
-        };
-        let all: Vec<Vec3> =
-            (0..light.len()).map(|place| sources.iter().map(|source| source[place]).sum()).collect();
+        let all: Vec<Vec3> = (0..light.len()).map(|place| light.irradiance(place)).collect();
         let n_bounces = light.bounces().len();
         let part = |k: usize| if k < n_bounces { LightmapLayer::of_bounce(k) } else { "tail".to_owned() };
-        let parts = sources.iter().enumerate().map(|(k, source)| (part(k), source));
+        let parts = light.sources.iter().enumerate().map(|(k, source)| (part(k), source));
         let harmonics = light.directional.harmonics.iter().enumerate();
         let harmonics = harmonics.map(|(k, values)| (LightmapLayer::of_harmonic(k), values));
         let layers = std::iter::once((String::new(), &all)).chain(parts).chain(harmonics);

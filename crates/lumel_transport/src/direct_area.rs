@@ -103,6 +103,45 @@ impl Direct<'_> {
         Ok(())
     }
 
+    /// A light that is chosen from many, as a site sees it, and how likely that was.
+    pub(crate) fn choose<'a>(
+        &'a self,
+        tree: &LightTree,
+        site: &'a Site,
+        select: f32,
+    ) -> Option<(f64, LightView<'a>)> {
+        let (origin, normal) = (site.origin.as_dvec3(), site.frame.normal.as_dvec3());
+        let choice = tree.choose(origin, normal, select)?;
+        let shines = self.shines(self.lights.area[choice.light].0);
+        let view = shines.then(|| self.view(choice.light, site, choice.probability)).flatten()?;
+        Some((choice.probability, view))
+    }
+
+    /// Of so many samples of an element, how many its pilot has.
+    pub(crate) fn pilot_samples(&self, samples: u32) -> u32 {
+        self.plan.sampler.sample_count((samples / 4).clamp(1, MAX_PILOT)).min(samples)
+    }
+
+    /// Traces the rays of pilots and sets the share of each element that sees the light; 1 if none of its points lies above the
+    /// horizon. Returns the number of rays.
+    pub(crate) fn visible_shares(
+        &self,
+        batch: &mut Batch,
+        element: impl Fn(usize) -> usize,
+        shares: &mut [f64],
+    ) -> usize {
+        let mut seen: SmallVec<[(f64, u32); CHUNK]> = smallvec![(0.0, 0); shares.len()];
+        let n_rays = batch.trace(self.tracer, |_, at, _, passed| {
+            let (n_lit, n) = &mut seen[element(at)];
+            *n_lit += share(passed);
+            *n += 1;
+        });
+        for (share, (n_lit, n)) in shares.iter_mut().zip(seen) {
+            *share = if n > 0 { n_lit / f64::from(n) } else { 1.0 };
+        }
+        n_rays
+    }
+
     /// Adds one shadow ray of each sample, to a light that is chosen from many.
     fn choose_over_areas(
         &self,
@@ -118,13 +157,10 @@ impl Direct<'_> {
             for (slot, (u, select)) in (0..).zip(points.fill_by_choice(&stream, samples)) {
                 let at = area.at(element, slot);
                 let Some(site) = &area.sites[at] else { continue };
-                let (origin, normal) = (site.origin.as_dvec3(), site.frame.normal.as_dvec3());
-                let Some(choice) = tree.choose(origin, normal, *select) else { continue };
-                let shines = self.shines(self.lights.area[choice.light].0);
-                let view = shines.then(|| self.view(choice.light, site, choice.probability)).flatten();
-                if let Some(sample) = view.and_then(|view| view.sample(*u)) {
-                    let value = sample.unblocked.0.as_dvec3() / choice.probability;
-                    batch.add(site, sample.target, (slot, at), value);
+                if let Some((probability, view)) = self.choose(tree, site, *select)
+                    && let Some(sample) = view.sample(*u)
+                {
+                    batch.add(site, sample.target, (slot, at), sample.unblocked.0.as_dvec3() / probability);
                 }
             }
         }
@@ -154,7 +190,7 @@ impl Direct<'_> {
         // Where nothing is known of a closed form, all that is seen is counted.
         let mut betas: SmallVec<[f64; CHUNK]> = smallvec![0.0; area.keys.len()];
         if self.plan.light_sampling == LightSampling::Analytic && example.has_closed_form() {
-            let pilot = self.plan.sampler.sample_count((samples / 4).clamp(1, MAX_PILOT)).min(samples);
+            let pilot = self.pilot_samples(samples);
             for (element, (key, _)) in area.keys.iter().enumerate() {
                 batch.begin_element();
                 let stream = self.plan.sampler.for_count(pilot).stream(*key, Dim::LightPilot(l as u32));
@@ -162,15 +198,7 @@ impl Direct<'_> {
                     add(batch, (number, element * area.samples() + number as usize), u);
                 }
             }
-            let mut seen: SmallVec<[(f64, u32); CHUNK]> = smallvec![(0.0, 0); area.keys.len()];
-            n_rays += batch.trace(self.tracer, |_, at, _, passed| {
-                let (n_lit, n) = &mut seen[at / area.samples()];
-                *n_lit += share(passed);
-                *n += 1;
-            });
-            for (beta, (n_lit, n)) in betas.iter_mut().zip(seen) {
-                *beta = if n > 0 { n_lit / f64::from(n) } else { 1.0 };
-            }
+            n_rays += self.visible_shares(batch, |at| at / area.samples(), &mut betas);
             for (at, (value, view)) in values.iter_mut().zip(&views).enumerate() {
                 let beta = betas[at / area.samples()];
                 if let Some((_, view)) = view

@@ -3,7 +3,7 @@
 //! The estimator of light by shadow rays without the cosine of the receiver: `L Y / p` for the same points on the same
 //! lights as for [irradiance](crate::direct), though fewer of them.
 
-use crate::direct::{Direct, MAX_PILOT};
+use crate::direct::Direct;
 use crate::direct_area::AreaSites;
 use crate::job::TransportError;
 use crate::light_points::LightPoints;
@@ -11,7 +11,6 @@ use crate::light_view::LightView;
 use crate::moments::{self, Moments};
 use crate::plan::LightSampling;
 use crate::shadow_batch::Batch;
-use crate::shadow_rays::share;
 use glam::{DVec3, Vec3};
 use lumel_basis::Site;
 use lumel_sample::{Dim, Stream, StreamKey};
@@ -149,12 +148,10 @@ impl Direct<'_> {
             let stream = self.plan.stream(sites.samples(), sites.key(element), Dim::LightSelect);
             for (slot, (u, select)) in (0..).zip(points.fill_by_choice(&stream, sites.samples())) {
                 let Some((at, site)) = sites.at(element, slot) else { continue };
-                let (origin, normal) = (site.origin.as_dvec3(), site.frame.normal.as_dvec3());
-                let Some(choice) = tree.choose(origin, normal, *select) else { continue };
-                let shines = self.shines(self.lights.area[choice.light].0);
-                let view = shines.then(|| self.view(choice.light, site, choice.probability)).flatten();
-                if let Some(sample) = view.and_then(|view| view.sample(*u)) {
-                    let facing: DVec3 = sample.facing() * (sites.share() / choice.probability);
+                if let Some((probability, view)) = self.choose(tree, site, *select)
+                    && let Some(sample) = view.sample(*u)
+                {
+                    let facing: DVec3 = sample.facing() * (sites.share() / probability);
                     batch.add(site, sample.target, (slot, at), facing);
                 }
             }
@@ -170,26 +167,19 @@ impl Direct<'_> {
         (points, batch): (&mut LightPoints, &mut Batch),
         moments: &mut Moments,
     ) -> usize {
-        let pilot = self.plan.sampler.sample_count((sites.samples() / 4).clamp(1, MAX_PILOT));
-        let pilot = pilot.min(sites.samples());
         let mut betas = vec![0.0; sites.elements()];
         let mut n_rays = 0;
         let has_closed_form =
             self.plan.light_sampling == LightSampling::Analytic && self.lights.is_even_polygon(l);
         if has_closed_form {
+            let pilot = self.pilot_samples(sites.samples());
             let sampler = self.plan.sampler.for_count(pilot);
             self.add_rays_to(l, sites, pilot, (&mut *points, &mut *batch), |key| {
                 sampler.stream(key, Dim::LightPilot(l as u32))
             });
-            let mut seen = vec![(0.0, 0u32); sites.elements()];
-            n_rays += batch.trace(self.tracer, |_, at, _, passed| {
-                let (n_lit, n) = &mut seen[sites.element(at)];
-                *n_lit += share(passed);
-                *n += 1;
-            });
-            for (element, (n_lit, n)) in seen.into_iter().enumerate() {
-                betas[element] = if n > 0 { n_lit / f64::from(n) } else { 1.0 };
-                self.add_unblocked(l, sites, (element, betas[element]), moments);
+            n_rays += self.visible_shares(batch, |at| sites.element(at), &mut betas);
+            for (element, &share) in betas.iter().enumerate() {
+                self.add_unblocked(l, sites, (element, share), moments);
             }
         }
         let samples = sites.samples();

@@ -84,16 +84,7 @@ fn a_mesh_is_refined_in_sight_stopped_resumed_and_has_the_bits_of_a_bake() {
     window.session().save_solution("a.npz".as_ref()).unwrap_err();
     window.solve();
     assert!(vertices(window.state()) > stopped);
-    let app = window.state();
-    let document = app.session.document.as_ref().unwrap();
-    let scene = document.opened.scene().relit(document.scene.lights().to_vec()).unwrap();
-    let baker = Baker::new(scene.into(), app.session.settings.clone());
-    let adapted = baker.adapted(&Control::default(), &mut |_| {}).unwrap().unwrap().baker;
-    assert!(
-        splits(app) == adapted.scene().refinement().unwrap().splits(),
-        "other edges than those of a bake"
-    );
-    assert!(bits(app) == reference_of(adapted.scene().clone(), app.session.settings.clone()));
+    assert_is_that_of_a_bake(window.state());
     window.press(Key::Enter);
     assert!(window.told("Already solved"));
     // Without the switch, the mesh is again what was opened.
