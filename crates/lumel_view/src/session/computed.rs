@@ -47,18 +47,18 @@ impl Computed {
 
     /// What it is, in a few words.
     pub fn label(&self, light: &Illumination) -> String {
-        let bounces = light.bounce_count().saturating_sub(1);
-        let Some(s) = self.settings() else {
-            return self.origin.clone().unwrap_or_else(|| format!("{bounces} bounces"));
+        let bounces = match light.bounce_count().saturating_sub(1) {
+            1 => "1 bounce".to_owned(),
+            many => format!("{many} bounces"),
         };
+        if let Some(origin) = &self.origin {
+            return origin.clone();
+        }
+        let Some(s) = self.settings() else { return bounces };
         let rays = match s.target_error {
             TargetError::Off => format!("{}+{}", s.direct_samples, s.indirect_samples),
             TargetError::At(_) => "adaptive".to_owned(),
         };
-        // Side by side, two readings of the same bounces are told apart.
-        let usual = PROJECTION.is_same(s, &Settings::default());
-        let projection = if usual { String::new() } else { format!(", {}", PROJECTION.text(s)) };
-        let computed = || format!("{} {rays} rays, {bounces} bounces{projection}", s.sampler);
-        self.origin.clone().unwrap_or_else(computed)
+        format!("{} {rays} rays, {bounces}, {}", s.sampler, PROJECTION.text(s))
     }
 }
