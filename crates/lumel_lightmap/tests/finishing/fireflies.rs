@@ -1,7 +1,7 @@
 use crate::denoising::{fine, normal};
 use crate::{Stage, noise};
 use glam::Vec3;
-use lumel_lightmap::{Lightmap, LumelLight, PartLight};
+use lumel_lightmap::{Lightmap, LumelLight, PartLight, SolvedLight};
 use lumel_scene::luminance;
 
 /// What all lumels have, W·m⁻².
@@ -28,7 +28,9 @@ fn light(stage: &Stage, finds: Finds<'_>) -> LumelLight {
 }
 
 fn finished(stage: &Stage, light: &LumelLight, denoises: bool) -> Lightmap {
-    Lightmap::finished(&stage.scene, &stage.atlas, &stage.coverage, light, denoises, None)
+    let nothing = SolvedLight::default();
+    let known = denoises.then_some(&nothing);
+    Lightmap::finished(&stage.scene, &stage.atlas, &stage.coverage, light, known, None)
 }
 
 /// Of each lumel that was measured.
