@@ -13,6 +13,9 @@ use rayon::prelude::*;
 /// and in the few around it.
 const CHANCE: [f32; 2] = [20.0, 1.5];
 
+/// How far around a lumel it is decided how much is kept: all but the first in turn.
+const REACHES: [i64; 3] = [1, 2, 4];
+
 impl LumelLight {
     /// The same light with less noise: direct light and bounces are moved towards what the solve says, as far as that
     /// helps.
@@ -22,7 +25,7 @@ impl LumelLight {
     /// missed, b², and of the noise of what was measured, v. The mean square error is least where a share b² / (b² + v) of the
     /// difference is kept (after James and Stein). The halves of the samples tell both: their noise is independent, so that
     /// the product of their differences is b² on average. More is kept where a lumel or those close by have more than
-    /// chance allows, such as along a contact shadow.
+    /// chance allows, such as along a contact shadow, and where few lumels tell.
     ///
     /// With more samples, v falls and light becomes what was measured. Bounces keep their proportions.
     pub(crate) fn shrunk(&self, atlas: &Atlas, coverage: &Coverage, solved: &SolvedLight) -> Self {
@@ -38,8 +41,8 @@ impl LumelLight {
             };
             let single: Vec<Vec2> =
                 surface.places().par_iter().map(|&place| missed_and_noise(place)).collect();
-            let close = surface.means(&single, 1);
-            let wide = surface.means(&surface.means(&close, 2), 4);
+            let close = surface.means(&single, REACHES[0]);
+            let wide = REACHES[1..].iter().fold(close.clone(), |means, &reach| surface.means(&means, reach));
             for (index, &place) in surface.places().iter().enumerate() {
                 let ([near, noise], [missed, usual]) = (close[index].to_array(), wide[index].to_array());
                 let own = single[index].x;
@@ -48,14 +51,15 @@ impl LumelLight {
                 // Where there is little noise, that of others is none of its own.
                 let noise = noise.min(usual);
                 let kept = if noise > 0.0 { missed / (missed + noise) } else { 1.0 };
-                shrunk.move_part((part, place), solved[place], 1.0 - kept);
+                let share = (1.0 - kept) * surface.trust(index, &REACHES);
+                shrunk.move_part((part, place), solved[place], share);
             }
         }
         shrunk
     }
 
     /// The luminance of a part of the light, as half of the samples say.
-    fn part_of_half(&self, part: Part, half: usize, place: usize) -> f32 {
+    pub(crate) fn part_of_half(&self, part: Part, half: usize, place: usize) -> f32 {
         let half = &self.halves[half];
         match part {
             Part::Direct => half.totals[place] - half.bounced[place],
