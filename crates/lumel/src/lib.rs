@@ -46,6 +46,7 @@ mod resume;
 mod samples;
 mod settings;
 mod sky_entry;
+mod solved_lumels;
 pub mod spec;
 mod suggestion;
 mod surfaces;
@@ -77,7 +78,7 @@ pub use lumel_export::{
     SolutionLayer, SolutionSelection,
 };
 pub use lumel_import::PathPolicy;
-pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
+pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight, SolvedLight};
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
     AlphaMode, Bisection, Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material,
