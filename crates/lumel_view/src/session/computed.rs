@@ -45,6 +45,11 @@ impl Computed {
         Some(self.solved.as_ref()?.state.errors.as_ref()?.accuracy)
     }
 
+    /// How many batches of vertices have shot, where light was shot by this session.
+    pub fn shots(&self) -> Option<u32> {
+        Some(self.solved.as_ref()?.state.shot.as_ref()?.shots)
+    }
+
     /// What it is, in a few words.
     pub fn label(&self, light: &Illumination) -> String {
         let bounces = light.bounce_count().saturating_sub(1);
@@ -58,7 +63,8 @@ impl Computed {
         // Side by side, two readings of the same bounces are told apart.
         let usual = PROJECTION.is_same(s, &Settings::default());
         let projection = if usual { String::new() } else { format!(", {}", PROJECTION.text(s)) };
-        let computed = || format!("{} {rays} rays, {bounces} bounces{projection}", s.sampler);
+        let found = self.shots().map_or_else(|| format!("{bounces} bounces"), |n| format!("{n} shots"));
+        let computed = || format!("{} {rays} rays, {found}{projection}", s.sampler);
         self.origin.clone().unwrap_or_else(computed)
     }
 }

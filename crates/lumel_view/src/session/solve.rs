@@ -1,5 +1,6 @@
 //! Starting and stopping solves.
 
+use super::courses::{GoesOn, Rays};
 use super::running::{Errand, Running, Then};
 use super::{Hand, Session};
 use crate::document::Document;
@@ -106,6 +107,9 @@ impl Session {
             }
         }
         let inputs = self.inputs(&scene, &self.settings);
+        let rays = if task.baker.has_rays_of(&self.settings) { Rays::Stored } else { Rays::New };
+        let goes_on = if matches!(start, SolveStart::From(_)) { GoesOn::Yes } else { GoesOn::No };
+        self.courses.begin(&self.settings, rays, goes_on);
         let keep = self.keeper();
         self.run(inputs, task, Work::Solve(start), keep, Errand::Solve);
     }

@@ -7,6 +7,7 @@ use super::refine;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
 use crate::mesh::Mesh;
 use crate::selection::Layer;
+use crate::unshot::Unshot;
 use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker};
 use lumel_basis::Field;
 use std::sync::Arc;
@@ -114,12 +115,14 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let layers = layers(&reader, &state);
     let directional = state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field));
     drop(reader);
+    let unshot = Unshot::of(&baker, &state).map(Arc::new);
     shared.publish_light(|p| {
         p.light.current = None;
         p.light.tail = tail;
         p.light.valid = valid;
         p.light.layers = layers;
         p.light.directional = directional.map(Arc::new);
+        p.unshot = unshot;
     });
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
 }
