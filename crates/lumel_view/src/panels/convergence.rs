@@ -21,10 +21,10 @@ const KINDS: [(PlotKind, &str, &str); 2] = [
 ];
 
 /// Room for their names.
-const KINDS_WIDTH: f32 = 62.0;
+const KINDS_WIDTH: f32 = 74.0;
 
 pub(super) fn show(session: &Session, kind: &mut PlotKind, ui: &mut Ui) {
-    ui.horizontal(|ui| {
+    ui.horizontal_top(|ui| {
         ui.vertical(|ui| {
             ui.set_width(KINDS_WIDTH);
             for (of, name, hint) in KINDS {
