@@ -24,6 +24,7 @@ mod decimal;
 mod difference;
 mod error_estimate;
 mod file_format;
+mod first_look;
 mod layers;
 mod light_entry;
 mod light_file;

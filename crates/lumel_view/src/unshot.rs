@@ -19,6 +19,8 @@ pub struct Unshot {
     pub radiosity: VertexValues,
     /// What that would bring if it arrived everywhere alike, W·m⁻²: for looking at only.
     pub ambient: Vec3,
+    /// What it would bring besides, as far as that was seen at a first look: likewise.
+    pub seen: Option<VertexValues>,
     /// Where the nodes with the most unshot power are.
     pub brightest: Vec<Vec3>,
 }
@@ -40,6 +42,13 @@ impl Unshot {
         }
         let (vertices, positions) = (baker.basis().first_vertices(), baker.scene().positions());
         let brightest = brightest.iter().map(|node| positions[vertices[node.index()] as usize]).collect();
-        Some(Self { radiosity, ambient: baker.ambient(state), brightest })
+        Some(Self { radiosity, ambient: baker.ambient(state), seen: None, brightest })
+    }
+    /// Adds what is still to come to light at the vertices.
+    pub fn add_to(&self, light: &mut [Vec3]) {
+        light.iter_mut().for_each(|value| *value += self.ambient);
+        for (value, seen) in light.iter_mut().zip(self.seen.iter().flat_map(|seen| seen.iter())) {
+            *value += *seen;
+        }
     }
 }

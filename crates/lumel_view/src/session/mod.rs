@@ -249,10 +249,10 @@ impl Session {
         self.computed.as_ref().and_then(Computed::settings).is_none_or(Settings::tells_bounces)
     }
 
-    /// The ambient term, W·m⁻²: what light that is still to come would bring everywhere. `None` where there is none to come.
-    pub fn ambient(&self) -> Option<Vec3> {
+    /// The same with what it would bring: the ambient term. `None` where a solve is finished.
+    pub fn to_come(&self) -> Option<&Unshot> {
         let is_complete = self.computed.as_ref().is_some_and(|computed| computed.complete);
-        self.unshot.as_ref().filter(|_| !is_complete).map(|unshot| unshot.ambient)
+        self.unshot().filter(|_| !is_complete)
     }
 
     fn forget_light(&mut self) {

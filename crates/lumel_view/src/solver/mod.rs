@@ -4,6 +4,7 @@
 //! stop. A solve is cancelled within a few milliseconds.
 
 mod course;
+mod first_look;
 mod job;
 mod lumels;
 mod published;

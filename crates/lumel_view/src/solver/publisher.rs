@@ -1,10 +1,12 @@
 //! Publishes what a solve finds while it runs.
 
 use super::course::Moment;
+use super::first_look::FirstLook;
 use super::published::{BounceStats, Phase, Shared, lock};
 use super::task::Keep;
 use crate::selection::{Illumination, VertexValues};
 use crate::unshot::Unshot;
+use glam::Vec3;
 use lumel::{Baker, Control, LightReader, Observer, Reading, Snapshot, SolveState, Step, Tracker};
 use lumel_basis::{Basis as _, Field};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -24,6 +26,8 @@ pub(super) struct Publisher<'a> {
     shared: &'a Shared,
     keep: &'a Keep,
     clock: Instant,
+    /// What stands for light that is not measured yet.
+    first_look: Option<FirstLook>,
     /// Made when direct light is there; each round of a target error has others.
     reader: OnceLock<LightReader<'a>>,
     /// Direct light, once it is there.
@@ -56,12 +60,43 @@ impl<'a> Publisher<'a> {
             shared,
             keep,
             clock: Instant::now(),
+            first_look: None,
             reader: OnceLock::new(),
             direct: OnceLock::new(),
             due: AtomicU64::new(FIRST_SNAPSHOT.as_millis() as u64),
             mail: Mutex::default(),
             arrived: Condvar::new(),
         }
+    }
+
+    /// The same after a first look at all light.
+    pub(super) fn after(self, first_look: Option<FirstLook>) -> Self {
+        Self { first_look, ..self }
+    }
+
+    /// Publishes the first look at all light.
+    pub(super) fn publish_first_look(&self) {
+        let Some(first_look) = &self.first_look else { return };
+        let direct = first_look.direct();
+        let current = direct.bounces.first().map(|field| Arc::new(self.baker.carried_at_vertices(field)));
+        let unshot = self.unshot(&direct, 1);
+        self.shared.publish_light(|p| (p.light.current, p.unshot) = (current, unshot));
+    }
+
+    /// What is still to come after so many bounces of a state.
+    fn unshot(&self, state: &SolveState, bounces: usize) -> Option<Arc<Unshot>> {
+        let unshot = Unshot::of(self.baker, state)?;
+        let Some(first_look) = &self.first_look else { return Some(Arc::new(unshot)) };
+        let share = match state.shot {
+            None => Vec3::ONE,
+            // Of what was to come before the first shot.
+            Some(_) => {
+                let direct = SolveState { bounces: state.bounces.clone(), ..SolveState::new() };
+                let share = unshot.ambient / self.baker.ambient(&direct);
+                share.map(|share| if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 })
+            }
+        };
+        Some(Arc::new(first_look.instead(self.baker, unshot, bounces, share)))
     }
 
     /// Publishes the bounces that are there from the start, or the last round.
@@ -80,7 +115,7 @@ impl<'a> Publisher<'a> {
         if let Some(direct) = state.bounces.first() {
             self.direct.get_or_init(|| direct.clone());
         }
-        let unshot = Unshot::of(self.baker, state).map(Arc::new);
+        let unshot = self.unshot(state, state.bounces.len());
         self.shared.publish_light(|p| {
             // Light to look at while the mesh was refined.
             if p.light.sum_only.is_some() {
@@ -169,12 +204,10 @@ impl<'a> Publisher<'a> {
                 return;
             }
         };
-        // A guess for looking at, where nothing is measured yet. It is not read as the nearest function, which would
-        // swing between what is measured and what is not.
-        let mut field = (*snapshot.current).clone();
-        self.baker.basis().adjacency().extrapolate(&mut field, &snapshot.measured);
+        let field = self.completed(bounce, snapshot);
+        // It is not read as the nearest function, which would swing between what is measured and what is not.
         let current = Some(Arc::new(self.baker.carried_at_vertices(&field)));
-        let unshot = Unshot::of(self.baker, &self.with_current(snapshot, field)).map(Arc::new);
+        let unshot = self.unshot(&self.with_current(snapshot, field), bounce as usize + 1);
         // The bounce may have been finished meanwhile.
         self.shared.change_light(|p| {
             if p.light.bounces.len() == bounce as usize {
@@ -182,6 +215,17 @@ impl<'a> Publisher<'a> {
             }
         });
         (self.shared.wakes.glimpse)();
+    }
+
+    /// The bounce under way with a guess for looking at where nothing is measured yet.
+    fn completed(&self, bounce: u32, snapshot: &Snapshot) -> Field {
+        let seen =
+            |first_look: &FirstLook| first_look.completing(bounce, &snapshot.current, &snapshot.measured);
+        self.first_look.as_ref().and_then(seen).unwrap_or_else(|| {
+            let mut field = (*snapshot.current).clone();
+            self.baker.basis().adjacency().extrapolate(&mut field, &snapshot.measured);
+            field
+        })
     }
 
     /// The bounces that are done, all but the direct light as one, and what is known of the bounce under way as the last.
@@ -203,7 +247,7 @@ impl<'a> Publisher<'a> {
     fn publish_shots(&self, state: &SolveState) {
         let Some(shot) = &state.shot else { return };
         let tail = Some(Arc::new(self.baker.carried_at_vertices(&shot.reflected)));
-        let unshot = Unshot::of(self.baker, state).map(Arc::new);
+        let unshot = self.unshot(state, 1);
         self.shared.change_light(|p| (p.light.tail, p.unshot) = (tail, unshot));
         (self.shared.wakes.glimpse)();
     }

@@ -58,7 +58,7 @@ impl Content {
             && view.ambient
             && view.mode.is_exposed()
             && selection.contains_tail()
-            && session.ambient().is_some();
+            && session.to_come().is_some();
         Self { ambient, ..Self::of_mode(session, side, view.mode, selection) }
     }
 
@@ -112,8 +112,8 @@ impl Content {
         let values = match self.values {
             Values::Light => {
                 let mut sum = light.select(self.selection, scene.vertex_count());
-                if let Some(ambient) = session.ambient().filter(|_| self.ambient) {
-                    sum.iter_mut().for_each(|value| *value += ambient);
+                if let Some(unshot) = session.to_come().filter(|_| self.ambient) {
+                    unshot.add_to(&mut sum);
                 }
                 Some(sum)
             }

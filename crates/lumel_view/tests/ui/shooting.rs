@@ -217,7 +217,7 @@ fn the_brightest_shooters_are_marked() {
 fn the_ambient_term_is_seen_until_a_solve_is_finished_and_never_saved() {
     let Some(mut window) = Window::room() else { return };
     stop_after_direct_light(&mut window);
-    assert!(window.session().ambient().unwrap().min_element() > 0.0);
+    assert!(window.session().to_come().unwrap().ambient.min_element() > 0.0);
     window.state_mut().prefs.view.auto_exposure = false;
     let with = window.picture();
     let saved = |window: &mut Window| window.session().solution().unwrap().irradiance;
@@ -245,7 +245,7 @@ fn the_ambient_term_is_seen_until_a_solve_is_finished_and_never_saved() {
     (settings.solver, settings.indirect_samples) = (SolverKind::Cached, 8);
     window.press(Key::B);
     window.solve();
-    assert_eq!(window.session().ambient(), None);
+    assert!(window.session().to_come().is_none());
     let finished = window.picture();
     window.press(Key::F8);
     assert!(window.picture() == finished);
