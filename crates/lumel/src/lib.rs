@@ -24,6 +24,7 @@ mod decimal;
 mod difference;
 mod error_estimate;
 mod file_format;
+mod first_look;
 mod layers;
 mod light_entry;
 mod light_file;
@@ -52,6 +53,7 @@ mod suggestion;
 mod surfaces;
 mod target;
 mod two_sided;
+mod words;
 mod workload;
 
 pub use adaptive::{Adapted, RefinementEnd, Refining};
@@ -107,6 +109,7 @@ pub use settings::{
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
 pub use suggestion::suggested_light;
+pub use words::counted;
 pub use workload::Remainder;
 
 /// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.

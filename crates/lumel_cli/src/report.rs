@@ -36,11 +36,6 @@ pub(crate) fn percent(share: f64) -> String {
     if percent == 0.0 || percent >= 0.1 { format!("{percent:.1} %") } else { format!("{percent:.2} %") }
 }
 
-/// A count and what is counted.
-pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
-}
-
 /// A number with five significant digits.
 pub(crate) fn significant(value: f64) -> String {
     let size = value.abs();

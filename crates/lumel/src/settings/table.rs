@@ -227,7 +227,7 @@ macro_rules! settings {
                 $(if let Some(value) = self.$field { settings.$field = value; })+
                 settings.adaptive = settings.adaptive.with_error_of(preset);
                 // A number of bounces that only the preset asks for does not stand in the way of shooting.
-                if settings.schedule == ScheduleKind::Shoot && self.bounces.is_none() {
+                if !settings.tells_bounces() && self.bounces.is_none() {
                     settings.bounces = BounceLimit::All;
                 }
                 settings

@@ -3,7 +3,6 @@
 use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
 use super::layers::Layers;
-use super::schedule_kind::ScheduleKind;
 use super::solver_kind::SolverKind;
 use super::table::{
     ALL, BOUNCES, Definition, LAYERS, SCHEDULE, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR,
@@ -28,7 +27,7 @@ impl Settings {
     /// [`SettingsError::Invalid`] or [`SettingsError::Conflict`] for the first that is wrong.
     pub fn validate(&self) -> Result<(), SettingsError> {
         SettingsPatch::complete(self).validate()?;
-        if let (ScheduleKind::Shoot, BounceLimit::Count(_)) = (self.schedule, self.bounces) {
+        if let (false, BounceLimit::Count(_)) = (self.tells_bounces(), self.bounces) {
             let reason = "shots tell no bounces apart, use bounces all";
             return Err(self.excluded_by(&SCHEDULE, &BOUNCES, reason));
         }
@@ -74,6 +73,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::ScheduleKind;
 
     #[test]
     fn what_makes_no_sense_is_refused_with_its_name_its_value_and_a_remedy() {

@@ -4,7 +4,7 @@ use crate::inputs::Inputs;
 use crate::selection::Illumination;
 use crate::solver::Solved;
 use lumel::setting::{PROJECTION, Setting as _};
-use lumel::{Accuracy, RefinementState, Settings, Solution, TargetError};
+use lumel::{Accuracy, RefinementState, Settings, Solution, TargetError, counted};
 use std::sync::Arc;
 
 /// What the light on the surfaces was computed from.
@@ -45,12 +45,14 @@ impl Computed {
         Some(self.solved.as_ref()?.state.errors.as_ref()?.accuracy)
     }
 
+    /// How many batches of vertices have shot, where light was shot by this session.
+    pub fn shots(&self) -> Option<u32> {
+        Some(self.solved.as_ref()?.state.shot.as_ref()?.shots)
+    }
+
     /// What it is, in a few words.
     pub fn label(&self, light: &Illumination) -> String {
-        let bounces = match light.bounce_count().saturating_sub(1) {
-            1 => "1 bounce".to_owned(),
-            many => format!("{many} bounces"),
-        };
+        let bounces = counted(light.bounce_count().saturating_sub(1), "bounce", "bounces");
         if let Some(origin) = &self.origin {
             return origin.clone();
         }
@@ -59,6 +61,7 @@ impl Computed {
             TargetError::Off => format!("{}+{}", s.direct_samples, s.indirect_samples),
             TargetError::At(_) => "adaptive".to_owned(),
         };
-        format!("{} {rays} rays, {bounces}, {}", s.sampler, PROJECTION.text(s))
+        let found = self.shots().map_or(bounces, |n| counted(n as usize, "shot", "shots"));
+        format!("{} {rays} rays, {found}, {}", s.sampler, PROJECTION.text(s))
     }
 }
