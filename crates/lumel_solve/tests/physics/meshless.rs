@@ -208,8 +208,7 @@ fn light_does_not_pass_a_thin_wall() {
 #[test]
 fn shooting_and_gathering_find_the_same_light() {
     let light = Light::Rect(ceiling_light(Vec3::new(0.5, 0.5, 0.95), 0.3, 0.3, 10.0));
-    let builder =
-        || SceneBuilder { lights: vec![light.clone()], ..cube(1, [(); 6].map(|()| grey(0.6, 0.0))) };
+    let builder = || SceneBuilder { lights: vec![light], ..cube(1, [(); 6].map(|()| grey(0.6, 0.0))) };
     for solver in Solver::ALL {
         let points = Points::new(builder(), 200, solver, plan(2, 32));
         let shot = points.solved_by(&Shoot { remainder: 1e-4 });
