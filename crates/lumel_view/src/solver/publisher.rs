@@ -144,9 +144,12 @@ impl<'a> Publisher<'a> {
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
             Step::Shot(_) => return self.publish_shots(snapshot),
-            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => {
-                return;
-            }
+            Step::Round(_)
+            | Step::Validity
+            | Step::FinalGather
+            | Step::ReadDirect
+            | Step::Directional
+            | Step::Layer(_) => return,
         };
         // A guess for looking at, where nothing is measured yet. It is not read as the nearest function, which would
         // swing between what is measured and what is not.
@@ -211,6 +214,7 @@ impl Observer for Publisher<'_> {
             Step::Bounce(k) => Phase::Bounce(k),
             Step::Shot(shot) => Phase::Shot(shot),
             Step::FinalGather => Phase::FinalGather,
+            Step::ReadDirect => Phase::ReadDirect,
             Step::Directional => Phase::Directional,
             Step::Round(round) => Phase::Round(round),
             Step::Layer(layer) => Phase::Layer(layer),
@@ -226,7 +230,9 @@ impl Observer for Publisher<'_> {
             Step::Round(_) => self.publish_round(state),
             // Snapshots show what they have brought.
             Step::Shot(_) => {}
-            Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => return,
+            Step::Validity | Step::FinalGather | Step::ReadDirect | Step::Directional | Step::Layer(_) => {
+                return;
+            }
         }
         if self.keep.is_some() {
             self.hand_over(|mail| mail.state = Some(state.clone()));
