@@ -49,12 +49,13 @@ impl Baker {
     ///
     /// At vertices inside a surface, two thousand of them at most, light is compared with what a linear function through the
     /// neighbours says. What is left is noise, and detail that the mesh does not resolve. It says nothing of
-    /// [bounces that are missing](Self::remainder). `None` if there are no such vertices, or no light.
+    /// [bounces that are missing](Self::remainder). `None` if there are no such vertices, or no light, or points have carried it:
+    /// then neighbours share what is wrong.
     ///
     /// `solution` must be one of this baker's.
     pub fn error_estimate(&self, solution: &Solution) -> Option<ErrorEstimate> {
-        let direct = solution.bounces.first()?;
-        let basis = self.basis();
+        let direct = solution.bounces.first().filter(|_| self.basis().points().is_none())?;
+        let basis = &self.surfaces().vertices;
         let at_nodes = || basis.first_vertices().iter().map(|&vertex| vertex as usize);
         let valid: Vec<bool> = at_nodes().map(|vertex| solution.valid[vertex]).collect();
         let all: Vec<f64> = at_nodes().map(|vertex| luminance(solution.irradiance[vertex]).into()).collect();

@@ -19,6 +19,7 @@ mod assembly;
 mod at_vertices;
 mod bake;
 mod baker;
+mod bounce_basis;
 mod dark;
 mod decimal;
 mod difference;
@@ -59,6 +60,7 @@ mod workload;
 pub use adaptive::{Adapted, RefinementEnd, Refining};
 pub use bake::{Bake, BakeError, Baked};
 pub use baker::Baker;
+pub use bounce_basis::BounceBasis;
 pub use decimal::decimal;
 pub use difference::{Difference, Percentiles};
 pub use error_estimate::{ErrorCause, ErrorEstimate};
@@ -104,8 +106,8 @@ pub use project::{CameraEntry, MaterialEntry, ObjectEntry, Project, ProjectError
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{
-    Adaptive, BounceLimit, Layers, Memory, Preset, Projection, ScheduleKind, Settings, SettingsError,
-    SettingsPatch, Share, SolverKind, Tail, TargetError,
+    Adaptive, BounceLimit, Layers, Memory, PointNeed, PointSpacing, Preset, Projection, ScheduleKind,
+    Settings, SettingsError, SettingsPatch, Share, SolverKind, Tail, TargetError,
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
 pub use suggestion::suggested_light;

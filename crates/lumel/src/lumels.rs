@@ -1,10 +1,16 @@
 //! From a solve on vertices to light on the lumels of an atlas.
 
 use crate::Baker;
+use crate::BounceBasis;
 use crate::assembly::directional_plan;
 use crate::settings::Memory;
 use crate::target::target;
+<<<<<<< HEAD
 use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers, VertexBasis};
+=======
+use glam::Vec3;
+use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers};
+>>>>>>> 9c3bbca9892c14cd7672809a71ae127745949c6e
 use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
 use lumel_scene::Scene;
@@ -247,7 +253,7 @@ impl Baker {
         &self,
         lumels: &Lumels,
         plan: Plan,
-    ) -> CpuTransport<VertexBasis, LumelReceivers> {
+    ) -> CpuTransport<BounceBasis, LumelReceivers> {
         let receivers = lumels.receivers();
         let order = Order::new(&receivers);
         CpuTransport::in_order(
@@ -259,14 +265,14 @@ impl Baker {
         )
     }
 
-    fn cached_at_lumels(&self, lumels: &Lumels) -> CachedTransport<VertexBasis, LumelReceivers> {
+    fn cached_at_lumels(&self, lumels: &Lumels) -> CachedTransport<BounceBasis, LumelReceivers> {
         CachedTransport::new(self.traced_at_lumels(lumels, self.settings().plan()), None)
     }
 
     /// Measures the lumels that are left of a round.
     fn finish_round(
         &self,
-        (operator, sources): (&CachedTransport<VertexBasis, LumelReceivers>, &[StepSource<'_>]),
+        (operator, sources): (&CachedTransport<BounceBasis, LumelReceivers>, &[StepSource<'_>]),
         light: &mut LumelLight,
         parts: &mut LumelParts,
         control: &Control,
@@ -303,7 +309,7 @@ impl Baker {
     /// How many lumels are measured together, so that their rays fit the settings' memory, and the bytes of these.
     fn part_of(
         &self,
-        operator: &CachedTransport<VertexBasis, LumelReceivers>,
+        operator: &CachedTransport<BounceBasis, LumelReceivers>,
         plan: &Plan,
         active: &[bool],
         most: usize,

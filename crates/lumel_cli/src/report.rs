@@ -1,5 +1,7 @@
 //! Formatting of numbers for people.
 
+pub(crate) use lumel::counted;
+
 /// Seconds: `1.23 s`, `4 min 05 s`, `3 h 12 min`.
 pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;

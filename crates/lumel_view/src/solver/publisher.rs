@@ -195,6 +195,7 @@ impl<'a> Publisher<'a> {
             Step::Bounce(bounce) => bounce,
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
+<<<<<<< HEAD
             Step::Round(_)
             | Step::Shot(_)
             | Step::Validity
@@ -203,6 +204,15 @@ impl<'a> Publisher<'a> {
             | Step::Layer(_) => {
                 return;
             }
+=======
+            Step::Shot(_) => return self.publish_shots(snapshot),
+            Step::Round(_)
+            | Step::Validity
+            | Step::FinalGather
+            | Step::ReadDirect
+            | Step::Directional
+            | Step::Layer(_) => return,
+>>>>>>> 9c3bbca9892c14cd7672809a71ae127745949c6e
         };
         let field = self.completed(bounce, snapshot);
         // It is not read as the nearest function, which would swing between what is measured and what is not.
@@ -297,6 +307,7 @@ impl Observer for Publisher<'_> {
             Step::Bounce(k) => Phase::Bounce(k),
             Step::Shot(shot) => Phase::Shot(shot),
             Step::FinalGather => Phase::FinalGather,
+            Step::ReadDirect => Phase::ReadDirect,
             Step::Directional => Phase::Directional,
             Step::Round(round) => Phase::Round(round),
             Step::Layer(layer) => Phase::Layer(layer),
@@ -319,7 +330,9 @@ impl Observer for Publisher<'_> {
                 self.hand_over(|mail| mail.shot = Some(SolveState { bounces, shot, ..SolveState::new() }));
             }
             Step::Shot(_) => {}
-            Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => return,
+            Step::Validity | Step::FinalGather | Step::ReadDirect | Step::Directional | Step::Layer(_) => {
+                return;
+            }
         }
         if self.keep.is_some() {
             self.hand_over(|mail| mail.state = Some(state.clone()));
