@@ -5,12 +5,7 @@ use crate::BounceBasis;
 use crate::assembly::directional_plan;
 use crate::settings::Memory;
 use crate::target::target;
-<<<<<<< HEAD
-use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers, VertexBasis};
-=======
-use glam::Vec3;
 use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers};
->>>>>>> 9c3bbca9892c14cd7672809a71ae127745949c6e
 use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
 use lumel_scene::Scene;

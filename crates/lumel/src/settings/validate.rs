@@ -4,11 +4,7 @@ use super::adaptive::Adaptive;
 use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
 use super::layers::Layers;
-<<<<<<< HEAD
-=======
 use super::point_spacing::PointSpacing;
-use super::schedule_kind::ScheduleKind;
->>>>>>> 9c3bbca9892c14cd7672809a71ae127745949c6e
 use super::solver_kind::SolverKind;
 use super::table::{
     ADAPTIVE, ALL, BOUNCES, DIRECTIONAL, Definition, LAYERS, POINT_SPACING, SCHEDULE, SOLVER, Setting as _,

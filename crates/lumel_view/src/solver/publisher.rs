@@ -195,24 +195,13 @@ impl<'a> Publisher<'a> {
             Step::Bounce(bounce) => bounce,
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
-<<<<<<< HEAD
             Step::Round(_)
             | Step::Shot(_)
-            | Step::Validity
-            | Step::FinalGather
-            | Step::Directional
-            | Step::Layer(_) => {
-                return;
-            }
-=======
-            Step::Shot(_) => return self.publish_shots(snapshot),
-            Step::Round(_)
             | Step::Validity
             | Step::FinalGather
             | Step::ReadDirect
             | Step::Directional
             | Step::Layer(_) => return,
->>>>>>> 9c3bbca9892c14cd7672809a71ae127745949c6e
         };
         let field = self.completed(bounce, snapshot);
         // It is not read as the nearest function, which would swing between what is measured and what is not.
