@@ -1,8 +1,8 @@
 //! A first look at all light, long before a solve has it.
 
-use crate::Baker;
+use crate::{Baker, BounceBasis};
 use glam::{DVec3, Vec3};
-use lumel_basis::{Basis as _, Field, PointReceivers, VertexBasis};
+use lumel_basis::{Basis as _, Field, NodeWeights, PointReceivers};
 use lumel_scene::{Barycentrics, SurfacePoint, TriId};
 use lumel_transport::{Control, CpuTransport, Job, Plan, Source, TransportError, accumulate};
 use std::sync::Arc;
@@ -73,7 +73,7 @@ impl<'a> Places<'a> {
     }
 
     /// What measures light at the places, and reads it everywhere.
-    fn operator(&self) -> Result<CpuTransport<VertexBasis, PointReceivers>, TransportError> {
+    fn operator(&self) -> Result<CpuTransport<BounceBasis, PointReceivers>, TransportError> {
         let (baker, scene) = (self.baker, self.baker.scene());
         let at = |&tri: &TriId| {
             let middle = SurfacePoint { tri, bary: MIDDLE };
@@ -95,17 +95,22 @@ impl<'a> Places<'a> {
     /// What was measured at the places, spread over all nodes.
     fn spread(&self, measured: &Field) -> Field {
         let basis = self.baker.basis();
-        let (mut sums, mut counts) = (vec![DVec3::ZERO; basis.node_count()], vec![0u32; basis.node_count()]);
-        let corners = basis.corner_nodes().unwrap_or_default();
-        for (tri, value) in self.triangles.iter().zip(measured.values()) {
-            for node in corners[tri.index()] {
-                sums[node.index()] += value.as_dvec3();
-                counts[node.index()] += 1;
+        let (mut sums, mut all_weights) =
+            (vec![DVec3::ZERO; basis.node_count()], vec![0.0; basis.node_count()]);
+        let mut weights = NodeWeights::default();
+        for (&tri, value) in self.triangles.iter().zip(measured.values()) {
+            weights.clear();
+            basis.weights_at(SurfacePoint { tri, bary: MIDDLE }, &mut weights);
+            for (node, weight) in weights.iter() {
+                sums[node.index()] += f64::from(weight) * value.as_dvec3();
+                all_weights[node.index()] += f64::from(weight);
             }
         }
-        let mean = |(sum, &count): (&DVec3, &u32)| (*sum / f64::from(count.max(1))).as_vec3();
-        let mut field = Field::from_values(sums.iter().zip(&counts).map(mean).collect());
-        let known: Vec<bool> = counts.iter().map(|count| *count > 0).collect();
+        let known: Vec<bool> = all_weights.iter().map(|weight| *weight > 0.0).collect();
+        let mean = |(sum, &weight): (&DVec3, &f64)| {
+            if weight > 0.0 { (*sum / weight).as_vec3() } else { Vec3::ZERO }
+        };
+        let mut field = Field::from_values(sums.iter().zip(&all_weights).map(mean).collect());
         let known = basis.adjacency().extrapolate(&mut field, &known);
         // Parts of the mesh without a place are as bright as those before them in the mesh.
         let mut last = Vec3::ZERO;

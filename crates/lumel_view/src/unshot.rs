@@ -40,8 +40,7 @@ impl Unshot {
             brightest.select_nth_unstable_by(MAX_MARKED, by_power);
             brightest.truncate(MAX_MARKED);
         }
-        let (vertices, positions) = (baker.basis().first_vertices(), baker.scene().positions());
-        let brightest = brightest.iter().map(|node| positions[vertices[node.index()] as usize]).collect();
+        let brightest = brightest.iter().map(|&node| baker.position_of(node)).collect();
         Some(Self { radiosity, ambient: baker.ambient(state), seen: None, brightest })
     }
     /// Adds what is still to come to light at the vertices.

@@ -1,14 +1,18 @@
 //! Which settings can be used.
 
+use super::adaptive::Adaptive;
 use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
 use super::layers::Layers;
+use super::point_spacing::PointSpacing;
 use super::solver_kind::SolverKind;
 use super::table::{
-    ALL, BOUNCES, Definition, LAYERS, SCHEDULE, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR,
+    ADAPTIVE, ALL, BOUNCES, DIRECTIONAL, Definition, LAYERS, POINT_SPACING, SCHEDULE, SOLVER, Setting as _,
+    Settings, SettingsPatch, TARGET_ERROR,
 };
 use super::target_error::TargetError;
 use super::value::Value;
+use lumel_basis::Directional;
 
 impl SettingsPatch {
     /// Checks every value that is set.
@@ -31,6 +35,9 @@ impl Settings {
             let reason = "shots tell no bounces apart, use bounces all";
             return Err(self.excluded_by(&SCHEDULE, &BOUNCES, reason));
         }
+        if self.point_spacing != PointSpacing::Off {
+            self.validate_with_points()?;
+        }
         if self.target_error == TargetError::Off {
             return Ok(());
         }
@@ -40,6 +47,26 @@ impl Settings {
         if self.layers != Layers::Off {
             let reason = "the error of single layers is not known";
             return Err(self.excluded_by(&TARGET_ERROR, &LAYERS, reason));
+        }
+        Ok(())
+    }
+
+    /// What does not go together with points.
+    fn validate_with_points(&self) -> Result<(), SettingsError> {
+        if self.adaptive != Adaptive::Off {
+            return Err(self.excluded_by(
+                &POINT_SPACING,
+                &ADAPTIVE,
+                "points do not need a mesh that follows light",
+            ));
+        }
+        if self.layers != Layers::Off {
+            let reason = "layers would not add up, as all direct light is measured at vertices";
+            return Err(self.excluded_by(&POINT_SPACING, &LAYERS, reason));
+        }
+        if self.directional != Directional::Off {
+            let reason = "light by direction is carried on vertices alone";
+            return Err(self.excluded_by(&POINT_SPACING, &DIRECTIONAL, reason));
         }
         Ok(())
     }

@@ -108,6 +108,8 @@ fn control(ui: &mut Ui, setting: &dyn Setting, settings: &mut Settings) {
         Slot::Memory(memory) => size(ui, about, &hint, memory),
         Slot::Share(share) => percent_of(ui, about, &hint, share),
         Slot::TargetError(error) => target(ui, about, &hint, error),
+        // The window carries light on vertices.
+        Slot::PointSpacing(_) => {}
         Slot::Adaptive(adaptive) => follow_light(ui, about, &hint, adaptive),
     }
 }

@@ -102,6 +102,7 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
             None => format!("Shot {}", shot + 1),
         },
         Phase::FinalGather => "Final gather".to_owned(),
+        Phase::ReadDirect => "Direct light at vertices".to_owned(),
         Phase::Directional => "Light by direction".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::Layer(layer) => format!("Layer {} of {}", layer + 1, progress.layers),

@@ -31,6 +31,8 @@ pub enum Phase {
     Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// Measuring direct light at the vertices, where points have carried the bounces.
+    ReadDirect,
     /// Measuring where all light comes from.
     Directional,
     /// Adding samples where the error is above the target; 0 is the first round.

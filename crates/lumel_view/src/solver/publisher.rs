@@ -199,10 +199,9 @@ impl<'a> Publisher<'a> {
             | Step::Shot(_)
             | Step::Validity
             | Step::FinalGather
+            | Step::ReadDirect
             | Step::Directional
-            | Step::Layer(_) => {
-                return;
-            }
+            | Step::Layer(_) => return,
         };
         let field = self.completed(bounce, snapshot);
         // It is not read as the nearest function, which would swing between what is measured and what is not.
@@ -297,6 +296,7 @@ impl Observer for Publisher<'_> {
             Step::Bounce(k) => Phase::Bounce(k),
             Step::Shot(shot) => Phase::Shot(shot),
             Step::FinalGather => Phase::FinalGather,
+            Step::ReadDirect => Phase::ReadDirect,
             Step::Directional => Phase::Directional,
             Step::Round(round) => Phase::Round(round),
             Step::Layer(layer) => Phase::Layer(layer),
@@ -319,7 +319,9 @@ impl Observer for Publisher<'_> {
                 self.hand_over(|mail| mail.shot = Some(SolveState { bounces, shot, ..SolveState::new() }));
             }
             Step::Shot(_) => {}
-            Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => return,
+            Step::Validity | Step::FinalGather | Step::ReadDirect | Step::Directional | Step::Layer(_) => {
+                return;
+            }
         }
         if self.keep.is_some() {
             self.hand_over(|mail| mail.state = Some(state.clone()));
