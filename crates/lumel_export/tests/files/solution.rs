@@ -262,7 +262,7 @@ fn arrays_of_a_wrong_shape_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (path, bad) = (folder.path().join("a.npz"), folder.path().join("b.npz"));
     solution(&plain("box")).save(&path).unwrap();
-    let wrong: [(&str, Array); 9] = [
+    let wrong: [(&str, Array); 12] = [
         ("irradiance", Array { shape: vec![3, 4], data: ArrayData::F32(vec![0.0; 12]) }),
         ("positions", Array { shape: vec![4, 3], data: ArrayData::U32(vec![0; 12]) }),
         ("bounces", Array { shape: vec![4, 3], data: ArrayData::F32(vec![0.0; 12]) }),
