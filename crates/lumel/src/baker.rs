@@ -176,6 +176,16 @@ impl Baker {
         brightest(&powers.unwrap_or_default(), share)
     }
 
+    /// Where a node lies.
+    pub fn position_of(&self, node: NodeId) -> Vec3 {
+        match &**self.basis() {
+            BounceBasis::Vertices(basis) => {
+                self.scene().positions()[basis.first_vertices()[node.index()] as usize]
+            }
+            BounceBasis::Points(basis) => basis.points()[node.index()].position,
+        }
+    }
+
     /// Power that arrives in a field, W by luminance.
     pub fn power(&self, field: &Field) -> f64 {
         self.integrals.power(field)

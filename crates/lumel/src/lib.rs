@@ -25,6 +25,7 @@ mod decimal;
 mod difference;
 mod error_estimate;
 mod file_format;
+mod first_look;
 mod layers;
 mod light_entry;
 mod light_file;
@@ -47,11 +48,13 @@ mod resume;
 mod samples;
 mod settings;
 mod sky_entry;
+mod solved_lumels;
 pub mod spec;
 mod suggestion;
 mod surfaces;
 mod target;
 mod two_sided;
+mod words;
 mod workload;
 
 pub use adaptive::{Adapted, RefinementEnd, Refining};
@@ -79,7 +82,7 @@ pub use lumel_export::{
     SolutionLayer, SolutionSelection,
 };
 pub use lumel_import::PathPolicy;
-pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
+pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight, SolvedLight};
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
     AlphaMode, Bisection, Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material,
@@ -108,6 +111,7 @@ pub use settings::{
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
 pub use suggestion::suggested_light;
+pub use words::counted;
 pub use workload::Remainder;
 
 /// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.

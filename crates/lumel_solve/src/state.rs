@@ -106,7 +106,7 @@ impl SolveState {
     }
 
     /// All light that has been found, part by part: without the tail, and before a final gather.
-    pub(crate) fn found(&self) -> impl Iterator<Item = &Field> {
+    pub fn found(&self) -> impl Iterator<Item = &Field> {
         self.bounces.iter().chain(self.shot.iter().map(|shot| &shot.reflected))
     }
 

@@ -70,6 +70,10 @@ pub enum Command {
     LumelGrid,
     /// Show one way of looking at the scene, or the usual one if it is shown already.
     Show(ViewMode),
+    /// Mark where the most light is still to be reflected.
+    Shooters,
+    /// Add what is still to come on average.
+    Ambient,
     /// Keep the light to compare with.
     KeepLight,
     /// Show two lights side by side.
@@ -219,6 +223,9 @@ pub const BINDINGS: &[Binding] = &[
     bind(Command::Show(ViewMode::LumelDensity), Key::Y, "Show the density of lumels", Group::View),
     bind(Command::Show(ViewMode::Validity), Key::F3, "Show what lies inside geometry", Group::View),
     bind(Command::Show(ViewMode::Seams), Key::F4, "Show the seams of the lightmap", Group::View),
+    bind(Command::Show(ViewMode::Unshot), Key::F6, "Show what is still to be reflected", Group::View),
+    bind(Command::Shooters, Key::F7, "Mark the brightest shooters", Group::View),
+    bind(Command::Ambient, Key::F8, "Ambient term while a solve is not finished", Group::View),
     bind(Command::KeepLight, Key::P, "Keep this solution for comparison", Group::View),
     bind(Command::Split, Key::C, "Compare side by side", Group::View),
     bind(Command::Help, Key::F1, "Show all keys", Group::View),

@@ -27,7 +27,11 @@ pub fn of_lumels(session: &Session, mode: ViewMode, selection: Selection) -> Opt
             session.lumel_light().map(|light| light.select(selection))
         }
         ViewMode::StandardError => session.lumel_light()?.errors(),
-        ViewMode::Albedo | ViewMode::Normals | ViewMode::TriangleSize | ViewMode::Bends => None,
+        ViewMode::Albedo
+        | ViewMode::Normals
+        | ViewMode::Unshot
+        | ViewMode::TriangleSize
+        | ViewMode::Bends => None,
         ViewMode::Validity => {
             let light = session.lumel_light();
             Some(covered(layout, |place, _| {

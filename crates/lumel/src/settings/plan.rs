@@ -39,6 +39,11 @@ impl Settings {
         Self { target_error: TargetError::Off, directional, ..self.clone() }
     }
 
+    /// Whether each bounce is known by itself: shots tell none apart.
+    pub fn tells_bounces(&self) -> bool {
+        self.schedule == ScheduleKind::Gather
+    }
+
     /// In which order light is transported, and until when.
     pub fn schedule(&self) -> Box<dyn Schedule> {
         match self.schedule {

@@ -229,7 +229,7 @@ macro_rules! settings {
                 settings.adaptive = settings.adaptive.with_error_of(preset);
                 settings.point_spacing = settings.point_spacing.with_points_of(preset);
                 // A number of bounces that only the preset asks for does not stand in the way of shooting.
-                if settings.schedule == ScheduleKind::Shoot && self.bounces.is_none() {
+                if !settings.tells_bounces() && self.bounces.is_none() {
                     settings.bounces = BounceLimit::All;
                 }
                 settings

@@ -5,7 +5,6 @@ use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
 use super::layers::Layers;
 use super::point_spacing::PointSpacing;
-use super::schedule_kind::ScheduleKind;
 use super::solver_kind::SolverKind;
 use super::table::{
     ADAPTIVE, ALL, BOUNCES, DIRECTIONAL, Definition, LAYERS, LEVELS, POINT_SPACING, SCHEDULE, SOLVER,
@@ -32,7 +31,7 @@ impl Settings {
     /// [`SettingsError::Invalid`] or [`SettingsError::Conflict`] for the first that is wrong.
     pub fn validate(&self) -> Result<(), SettingsError> {
         SettingsPatch::complete(self).validate()?;
-        if let (ScheduleKind::Shoot, BounceLimit::Count(_)) = (self.schedule, self.bounces) {
+        if let (false, BounceLimit::Count(_)) = (self.tells_bounces(), self.bounces) {
             let reason = "shots tell no bounces apart, use bounces all";
             return Err(self.excluded_by(&SCHEDULE, &BOUNCES, reason));
         }
@@ -84,7 +83,7 @@ impl Settings {
             let reason = "the error of what levels differ by says little about their sum";
             return Err(self.excluded_by(&LEVELS, &TARGET_ERROR, reason));
         }
-        if self.schedule == ScheduleKind::Shoot {
+        if !self.tells_bounces() {
             let reason = "which points are the brightest is not known of their differences";
             return Err(self.excluded_by(&LEVELS, &SCHEDULE, reason));
         }
@@ -120,6 +119,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::ScheduleKind;
 
     #[test]
     fn what_makes_no_sense_is_refused_with_its_name_its_value_and_a_remedy() {

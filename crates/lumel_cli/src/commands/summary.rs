@@ -286,17 +286,22 @@ impl ErrorReport {
     }
 }
 
+/// From this factor on, the darker half of the surfaces has an error of its own in the summary.
+const MUCH_WORSE: f64 = 5.0;
+
 /// An estimated error, relative.
 #[derive(Debug, Serialize)]
 struct EstimateReport {
     error: f64,
+    /// Of the light on the darker half of the surfaces alone.
+    in_darker_half: Option<f64>,
     cause: &'static str,
     /// The option that lowers it.
     remedy: &'static str,
 }
 
 impl EstimateReport {
-    fn new(ErrorEstimate { error, cause }: ErrorEstimate, settings: &Settings) -> Self {
+    fn new(ErrorEstimate { error, in_darker_half, cause }: ErrorEstimate, settings: &Settings) -> Self {
         let (cause, remedy) = match cause {
             ErrorCause::DirectNoise => ("noise of direct light", "--direct-samples"),
             ErrorCause::IndirectNoise => ("noise of bounces", "--indirect-samples"),
@@ -305,7 +310,7 @@ impl EstimateReport {
             }
             ErrorCause::CoarseMesh => ("edges of light between vertices", "--max-edge"),
         };
-        Self { error, cause, remedy }
+        Self { error, in_darker_half, cause, remedy }
     }
 }
 
@@ -317,8 +322,12 @@ impl EstimateReport {
             _ => "more",
         };
         let error = report::percent(self.error);
+        let is_worse = |darker: &f64| *darker > MUCH_WORSE * self.error;
+        let darker = self.in_darker_half.filter(is_worse).map_or_else(String::new, |darker| {
+            format!(" and {} of that on their darker half", report::percent(darker))
+        });
         format!(
-            "error about {error} of the light, most of it {}: {more} {} lowers it",
+            "error about {error} of the light on all surfaces{darker}, most of it {}: {more} {} lowers it",
             self.cause, self.remedy
         )
     }

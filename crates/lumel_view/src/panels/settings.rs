@@ -1,11 +1,12 @@
 //! Settings of the solve, as the table of all settings has them.
 
+use super::order;
 use crate::theme;
 use crate::widgets::{check, choice, number, row, slider};
 use eframe::egui::{DragValue, RichText, Slider, Ui};
 use lumel::setting::{
     self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, INDIRECT_SAMPLES, LEVELS, MAX_VERTICES,
-    REMAINDER, SAMPLER, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
+    REMAINDER, SAMPLER, SCHEDULE, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
 };
 use lumel::{Adaptive, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
 use std::ops::RangeInclusive;
@@ -20,10 +21,11 @@ const DEFAULT_ERROR: f32 = 0.02;
 const PRESETS_WIDTH: f32 = 240.0;
 
 /// The settings with a place of their own, in that order; all others are under "More".
-static PLACED: [&dyn Setting; 10] = [
+static PLACED: [&dyn Setting; 11] = [
     &DIRECT_SAMPLES,
     &INDIRECT_SAMPLES,
     &SAMPLER,
+    &SCHEDULE,
     &BOUNCES,
     &REMAINDER,
     &TAIL,
@@ -38,10 +40,15 @@ pub(super) fn show(ui: &mut Ui, settings: &mut Settings) {
     for setting in PLACED {
         match setting.about().name {
             name if name == REMAINDER.about.name && settings.bounces != BounceLimit::All => {}
+            name if name == BOUNCES.about.name => {
+                ui.add_enabled_ui(settings.tells_bounces(), |ui| control(ui, setting, settings));
+                order::note(ui, settings);
+            }
             name if name == MAX_VERTICES.about.name && settings.adaptive == Adaptive::Off => {}
             name if name == TARGET_SHARE.about.name && settings.target_error == TargetError::Off => {}
             _ => control(ui, setting, settings),
         }
+        order::fit(settings);
     }
     ui.collapsing("More", |ui| {
         let is_placed = |setting: &dyn Setting| PLACED.iter().any(|s| s.about().name == setting.about().name);

@@ -25,7 +25,11 @@ impl LumelContent {
         let layout = session.layout()?.key;
         let generation = session.lumel_generation;
         match mode {
-            ViewMode::Albedo | ViewMode::Normals | ViewMode::TriangleSize | ViewMode::Bends => None,
+            ViewMode::Albedo
+            | ViewMode::Normals
+            | ViewMode::Unshot
+            | ViewMode::TriangleSize
+            | ViewMode::Bends => None,
             ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => {
                 session.lumel_light()?;
                 // They differ in how they show the same.

@@ -21,6 +21,7 @@ mod recovery;
 mod saving;
 mod scenes;
 mod settings;
+mod shooting;
 mod snapshots;
 mod solutions;
 mod solve;
