@@ -77,11 +77,13 @@ impl Baker {
         let basis = self.basis().points()?;
         let values = |field: &Field| field.values().to_vec();
         let (points, scene) = (basis.points(), self.scene());
+        let of_level = |level: u32| basis.nodes_of_level(level).map(move |_| level);
+        let levels: Vec<u32> = (0..basis.level_count()).flat_map(of_level).collect();
         Some(SolutionPoints {
             positions: points.iter().map(|point| scene.to_world(point.position)).collect(),
             normals: points.iter().map(|point| point.normal).collect(),
-            radii: vec![basis.radius(); points.len()],
-            levels: vec![0; points.len()],
+            radii: levels.iter().map(|&level| basis.radius_of_level(level)).collect(),
+            levels,
             valid: state.valid.clone(),
             bounces: state.bounces.iter().map(values).collect(),
             tail: state.beyond_bounces().as_ref().map(values),

@@ -280,7 +280,8 @@ impl Baker {
 }
 
 fn integrals(scene: &Scene, basis: &BounceBasis) -> Integrals {
-    Integrals::new(basis.node_areas().to_vec(), reflecting_areas(scene, basis))
+    let levels = basis.points().map_or(1, |points| points.level_count());
+    Integrals::new(basis.node_areas().to_vec(), reflecting_areas(scene, basis)).of_levels(levels)
 }
 
 #[cfg(test)]

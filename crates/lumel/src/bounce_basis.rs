@@ -1,6 +1,6 @@
 //! What bounces are carried on.
 
-use lumel_basis::{Adjacency, Basis, Identity, MeshlessBasis, NodeId, NodeWeights, VertexBasis};
+use lumel_basis::{Adjacency, Basis, Hierarchy, Identity, MeshlessBasis, NodeId, NodeWeights, VertexBasis};
 use lumel_scene::SurfacePoint;
 use std::sync::Arc;
 
@@ -66,6 +66,10 @@ impl Basis for BounceBasis {
 
     fn adjacency(&self) -> &Adjacency {
         self.any().adjacency()
+    }
+
+    fn hierarchy(&self) -> Option<&dyn Hierarchy> {
+        self.any().hierarchy()
     }
 
     fn resolution(&self) -> f32 {

@@ -76,7 +76,10 @@ pub fn vertex_errors(
     let reader = baker.light_reader(state);
     let totals: Vec<Field> =
         totals(n_nodes, &steps).iter().map(|total| reader.read(total).into_owned()).collect();
-    Ok(baker.carried_at_vertices(&Field::from_values(standard_error(n_nodes, &totals))))
+    // Each level of points has errors of its own: what is read is their mean.
+    let levels = baker.basis().points().map_or(1, |points| points.level_count()) as f32;
+    let errors = baker.carried_at_vertices(&Field::from_values(standard_error(n_nodes, &totals)));
+    Ok(errors.into_iter().map(|error| error / levels).collect())
 }
 
 /// The direct and the hemisphere samples of one of the replicates.

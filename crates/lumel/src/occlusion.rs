@@ -27,6 +27,9 @@ impl Baker {
         let valid: Vec<bool> =
             known.iter().zip(&state.valid).map(|(known, valid)| *known && *valid).collect();
         self.basis().adjacency().complete(&mut field, &valid);
+        if let Some(hierarchy) = self.basis().hierarchy() {
+            hierarchy.analyze(&mut field);
+        }
         if let Some(readout) = self.readout() {
             readout.read(&mut field);
         }

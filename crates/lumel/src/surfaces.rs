@@ -60,12 +60,15 @@ impl Surfaces {
     pub(crate) fn carrying(&self, settings: &Settings) -> Self {
         let scene = self.vertices.scene();
         let spacing = settings.point_spacing.on(scene);
-        if self.basis.points().map(|points| points.spacing()) == spacing {
+        let wanted = spacing.map(|spacing| (spacing, settings.levels));
+        if self.basis.points().map(|points| (points.spacing(), points.level_count())) == wanted {
             return self.clone();
         }
-        let basis = match spacing {
+        let basis = match wanted {
             None => BounceBasis::Vertices(Arc::clone(&self.vertices)),
-            Some(spacing) => BounceBasis::Points(Arc::new(MeshlessBasis::new(Arc::clone(scene), spacing))),
+            Some((spacing, levels)) => {
+                BounceBasis::Points(Arc::new(MeshlessBasis::with_levels(Arc::clone(scene), spacing, levels)))
+            }
         };
         Self { basis: Arc::new(basis), at_nodes: Arc::default(), ..self.clone() }
     }

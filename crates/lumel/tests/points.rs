@@ -60,8 +60,7 @@ fn difference(a: &[Vec3], b: &[Vec3]) -> f64 {
 
 /// Mean irradiance over all surfaces.
 fn mean(baker: &Baker, state: &SolveState) -> f64 {
-    let area: f64 = baker.basis().node_areas().iter().map(|area| f64::from(*area)).sum();
-    baker.power(&state.total()) / area
+    baker.integrals().mean(&state.total())
 }
 
 #[test]
@@ -99,6 +98,8 @@ fn every_solver_schedule_and_sampler_carries_light_on_points() {
         ("neumann", Settings { solver: SolverKind::Neumann, ..all.clone() }),
         ("few stored", few),
         ("shot", Settings { schedule: ScheduleKind::Shoot, ..all.clone() }),
+        ("levels", Settings { levels: 3, ..all.clone() }),
+        ("levels, traced", Settings { levels: 2, solver: SolverKind::Neumann, ..all.clone() }),
         ("target error", Settings { target_error: "20%".parse().unwrap(), ..all.clone() }),
     ];
     for sampler in SamplerKind::ALL {
@@ -115,9 +116,9 @@ fn every_solver_schedule_and_sampler_carries_light_on_points() {
         let solution = baker.solution(&state);
         let points = solution.points.as_ref().unwrap();
         assert_eq!((points.len(), solution.valid.len()), (state.valid.len(), scene.vertex_count()));
-        assert!(
-            points.radii.iter().all(|radius| *radius == 0.12) && points.bounces.len() == state.bounces.len()
-        );
+        let radius = |level: u32| 0.12 * f32::from(1u8 << (settings.levels - 1 - level));
+        assert!(points.radii.iter().zip(&points.levels).all(|(found, level)| *found == radius(*level)));
+        assert_eq!(points.bounces.len(), state.bounces.len());
         assert!(solution.irradiance.iter().all(|e| e.is_finite() && e.min_element() >= 0.0));
     }
 }
@@ -138,7 +139,8 @@ fn a_resumed_bake_has_the_same_bits_on_any_number_of_threads() {
     let scene = room(3);
     for schedule in [ScheduleKind::Gather, ScheduleKind::Shoot] {
         let bounces = if schedule == ScheduleKind::Shoot { BounceLimit::All } else { BounceLimit::Count(2) };
-        let settings = Settings { schedule, bounces, remainder: 0.1, ..settings() };
+        let levels = if schedule == ScheduleKind::Gather { 2 } else { 1 };
+        let settings = Settings { schedule, bounces, levels, remainder: 0.1, ..settings() };
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
@@ -224,10 +226,18 @@ fn what_does_not_go_together_with_points_is_refused_by_name() {
         let message = bad.validate().unwrap_err().to_string();
         assert!(message.contains("point_spacing 0.06 and") && message.contains(other), "{message}");
     }
+    for (bad, other) in [
+        (Settings { point_spacing: PointSpacing::Off, ..settings() }, "point_spacing"),
+        (Settings { target_error: "2%".parse().unwrap(), ..settings() }, "target_error"),
+        (Settings { schedule: ScheduleKind::Shoot, bounces: BounceLimit::All, ..settings() }, "schedule"),
+    ] {
+        let message = Settings { levels: 2, ..bad }.validate().unwrap_err().to_string();
+        assert!(message.contains("levels 2 and") && message.contains(other), "{message}");
+    }
     let scene = room(1);
-    let tiny = PointSpacing::Metres(1e-6).need(&scene).unwrap();
+    let tiny = PointSpacing::Metres(1e-6).need(&scene, 1).unwrap();
     let least = tiny.least_spacing.unwrap();
     assert!(tiny.points > 1_000_000_000_000 && (1e-4..1e-3).contains(&least), "{tiny:?}");
     assert_eq!(PointSpacing::Metres(1e-6).on(&scene), Some(least));
-    assert_eq!(PointSpacing::Metres(0.1).need(&scene).unwrap().least_spacing, None);
+    assert_eq!(PointSpacing::Metres(0.1).need(&scene, 4).unwrap().least_spacing, None);
 }

@@ -24,6 +24,7 @@ fn unusual() -> Settings {
     Settings {
         projection: Projection::Area,
         point_spacing: PointSpacing::Points(500),
+        levels: 3,
         adaptive: "3%".parse().unwrap(),
         max_vertices: 1000,
         schedule: ScheduleKind::Shoot,

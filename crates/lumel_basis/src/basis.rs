@@ -8,8 +8,8 @@ use lumel_scene::{Irradiance, SurfacePoint};
 /// It measures nothing: that is the part of [`Receivers`](crate::Receivers), which may count towards the nodes of a basis or
 /// of none. Every implementation keeps these laws:
 ///
-/// - The weights at a point sum to 1, so constants are reproduced.
-/// - `node_areas` is the integral of each basis function, so they sum to the area of the surfaces.
+/// - The weights at a point sum to 1, so constants are reproduced; on each level of a [hierarchy](Self::hierarchy).
+/// - `node_areas` is the integral of each basis function, so they sum to the area of the surfaces, on each level.
 /// - `corner_nodes`, if there are any, agree with `weights_at` everywhere.
 /// - `adjacency` is symmetric and has `node_count` nodes; the nodes of a triangle in `corner_nodes` are adjacent.
 /// - `identity` is the same for the same geometry and construction and another one for any other.
@@ -38,10 +38,27 @@ pub trait Basis: Send + Sync {
     /// Which nodes are next to each other.
     fn adjacency(&self) -> &Adjacency;
 
+    /// What turns values at its nodes into coefficients, where these are not the same.
+    fn hierarchy(&self) -> Option<&dyn Hierarchy> {
+        None
+    }
+
     /// How far apart the places are, metres, by which its functions are integrated well enough; infinite if a few in each triangle do.
     fn resolution(&self) -> f32 {
         f32::INFINITY
     }
+}
+
+/// What bases of several levels know besides, of which each corrects what the coarser ones say.
+///
+/// A field of values at the nodes is measured; its coefficients are what its values differ from the coarser levels by. The weights of a
+/// place sum to 1 on each level; a constant has coefficients at the coarsest level alone.
+pub trait Hierarchy: Basis {
+    /// Replaces values at the nodes by coefficients.
+    fn analyze(&self, field: &mut Field);
+
+    /// Adds the nodes of the coarsest levels up to one, with their weights at a surface point: what is read from afar.
+    fn weights_up_to(&self, level: u32, at: SurfacePoint, weights: &mut NodeWeights);
 }
 
 impl Field {

@@ -33,7 +33,7 @@ pub use angular::{
 };
 pub use area_receivers::AreaReceivers;
 pub use at_vertices::{VertexPoints, incident_at_vertices, irradiance_at_vertices};
-pub use basis::Basis;
+pub use basis::{Basis, Hierarchy};
 pub use field::Field;
 pub use identity::Identity;
 pub use least_squares::{LeastSquares, Limits};

@@ -104,10 +104,15 @@ fn points_are_the_same_on_any_number_of_threads() {
     assert_ne!(one.identity(), MeshlessBasis::new(Arc::clone(&scene), 0.031).identity());
 }
 
-/// A function of position and normal at the nodes.
+/// The coefficients of a function of position and normal.
 fn field(basis: &MeshlessBasis, f: impl Fn(DVec3, DVec3) -> f64) -> Field {
     let value = |point: &SurfaceSample| f(point.position.as_dvec3(), point.normal.as_dvec3());
-    Field::from_values(basis.points().iter().map(|point| Vec3::splat(value(point) as f32)).collect())
+    let mut field =
+        Field::from_values(basis.points().iter().map(|point| Vec3::splat(value(point) as f32)).collect());
+    if let Some(hierarchy) = basis.hierarchy() {
+        hierarchy.analyze(&mut field);
+    }
+    field
 }
 
 fn wave(p: DVec3, _: DVec3) -> f64 {
@@ -116,8 +121,12 @@ fn wave(p: DVec3, _: DVec3) -> f64 {
 
 /// Root mean square error over the surfaces of a wave that is read from its values at the points.
 fn error_of_wave(scene: &Arc<Scene>, spacing: f32) -> f64 {
-    let basis = MeshlessBasis::new(Arc::clone(scene), spacing);
-    Reference::known(scene, 4000, 3, wave).error_of_field(&basis, &field(&basis, wave)).rms
+    error_on(&MeshlessBasis::new(Arc::clone(scene), spacing))
+}
+
+fn error_on(basis: &MeshlessBasis) -> f64 {
+    let scene = basis.scene();
+    Reference::known(scene, 4000, 3, wave).error_of_field(basis, &field(basis, wave)).rms
 }
 
 #[test]
@@ -169,10 +178,12 @@ fn light_leaks_neither_through_thin_walls_nor_around_corners() {
     let both_sides = scene(vec![square([2, 2])], vec![two_sided(grey(0.5, 0.0))], vec![]);
     let slab = cuboid(Vec3::ZERO, Vec3::new(1.0, 0.01, 1.0), 1, Facing::Outward, [0; 6]);
     for scene in [Arc::new(both_sides.build().unwrap().0), built(slab), room(1)] {
-        let basis = MeshlessBasis::new(scene, 0.1);
-        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for (levels, axis) in
+            [1, 3].into_iter().flat_map(|n| [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (n, axis)))
+        {
+            let basis = MeshlessBasis::with_levels(Arc::clone(&scene), 0.1, levels);
             let values = values_of(&basis, |_, normal| normal.dot(axis) > 0.5);
-            assert!(values.iter().all(|(read, lit)| (read - lit).abs() < 1e-6), "{axis}");
+            assert!(values.iter().all(|(read, lit)| (read - lit).abs() < 2e-6), "{axis}, {levels} levels");
         }
     }
 }
@@ -193,5 +204,53 @@ fn functions_lie_where_a_scene_is_moved_to() {
         let (moved, least, distance) = moved(by, size);
         assert!((moved / count - 1.0).abs() < 0.05 && least > 2e-4, "{moved} {count} {least}");
         assert!(distance > 0.99, "{distance}");
+    }
+}
+
+#[test]
+fn levels_bring_the_order_that_kernels_lack() {
+    let square = built(vec![square([1, 1])]);
+    let spacing = |levels: u32| 0.25 * (1.0 - levels as f32).exp2();
+    let errors: Vec<f64> = (1..=5)
+        .map(|levels| error_on(&MeshlessBasis::with_levels(Arc::clone(&square), spacing(levels), levels)))
+        .collect();
+    let ratio = (errors[0] / errors[4]).powf(0.25);
+    println!("{errors:?}, {ratio} from level to level");
+    assert!(ratio > 2.8, "{errors:?}");
+    let alone = error_of_wave(&square, spacing(5));
+    assert!(alone > 3.0 * errors[4], "{alone} without levels, {} with them", errors[4]);
+}
+
+#[test]
+fn constants_stand_in_the_coarsest_level_alone() {
+    let basis = MeshlessBasis::with_levels(room(2), 0.06, 4);
+    assert_eq!(basis.level_count(), 4);
+    let coefficients = field(&basis, |_, _| 3.0);
+    for level in 0..4 {
+        let nodes = basis.nodes_of_level(level);
+        assert_eq!(basis.radius_of_level(level), 0.12 * f32::from(1u8 << (3 - level)));
+        let expected = if level == 0 { 3.0 } else { 0.0 };
+        for node in nodes {
+            let found = coefficients.values()[node as usize].x;
+            assert!((found - expected).abs() < 3e-6, "{found} at level {level}");
+        }
+    }
+    assert_eq!(basis.nodes_of_level(3).end as usize, basis.node_count());
+}
+
+#[test]
+fn what_is_read_from_afar_is_what_coarse_levels_say() {
+    let scene = room(1);
+    let (fine, coarse) = (
+        MeshlessBasis::with_levels(Arc::clone(&scene), 0.05, 3),
+        MeshlessBasis::with_levels(Arc::clone(&scene), 0.1, 2),
+    );
+    let [of_fine, of_coarse] = [&fine, &coarse].map(|basis| field(basis, wave));
+    let hierarchy = fine.hierarchy().unwrap();
+    for at in random_surface_points(&scene, 500, 9) {
+        let (mut weights, mut scratch) = (NodeWeights::default(), NodeWeights::default());
+        hierarchy.weights_up_to(1, at, &mut weights);
+        let afar: f32 = weights.iter().map(|(node, weight)| of_fine.node(node).0.x * weight).sum();
+        assert!((afar - of_coarse.at(&coarse, at, &mut scratch).0.x).abs() < 1e-5);
     }
 }

@@ -246,7 +246,7 @@ pub(crate) fn with_basis(
 
 /// Refuses more points than fit into memory; says how many there will be before they are made.
 pub(crate) fn announce_points(scene: &Scene, settings: &Settings, console: &Console) -> anyhow::Result<()> {
-    let Some(need) = settings.point_spacing.need(scene) else { return Ok(()) };
+    let Some(need) = settings.point_spacing.need(scene, settings.levels) else { return Ok(()) };
     let PointNeed { spacing, points, memory, least_spacing } = need;
     if let Some(least) = least_spacing {
         let least = report::significant(least.into());

@@ -11,9 +11,9 @@ use std::io;
 /// The points that carried light from bounce to bounce, with what they carried.
 ///
 /// In a file: `points`, `point_normals` (points, 3), `point_radius`, `point_level`, `point_valid` (points), `point_bounces`
-/// (bounces, points, 3) and `point_tail` (points, 3). Around every point, light is the mean of the points within their radii, weighted by
-/// `(1 - 3t² + 2t³) max(0, n·nᵢ)` with the distance t over the radius and the normals there; points whose normal is more than 84°
-/// from that of the place do not count.
+/// (bounces, points, 3) and `point_tail` (points, 3). Light at any place is the sum over the levels of the mean of their points
+/// within their radii, weighted by `(1 - 3t² + 2t³) max(0, n·nᵢ)` with the distance t over the radius and the normals there; points whose
+/// normal is more than 84° from that of the place do not count.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolutionPoints {
     /// Their places in world space, metres.
@@ -26,7 +26,8 @@ pub struct SolutionPoints {
     pub levels: Vec<u32>,
     /// Whether each was measured itself. Others, such as those inside a wall, were filled in from neighbours.
     pub valid: Vec<bool>,
-    /// `bounces[k][point]`: light that arrived after `k` reflections, W·m⁻²; `bounces[0]` is direct light.
+    /// `bounces[k][point]`: light that arrived after `k` reflections, W·m⁻²; `bounces[0]` is direct light. At points of finer levels,
+    /// what it differs by from what the coarser levels say there.
     pub bounces: Vec<Vec<Vec3>>,
     /// What no bounce contains, as in a [`Solution`](crate::Solution).
     pub tail: Option<Vec<Vec3>>,
@@ -122,7 +123,8 @@ impl SolutionPoints {
             (VALID, "(point) true where light was measured, false where it was filled in from neighbours"),
             (
                 BOUNCES,
-                "(bounce, point, rgb) light that arrived at the point after 0, 1, 2.. reflections, W/m^2",
+                "(bounce, point, rgb) light that arrived at the point after 0, 1, 2.. reflections, W/m^2, on levels above 0 its \
+                 difference to what the coarser levels say",
             ),
         ]
         .into_iter()

@@ -15,13 +15,26 @@ pub struct Integrals {
     areas: Vec<f32>,
     /// Integral of albedo times the node's basis function, m².
     reflecting: Vec<Vec3>,
+    /// How many times functions sum to 1.
+    levels: u32,
 }
 
 impl Integrals {
     /// The integrals of a basis: `areas` is that of each basis function over the surfaces, `reflecting` that of albedo
     /// times each, both m².
     pub fn new(areas: Vec<f32>, reflecting: Vec<Vec3>) -> Self {
-        Self { areas, reflecting }
+        Self { areas, reflecting, levels: 1 }
+    }
+
+    /// Those of a hierarchy with so many levels, on each of which the functions sum to 1.
+    #[must_use]
+    pub fn of_levels(self, levels: u32) -> Self {
+        Self { levels: levels.max(1), ..self }
+    }
+
+    /// The area of all surfaces, m².
+    fn area(&self) -> f64 {
+        self.areas.iter().map(|&area| f64::from(area)).sum::<f64>() / f64::from(self.levels)
     }
 
     /// Number of nodes.
@@ -31,9 +44,9 @@ impl Integrals {
 
     /// The mean albedo of all surfaces, by luminance.
     pub fn mean_albedo(&self) -> f64 {
-        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        let area = self.area();
         let reflecting: f64 = self.reflecting.iter().map(|&area| f64::from(luminance(area))).sum();
-        if area > 0.0 { reflecting / area } else { 0.0 }
+        if area > 0.0 { reflecting / (area * f64::from(self.levels)) } else { 0.0 }
     }
 
     /// Power that arrives, W per channel.
@@ -43,13 +56,13 @@ impl Integrals {
 
     /// The mean irradiance over all surfaces, by luminance, W·m⁻².
     pub fn mean(&self, field: &Field) -> f64 {
-        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        let area = self.area();
         if area > 0.0 { self.power(field) / area } else { 0.0 }
     }
 
-    /// The mean over all surfaces of the squared irradiance at nodes, by luminance, W²·m⁻⁴.
+    /// The mean over all surfaces of the squared irradiance at nodes, by luminance, W²·m⁻⁴; of a hierarchy, an estimate.
     pub fn mean_square(&self, field: &Field) -> f64 {
-        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        let area = self.area();
         let nodes = self.areas.iter().zip(field.values().iter().step_by(field.channels()));
         let sum: f64 = nodes.map(|(&area, e)| f64::from(area) * f64::from(luminance(*e)).powi(2)).sum();
         if area > 0.0 { sum / area } else { 0.0 }
@@ -82,7 +95,7 @@ impl Integrals {
     }
 
     fn ambient_with(&self, per_power: DVec3, state: &SolveState) -> Vec3 {
-        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        let area = self.area();
         let unshot = state.unshot().map_or(DVec3::ZERO, |unshot| self.reflected(unshot));
         if area > 0.0 { (unshot * per_power / area).as_vec3() } else { Vec3::ZERO }
     }
@@ -94,8 +107,9 @@ impl Integrals {
         let sent = sum(&|field| self.reflected(field)) - unshot;
         let direct = state.bounces.first().map_or(DVec3::ZERO, |direct| self.incident(direct));
         let arrived = sum(&|field| self.incident(field)) - direct;
-        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
-        let albedo = self.reflecting.iter().map(|area| area.as_dvec3()).sum::<DVec3>() / area;
+        let area = self.area();
+        let all = area * f64::from(self.levels);
+        let albedo = self.reflecting.iter().map(|area| area.as_dvec3()).sum::<DVec3>() / all;
         let channel = |k: usize| {
             let all = sent[k] + unshot[k];
             let arrives = if all > 0.0 { ((arrived[k] + unshot[k]) / all).clamp(0.0, 1.0) } else { 1.0 };
@@ -106,7 +120,7 @@ impl Integrals {
 
     /// The share of all light found that is missing where light is shot: the power of the [ambient](Self::ambient) term.
     pub fn missing(&self, state: &SolveState) -> f64 {
-        let area: f64 = self.areas.iter().map(|&area| f64::from(area)).sum();
+        let area = self.area();
         let found: f64 = state.found().map(|field| self.power(field)).sum();
         let missing = area * f64::from(luminance(self.ambient(state)));
         if found > 0.0 { missing / found } else { 0.0 }

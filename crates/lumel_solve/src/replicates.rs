@@ -294,13 +294,11 @@ impl Solve<'_> {
         Ok(self.completed(accumulate(&replicate.passes, &job, self.control, None)?))
     }
 
-    /// The light of all nodes: those that were not measured follow their neighbours.
+    /// The light of all nodes.
     fn completed(&self, measured: Measured) -> Field {
         let Measured { mut field, known, .. } = measured;
         let known: Vec<bool> = known.iter().zip(&self.valid).map(|(known, valid)| *known && *valid).collect();
-        if known.contains(&false) {
-            self.problem.operator.basis.adjacency().complete(&mut field, &known);
-        }
+        self.problem.operator.complete(&mut field, &known);
         field
     }
 }

@@ -60,6 +60,16 @@ impl Operator<'_> {
     pub(crate) fn active<'a>(&self, valid: &'a [bool]) -> Option<&'a [bool]> {
         (self.transport.shape().sampling == Sampling::Point).then_some(valid)
     }
+
+    /// Makes what was measured at some nodes the light of all: the others follow their neighbours, and values become coefficients.
+    pub(crate) fn complete(&self, field: &mut Field, known: &[bool]) {
+        if known.contains(&false) {
+            self.basis.adjacency().complete(field, known);
+        }
+        if let Some(hierarchy) = self.basis.hierarchy() {
+            hierarchy.analyze(field);
+        }
+    }
 }
 
 /// Continues from `state` until the schedule is finished.
@@ -99,7 +109,7 @@ pub fn solve(
                 _ => Source::Emitters(None),
             };
             let job = Job { source, bounce, pass: 0, active: operator.active(&state.valid) };
-            let live = Live { basis: operator.basis, step, state, observer };
+            let live = Live { operator, step, state, observer };
             measured_step(operator, &job, control, Some(&live))?
         };
         if bounce == 0 {
@@ -161,7 +171,7 @@ pub(crate) fn check_basis(state: &SolveState, expected: Identity) -> Result<(), 
     if is_new || found == Some(expected) { Ok(()) } else { Err(SolveError::WrongState { found, expected }) }
 }
 
-/// One application of the operator, with the nodes that were not measured extrapolated.
+/// One application of the operator, with the nodes that were not measured extrapolated: coefficients of its basis.
 pub(crate) fn measured_step(
     operator: Operator<'_>,
     job: &Job<'_>,
@@ -169,9 +179,7 @@ pub(crate) fn measured_step(
     progress: Option<&dyn PartialField>,
 ) -> Result<Measured, TransportError> {
     let mut measured = accumulate(operator.transport, job, control, progress)?;
-    if measured.known.contains(&false) {
-        operator.basis.adjacency().complete(&mut measured.field, &measured.known);
-    }
+    operator.complete(&mut measured.field, &measured.known);
     Ok(measured)
 }
 
@@ -227,7 +235,7 @@ pub(crate) fn find_valid(
 
 /// Makes snapshots of a bounce under way.
 struct Live<'a> {
-    basis: &'a dyn Basis,
+    operator: Operator<'a>,
     step: Step,
     state: &'a SolveState,
     observer: &'a dyn Observer,
@@ -243,9 +251,7 @@ impl PartialField for Live<'_> {
         let valid = &self.state.valid;
         // Hidden nodes follow their neighbours; what is not measured yet stays dark.
         let open: Vec<bool> = known.iter().zip(valid).map(|(known, valid)| known | valid).collect();
-        if open.contains(&false) {
-            self.basis.adjacency().complete(&mut current, &open);
-        }
+        self.operator.complete(&mut current, &open);
         let total = Field::sum(valid.len(), self.state.bounces.iter().chain([&current]));
         self.observer.snapshot(Snapshot {
             total: Arc::new(total),
@@ -264,7 +270,7 @@ impl Live<'_> {
         }
         let one_where_known = known.iter().map(|&known| Vec3::splat(f32::from(u8::from(known)))).collect();
         let mut share = Field::from_values(one_where_known);
-        self.basis.adjacency().complete(&mut share, open);
+        self.operator.basis.adjacency().complete(&mut share, open);
         share.values().iter().map(|share| share.x == 1.0).collect()
     }
 }

@@ -14,20 +14,24 @@ use std::sync::atomic::{AtomicU32, Ordering};
 type MakeBasis = fn(Arc<Scene>) -> Box<dyn Basis>;
 type MakeReceivers = fn(Arc<Scene>) -> Box<dyn Receivers>;
 
-const BASES: [(&str, MakeBasis); 2] =
-    [("vertices", |scene| Box::new(VertexBasis::new(scene))), ("points", |scene| Box::new(meshless(scene)))];
+const BASES: [(&str, MakeBasis); 3] = [
+    ("vertices", |scene| Box::new(VertexBasis::new(scene))),
+    ("points", |scene| Box::new(meshless(scene, 1))),
+    ("levels of points", |scene| Box::new(meshless(scene, 3))),
+];
 
-const RECEIVERS: [(&str, MakeReceivers); 4] = [
+const RECEIVERS: [(&str, MakeReceivers); 5] = [
     ("at vertices", |scene| Box::new(PointReceivers::at_vertices(&Arc::new(VertexBasis::new(scene))))),
     ("over areas", |scene| Box::new(AreaReceivers::new(Arc::new(VertexBasis::new(scene))))),
     ("at points", |scene| Box::new(centres(&scene))),
-    ("at nodes", |scene| Box::new(PointReceivers::at_nodes(&Arc::new(meshless(scene))))),
+    ("at nodes", |scene| Box::new(PointReceivers::at_nodes(&Arc::new(meshless(scene, 1))))),
+    ("at nodes of levels", |scene| Box::new(PointReceivers::at_nodes(&Arc::new(meshless(scene, 3))))),
 ];
 
-/// As many points as scenes have vertices.
-fn meshless(scene: Arc<Scene>) -> MeshlessBasis {
+/// As many points on the finest level as scenes have vertices.
+fn meshless(scene: Arc<Scene>, levels: u32) -> MeshlessBasis {
     let spacing = MeshlessBasis::spacing_for(&scene, 60);
-    MeshlessBasis::new(scene, spacing)
+    MeshlessBasis::with_levels(scene, spacing, levels)
 }
 
 /// A point in the middle of each triangle.

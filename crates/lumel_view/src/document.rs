@@ -103,7 +103,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
             .map(|p| p.bake.clone())
             .filter(|p| *p != SettingsPatch::default())
             // The window carries light on vertices.
-            .map(|p| Settings { point_spacing: PointSpacing::Off, ..p.settings() }),
+            .map(|p| Settings { point_spacing: PointSpacing::Off, levels: 1, ..p.settings() }),
         slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
     };
     let baker = Arc::new(baker);

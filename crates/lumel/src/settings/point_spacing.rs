@@ -54,12 +54,14 @@ impl PointSpacing {
         }
     }
 
-    /// What scattering the points on a scene needs, from areas alone; `None` where bounces are carried on vertices.
-    pub fn need(self, scene: &Scene) -> Option<PointNeed> {
+    /// What scattering the points of so many levels on a scene needs, from areas alone; `None` where bounces are carried on vertices.
+    pub fn need(self, scene: &Scene, levels: u32) -> Option<PointNeed> {
         let spacing = self.wanted_on(scene)?;
-        let points = MeshlessBasis::count_for(scene, spacing);
+        let of_level = |halvings: u32| MeshlessBasis::count_for(scene, spacing * (halvings as f32).exp2());
+        let points = (0..levels).map(of_level).sum();
         let [memory, _] = MeshlessBasis::bytes_for(scene, points);
-        let least_spacing = (points > MOST_POINTS).then(|| MeshlessBasis::spacing_for(scene, MOST_POINTS));
+        let least_spacing =
+            (of_level(0) > MOST_POINTS).then(|| MeshlessBasis::spacing_for(scene, MOST_POINTS));
         Some(PointNeed { spacing, points, memory: Memory(memory), least_spacing })
     }
 }

@@ -7,8 +7,8 @@ use super::layers::Layers;
 use super::point_spacing::PointSpacing;
 use super::solver_kind::SolverKind;
 use super::table::{
-    ADAPTIVE, ALL, BOUNCES, DIRECTIONAL, Definition, LAYERS, POINT_SPACING, SCHEDULE, SOLVER, Setting as _,
-    Settings, SettingsPatch, TARGET_ERROR,
+    ADAPTIVE, ALL, BOUNCES, DIRECTIONAL, Definition, LAYERS, LEVELS, POINT_SPACING, SCHEDULE, SOLVER,
+    Setting as _, Settings, SettingsPatch, TARGET_ERROR,
 };
 use super::target_error::TargetError;
 use super::value::Value;
@@ -37,6 +37,9 @@ impl Settings {
         }
         if self.point_spacing != PointSpacing::Off {
             self.validate_with_points()?;
+        }
+        if self.levels > 1 {
+            self.validate_with_levels()?;
         }
         if self.target_error == TargetError::Off {
             return Ok(());
@@ -67,6 +70,22 @@ impl Settings {
         if self.directional != Directional::Off {
             let reason = "light by direction is carried on vertices alone";
             return Err(self.excluded_by(&POINT_SPACING, &DIRECTIONAL, reason));
+        }
+        Ok(())
+    }
+
+    /// What does not go together with levels of points.
+    fn validate_with_levels(&self) -> Result<(), SettingsError> {
+        if self.point_spacing == PointSpacing::Off {
+            return Err(self.excluded_by(&LEVELS, &POINT_SPACING, "levels are levels of points"));
+        }
+        if self.target_error != TargetError::Off {
+            let reason = "the error of what levels differ by says little about their sum";
+            return Err(self.excluded_by(&LEVELS, &TARGET_ERROR, reason));
+        }
+        if !self.tells_bounces() {
+            let reason = "which points are the brightest is not known of their differences";
+            return Err(self.excluded_by(&LEVELS, &SCHEDULE, reason));
         }
         Ok(())
     }

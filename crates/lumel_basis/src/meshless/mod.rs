@@ -6,10 +6,13 @@ mod receivers;
 mod scatter;
 
 use crate::parts::for_each_weight;
-use crate::{Adjacency, Basis, Identity, NodeId, NodeWeights};
+use crate::{Adjacency, Basis, Field, Hierarchy, Identity, NodeId, NodeWeights};
+use glam::Vec3;
 use lumel_scene::{Scene, SurfacePoint, TriId};
 use nodes::NodeGrid;
+use rayon::prelude::*;
 pub use scatter::SurfaceSample;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// Functions are integrated over parts of triangles that are this share of the spacing long at most.
@@ -26,12 +29,23 @@ const PART: f32 = 0.5;
 #[derive(Clone, Debug)]
 pub struct MeshlessBasis {
     scene: Arc<Scene>,
+    /// Of the finest level, metres.
     spacing: f32,
+    /// From the coarsest to the finest.
+    levels: Vec<Level>,
+    /// Of all levels, one after the other.
     points: Vec<SurfaceSample>,
-    grid: NodeGrid,
     areas: Vec<f32>,
     /// Made when it is first asked for: most solves know all nodes.
     adjacency: OnceLock<Adjacency>,
+}
+
+/// Points of one spacing.
+#[derive(Clone, Debug)]
+struct Level {
+    grid: NodeGrid,
+    /// The number of its first node among those of all levels.
+    first: u32,
 }
 
 impl MeshlessBasis {
@@ -39,9 +53,29 @@ impl MeshlessBasis {
     ///
     /// Runs on the threads of the caller's rayon pool; the result does not depend on their number.
     pub fn new(scene: Arc<Scene>, spacing: f32) -> Self {
-        let mut points = scatter::scattered(&scene, spacing);
-        let grid = NodeGrid::new(scene.bounds().min, spacing, &mut points);
-        let mut basis = Self { scene, spacing, areas: Vec::new(), points, grid, adjacency: OnceLock::new() };
+        Self::with_levels(scene, spacing, 1)
+    }
+
+    /// The same with coarser levels below it, each of twice the spacing of the next, so many in all: a
+    /// [hierarchy](Basis::hierarchy) of scattered-data approximations. The points of levels have nothing to do with each other.
+    ///
+    /// With the levels, the error of smooth light falls faster with the spacing; they have a third more nodes.
+    pub fn with_levels(scene: Arc<Scene>, spacing: f32, levels: u32) -> Self {
+        let mut basis = Self {
+            scene,
+            spacing,
+            levels: Vec::new(),
+            points: Vec::new(),
+            areas: Vec::new(),
+            adjacency: OnceLock::new(),
+        };
+        for halvings in (0..levels.max(1)).rev() {
+            let spacing = spacing * (halvings as f32).exp2();
+            let mut points = scatter::scattered(&basis.scene, spacing);
+            let grid = NodeGrid::new(basis.scene.bounds().min, spacing, &mut points);
+            basis.levels.push(Level { grid, first: basis.points.len() as u32 });
+            basis.points.append(&mut points);
+        }
         basis.areas = basis.integrated();
         basis
     }
@@ -67,19 +101,40 @@ impl MeshlessBasis {
         &self.scene
     }
 
-    /// The least distance between points that face the same way, metres.
+    /// The least distance between points of the finest level that face the same way, metres.
     pub fn spacing(&self) -> f32 {
         self.spacing
     }
 
-    /// The radius of kernels, metres.
-    pub fn radius(&self) -> f32 {
-        self.grid.radius()
+    /// The number of levels.
+    pub fn level_count(&self) -> u32 {
+        self.levels.len() as u32
     }
 
-    /// The point of each node.
+    /// The nodes of a level; 0 is the coarsest.
+    pub fn nodes_of_level(&self, level: u32) -> Range<u32> {
+        let first = |level: u32| self.levels.get(level as usize).map(|level| level.first);
+        first(level).unwrap_or(self.node_count() as u32)..first(level + 1).unwrap_or(self.node_count() as u32)
+    }
+
+    /// The radius of the kernels of a level, metres; 0 is the coarsest.
+    pub fn radius_of_level(&self, level: u32) -> f32 {
+        self.levels.get(level as usize).map_or(0.0, |level| level.grid.radius())
+    }
+
+    /// The point of each node, level by level.
     pub fn points(&self) -> &[SurfaceSample] {
         &self.points
+    }
+
+    /// Adds the nodes of some levels at a place.
+    #[inline]
+    fn push_weights(&self, levels: &[Level], at: &SurfaceSample, weights: &mut NodeWeights) {
+        for Level { grid, first } in levels {
+            grid.weights_at(at.position, at.normal, |node, weight| {
+                weights.push(NodeId(first + node), weight)
+            });
+        }
     }
 
     /// The integral of each function, m², by the middles of small parts.
@@ -100,7 +155,9 @@ fn area(scene: &Scene) -> f64 {
 impl Basis for MeshlessBasis {
     fn identity(&self) -> Identity {
         let geometry = self.scene.geometry_hash();
-        Identity::new("points, normalised kernels", [&geometry.as_bytes()[..], &self.spacing.to_le_bytes()])
+        let levels = self.level_count().to_le_bytes();
+        let parts = [&geometry.as_bytes()[..], &self.spacing.to_le_bytes(), &levels];
+        Identity::new("points, normalised kernels", parts)
     }
 
     fn node_count(&self) -> usize {
@@ -109,8 +166,7 @@ impl Basis for MeshlessBasis {
 
     #[inline]
     fn weights_at(&self, at: SurfacePoint, weights: &mut NodeWeights) {
-        let SurfaceSample { position, normal, .. } = SurfaceSample::new(&self.scene, at);
-        self.grid.weights_at(position, normal, |node, weight| weights.push(NodeId(node), weight));
+        self.push_weights(&self.levels, &SurfaceSample::new(&self.scene, at), weights);
     }
 
     fn node_areas(&self) -> &[f32] {
@@ -119,12 +175,48 @@ impl Basis for MeshlessBasis {
 
     fn adjacency(&self) -> &Adjacency {
         self.adjacency.get_or_init(|| {
-            let pairs = self.grid.pairs();
-            Adjacency::from_cells(self.points.len(), pairs.iter().map(|pair| pair.map(NodeId)))
+            let of_level = |level: &Level| {
+                let first = level.first;
+                level.grid.pairs().into_iter().map(move |pair| pair.map(|node| NodeId(first + node)))
+            };
+            let pairs: Vec<[NodeId; 2]> = self.levels.iter().flat_map(of_level).collect();
+            Adjacency::from_cells(self.points.len(), pairs.iter().copied())
         })
+    }
+
+    fn hierarchy(&self) -> Option<&dyn Hierarchy> {
+        (self.levels.len() > 1).then_some(self)
     }
 
     fn resolution(&self) -> f32 {
         PART * self.spacing
+    }
+}
+
+impl Hierarchy for MeshlessBasis {
+    /// Level by level: what a value differs by from what the coarser levels say at its point (Shepard, in several levels).
+    fn analyze(&self, field: &mut Field) {
+        for level in 1..self.level_count() {
+            let nodes = self.nodes_of_level(level);
+            let coarser = &self.levels[..level as usize];
+            let said = |node: u32| {
+                let mut weights = NodeWeights::default();
+                self.push_weights(coarser, &self.points[node as usize], &mut weights);
+                let channel = |channel: usize| -> Vec3 {
+                    weights.iter().map(|(node, weight)| field.coefficients(node)[channel] * weight).sum()
+                };
+                (0..field.channels()).map(channel).collect::<Vec<_>>()
+            };
+            let said: Vec<Vec<Vec3>> = nodes.clone().into_par_iter().map(said).collect();
+            for (node, said) in nodes.zip(said) {
+                let values = field.coefficients_mut(NodeId(node));
+                values.iter_mut().zip(said).for_each(|(value, said)| *value -= said);
+            }
+        }
+    }
+
+    fn weights_up_to(&self, level: u32, at: SurfacePoint, weights: &mut NodeWeights) {
+        let levels = &self.levels[..self.levels.len().min(level as usize + 1)];
+        self.push_weights(levels, &SurfaceSample::new(&self.scene, at), weights);
     }
 }

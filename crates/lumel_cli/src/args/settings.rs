@@ -151,6 +151,7 @@ mod tests {
         Settings {
             projection: Projection::Area,
             point_spacing: PointSpacing::Metres(0.25),
+            levels: 3,
             adaptive: "3%".parse().unwrap(),
             max_vertices: 1000,
             schedule: ScheduleKind::Shoot,

@@ -55,6 +55,7 @@ pub(crate) struct Summary {
 #[derive(Debug, Serialize)]
 pub(crate) struct PointReport {
     points: usize,
+    levels: u32,
     /// Points that could not be measured.
     invalid: usize,
     /// Metres.
@@ -65,7 +66,8 @@ impl PointReport {
     fn of(baker: &Baker, state: &SolveState) -> Option<Self> {
         let basis = baker.basis().points()?;
         let invalid = state.valid.iter().filter(|valid| !**valid).count();
-        Some(Self { points: basis.points().len(), invalid, spacing: basis.spacing() })
+        let (levels, spacing) = (basis.level_count(), basis.spacing());
+        Some(Self { points: basis.points().len(), levels, invalid, spacing })
     }
 
     fn text(&self) -> String {
@@ -75,7 +77,11 @@ impl PointReport {
             0 => String::new(),
             n => format!(", {n} of them inside geometry"),
         };
-        format!("{points} carried the bounces, {spacing} m from each other{inside}")
+        let levels = match self.levels {
+            1 => String::new(),
+            n => format!(" on {n} levels"),
+        };
+        format!("{points}{levels} carried the bounces, {spacing} m from each other{inside}")
     }
 }
 

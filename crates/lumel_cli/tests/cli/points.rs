@@ -41,8 +41,9 @@ fn a_project_may_have_points_as_its_basis_and_the_command_line_another() {
     assert!((11_500..13_500).contains(&by_preset), "{by_preset}");
     assert_eq!(points("--basis vertex"), None);
     let few = "900 points";
-    let few = run(place.lumel("bake a.lumel.toml -o b.npz").args(TINY).args(["--point-spacing", few])).done();
-    assert!(few.stderr.contains("about 900 points"), "{}", few.stderr);
+    let line = "bake a.lumel.toml -o b.npz --levels 2";
+    let few = run(place.lumel(line).args(TINY).args(["--point-spacing", few])).done();
+    assert!(few.stderr.contains("about 1125 points") && few.stdout.contains("on 2 levels"), "{}", few.stderr);
 }
 
 #[test]
@@ -54,6 +55,8 @@ fn what_does_not_go_together_with_points_is_refused() {
     refused("--basis points --directional sh1 -o a.npz", "directional");
     refused("--basis vertex --point-spacing 0.1 -o a.npz", "use --basis points");
     refused("--basis points --point-spacing off -o a.npz", "exclude each other");
+    refused("--levels 2 -o a.npz", "levels are levels of points");
+    refused("--basis points --levels 2 --target-error 5% -o a.npz", "target_error");
     refused("--basis points --point-spacing 1e-7 -o a.npz", "use a --point-spacing of at least");
     refused("--basis points --point-spacing fine -o a.npz", "a length in metres greater than zero");
     refused("--basis points -o a.exr", "--basis points writes no .exr files");

@@ -1,7 +1,7 @@
 //! Light at scattered points: known answers that no mesh has a part in.
 
 use glam::{EulerRot, Quat, Vec3};
-use lumel_basis::{Basis, Field, MeshlessBasis, PointReceivers, reflecting_areas};
+use lumel_basis::{Basis, Field, MeshlessBasis, NodeWeights, PointReceivers, reflecting_areas};
 use lumel_sample::SamplerKind;
 use lumel_scene::{Light, Scene, SceneBuilder};
 use lumel_solve::{Gather, Integrals, Operator, Schedule, Shoot, Silent, SolveState, Stop, solve};
@@ -20,9 +20,14 @@ struct Points {
 
 impl Points {
     fn new(builder: SceneBuilder, points: u64, solver: Solver, plan: Plan) -> Self {
+        Self::with_levels(builder, [points, 1], solver, plan)
+    }
+
+    /// With so many points on the finest of some levels.
+    fn with_levels(builder: SceneBuilder, [points, levels]: [u64; 2], solver: Solver, plan: Plan) -> Self {
         let scene = Arc::new(builder.build().expect("the test's scene builds").0);
         let spacing = MeshlessBasis::spacing_for(&scene, points);
-        let basis = Arc::new(MeshlessBasis::new(Arc::clone(&scene), spacing));
+        let basis = Arc::new(MeshlessBasis::with_levels(Arc::clone(&scene), spacing, levels as u32));
         let receivers = Arc::new(PointReceivers::at_nodes(&basis));
         let traced =
             CpuTransport::new(Arc::clone(&scene), tracer(&scene), Arc::clone(&basis), receivers, plan);
@@ -39,7 +44,7 @@ impl Points {
 
     fn integrals(&self) -> Integrals {
         let areas = self.basis.node_areas().to_vec();
-        Integrals::new(areas, reflecting_areas(&self.scene, &*self.basis))
+        Integrals::new(areas, reflecting_areas(&self.scene, &*self.basis)).of_levels(self.basis.level_count())
     }
 
     fn solved(&self, stop: Stop) -> SolveState {
@@ -58,6 +63,16 @@ impl Points {
         let mut state = self.solved(Stop::Remainder { fraction: 0.02, at_most: 60 });
         state.tail = self.integrals().tail(&state.bounces);
         state.total()
+    }
+
+    /// The mean of a field over the points of the finest level.
+    fn mean_at_points(&self, field: &Field) -> f64 {
+        let nodes = self.basis.nodes_of_level(self.basis.level_count() - 1);
+        let values = nodes.clone().map(|node| {
+            let at = self.basis.points()[node as usize].at;
+            f64::from(field.at(&*self.basis, at, &mut NodeWeights::default()).0.x)
+        });
+        values.sum::<f64>() / nodes.len() as f64
     }
 
     /// The mean of a field by area, where `counts` holds of the place.
@@ -176,6 +191,41 @@ fn light_between_squares_is_what_their_form_factors_say() {
             }
         }
     }
+}
+
+#[test]
+fn bounces_that_are_the_same_everywhere_have_coefficients_at_the_coarsest_level_alone() {
+    // Within a sphere, all light arrives evenly, but for noise and what facets leave of it.
+    for solver in Solver::ALL {
+        let points = Points::with_levels(varying_sphere(3), [800, 4], solver, plan(3, 256));
+        let state = points.solved(Stop::Bounces(2));
+        let integrals = points.integrals();
+        let albedo = integrals.mean_albedo();
+        assert!((albedo - 0.5).abs() < 0.01, "{albedo}");
+        for (bounce, field) in state.bounces.iter().enumerate() {
+            let of_level = |level: u32| {
+                let nodes = points.basis.nodes_of_level(level);
+                rms(nodes.map(|node| f64::from(field.values()[node as usize].x)))
+            };
+            let even = of_level(0);
+            let finer = (1..4).map(of_level).fold(0.0, f64::max);
+            assert!(finer < 0.02 * even, "{solver}, bounce {bounce}: {finer} of {even}");
+        }
+        let mean = integrals.mean(&state.total());
+        let series = points.mean_at_points(&state.total());
+        assert!((mean / series - 1.0).abs() < 0.01, "{mean} {series}");
+    }
+}
+
+#[test]
+fn levels_find_the_light_that_one_level_finds() {
+    let light = Light::Rect(ceiling_light(Vec3::new(0.5, 0.5, 0.95), 0.3, 0.3, 10.0));
+    let builder = SceneBuilder { lights: vec![light], ..cube(1, [(); 6].map(|()| grey(0.6, 0.0))) };
+    let found = [1, 3].map(|levels| {
+        let points = Points::with_levels(builder.clone(), [800, levels], Solver::Stored, plan(2, 256));
+        points.integrals().mean(&points.solved(Stop::Bounces(6)).total())
+    });
+    assert!((found[1] / found[0] - 1.0).abs() < 0.005, "{found:?}");
 }
 
 #[test]

@@ -45,12 +45,13 @@ pub fn basis_laws(
 ) -> Result<(), Violation> {
     let scene = built(builder);
     let basis = &*make(Arc::clone(&scene));
+    let ones = ones(basis);
     for at in corners_and_points(&scene) {
-        weights(basis, at)?;
+        weights(basis, &ones, at)?;
     }
     corner_nodes(&scene, basis)?;
     linear_functions(&scene, basis)?;
-    node_areas(&scene, basis)?;
+    node_areas(&scene, basis, &ones)?;
     adjacency(basis)?;
     extrapolation(basis)?;
     check_identity(builder, &|scene| make(scene).identity())
@@ -62,12 +63,21 @@ fn corners_and_points(scene: &Scene) -> impl Iterator<Item = SurfacePoint> {
     corners.chain(points_on_triangles(scene, POINTS, 1))
 }
 
-fn weights(basis: &dyn Basis, at: SurfacePoint) -> Result<(), Violation> {
+/// The coefficients of a constant.
+fn ones(basis: &dyn Basis) -> Field {
+    let mut ones = Field::from_values(vec![Vec3::ONE; basis.node_count()]);
+    if let Some(hierarchy) = basis.hierarchy() {
+        hierarchy.analyze(&mut ones);
+    }
+    ones
+}
+
+fn weights(basis: &dyn Basis, ones: &Field, at: SurfacePoint) -> Result<(), Violation> {
     let mut weights = NodeWeights::default();
     basis.weights_at(at, &mut weights);
     let exists = |(node, weight): (NodeId, f32)| node.index() < basis.node_count() && weight.is_finite();
     check(weights.iter().all(exists), Law::Weights, || format!("{weights:?} at {at:?}"))?;
-    let sum: f64 = weights.iter().map(|(_, weight)| f64::from(weight)).sum();
+    let sum: f64 = weights.iter().map(|(node, w)| f64::from(w) * f64::from(ones.node(node).0.x)).sum();
     check((sum - 1.0).abs() < ROUNDING, Law::PartitionOfUnity, || format!("the sum is {sum} at {at:?}"))
 }
 
@@ -109,11 +119,12 @@ fn linear_functions(scene: &Scene, basis: &dyn Basis) -> Result<(), Violation> {
 }
 
 /// Integrates weights: exactly for linear ones, else by independent random points.
-fn node_areas(scene: &Scene, basis: &dyn Basis) -> Result<(), Violation> {
+fn node_areas(scene: &Scene, basis: &dyn Basis, ones: &Field) -> Result<(), Violation> {
     let areas = basis.node_areas();
     let n = basis.node_count();
     check(areas.len() == n, Law::NodeAreas, || format!("{} for {n} nodes", areas.len()))?;
-    let (sum, whole) = (areas.iter().map(|a| f64::from(*a)).sum::<f64>(), area(scene));
+    let of_one = areas.iter().zip(ones.values()).map(|(a, one)| f64::from(*a) * f64::from(one.x));
+    let (sum, whole) = (of_one.sum::<f64>(), area(scene));
     let near = (sum / whole - 1.0).abs() < ROUNDING_OF_AREAS;
     check(near, Law::NodeAreas, || format!("the sum is {sum}, the surfaces have {whole}"))?;
     let estimates: Vec<Estimate> = if basis.corner_nodes().is_some() {

@@ -5,7 +5,7 @@ use crate::theme;
 use crate::widgets::{check, choice, number, row, slider};
 use eframe::egui::{DragValue, RichText, Slider, Ui};
 use lumel::setting::{
-    self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, INDIRECT_SAMPLES, MAX_VERTICES,
+    self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, INDIRECT_SAMPLES, LEVELS, MAX_VERTICES,
     REMAINDER, SAMPLER, SCHEDULE, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
 };
 use lumel::{Adaptive, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
@@ -52,7 +52,10 @@ pub(super) fn show(ui: &mut Ui, settings: &mut Settings) {
     }
     ui.collapsing("More", |ui| {
         let is_placed = |setting: &dyn Setting| PLACED.iter().any(|s| s.about().name == setting.about().name);
-        for setting in setting::ALL.iter().filter(|setting| !is_placed(**setting)) {
+        // The window carries light on vertices.
+        let is_of_points = |setting: &dyn Setting| setting.about().name == LEVELS.about.name;
+        let is_shown = |setting: &dyn Setting| !is_placed(setting) && !is_of_points(setting);
+        for setting in setting::ALL.iter().filter(|setting| is_shown(**setting)) {
             control(ui, *setting, settings);
         }
     });
