@@ -4,9 +4,7 @@ use crate::{Baker, BounceBasis};
 use glam::{DVec3, Vec3};
 use lumel_basis::{Basis as _, Field, NodeWeights, PointReceivers};
 use lumel_scene::{Barycentrics, SurfacePoint, TriId};
-use lumel_transport::{
-    CachedTransport, Control, CpuTransport, Job, Plan, Source, TransportError, accumulate,
-};
+use lumel_transport::{Control, CpuTransport, Job, Plan, Source, TransportError, accumulate};
 use std::sync::Arc;
 
 /// Triangles at which direct light is looked at, at most.
@@ -19,15 +17,17 @@ const INDIRECT: usize = 8_000;
 const DIRECT_SAMPLES: u32 = 4;
 const INDIRECT_SAMPLES: u32 = 16;
 
-/// Bounces that are looked at.
-const BOUNCES: u32 = 2;
+/// How much later bounces are like the last one that was looked at; otherwise they are even. Half is best in the Cornell box and the
+/// atrium together.
+const SHAPE: f32 = 0.5;
 
 /// The middle of a triangle.
 const MIDDLE: Barycentrics = Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 };
 
 impl Baker {
-    /// A first look at direct light and two bounces, for looking at until a solve has them: the same for any number of threads, and
-    /// for any size of scene at most a million rays, where lights are few.
+    /// A first look at direct light, one bounce, and all later ones together as far as the two tell them, for looking at until a
+    /// solve has them: the same for any number of threads, and for any size of scene at most half a million rays where lights are
+    /// few.
     ///
     /// Measured in the middle of some triangles, with few rays, and spread over the surfaces in between. Biased: what is finer than
     /// the triangles that are looked at is lost, and places inside geometry are taken for dark ones.
@@ -39,14 +39,19 @@ impl Baker {
         let direct = few.operator()?;
         let measured = accumulate(&direct, &job(Source::Emitters(None), 0), control, None)?;
         let mut bounces = vec![few.spread(&measured.field)];
-        // All bounces go along the same rays.
-        let indirect = CachedTransport::new(fewest.operator()?, None);
-        for bounce in 1..=BOUNCES {
-            let source = bounces.last().map_or(Source::Nothing, Source::Field);
-            let measured = accumulate(&indirect, &job(source, bounce), control, None)?;
-            bounces.push(fewest.spread(&measured.field));
-        }
+        let source = bounces.first().map_or(Source::Nothing, Source::Field);
+        let measured = accumulate(&fewest.operator()?, &job(source, 1), control, None)?;
+        bounces.push(fewest.spread(&measured.field));
+        bounces.extend(self.later(&bounces));
         Ok(bounces)
+    }
+
+    /// All light after some bounces: as much as they would have as a geometric series, which is the more even the later.
+    fn later(&self, bounces: &[Field]) -> Option<Field> {
+        let series = self.integrals().tail(bounces)?;
+        let area: f64 = self.basis().node_areas().iter().map(|&area| f64::from(area)).sum();
+        let mean = (self.integrals().incident(&series) / area).as_vec3();
+        Some(Field::from_values(series.values().iter().map(|value| mean.lerp(*value, SHAPE)).collect()))
     }
 }
 
@@ -144,11 +149,17 @@ mod tests {
             let control = Control::default();
             let seen = baker.first_look(&control).unwrap();
             assert!(control.rays() < 1_000_000, "{name}: {}", control.rays());
-            // The noise of sixteen rays in bounces.
-            for (bounce, limit) in [(0, 0.15), (1, 0.5), (2, 0.5)] {
-                let (found, exact) = (&seen[bounce], &solved.bounces[bounce]);
+            let later = solved.bounces[2..].iter().chain(&solved.tail);
+            let exact = [&solved.bounces[0], &solved.bounces[1], &Field::sum(seen[2].node_count(), later)];
+            // Of one bounce, the noise of sixteen rays; of the others, the pattern of that one.
+            for (bounce, limit) in [(0, 0.15), (1, 0.5), (2, 0.6)] {
+                let (found, exact) = (&seen[bounce], exact[bounce]);
                 let (power, off) = (baker.power(found) / baker.power(exact), off(&baker, found, exact));
-                assert!(off < limit && (power - 1.0).abs() < 0.1, "{name}, bounce {bounce}: {off}, {power}");
+
+                assert!(
+                    off < limit && (power - 1.0).abs() < if bounce == 2 { 0.3 } else { 0.05 },
+                    "{name}, bounce {bounce}: {off}, {power}"
+                );
             }
             let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
             assert!(alone.install(|| baker.first_look(&Control::default())).unwrap() == seen, "{name}");

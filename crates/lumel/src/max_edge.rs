@@ -1,5 +1,6 @@
 //! How finely scenes are tessellated when they are opened.
 
+use crate::length::metres;
 use lumel_scene::{SceneBuilder, SceneError, Warnings};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::fmt::{self, Display};
@@ -7,7 +8,7 @@ use std::str::FromStr;
 
 /// The longest edge of a scene: light is stored at vertices, so that long edges lose what lies between them.
 ///
-/// As text and in project files `auto`, `off` or a length in metres.
+/// As text and in project files `auto`, `off` or a length: in metres, or with a unit as in `10cm`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum MaxEdge {
     /// Suits the scene: see [`SceneBuilder::tessellate_to_suit`].
@@ -60,9 +61,9 @@ impl FromStr for MaxEdge {
             "auto" => Ok(Self::Auto),
             "off" => Ok(Self::Off),
             number => {
-                let length: f32 = number
-                    .parse()
-                    .map_err(|_| format!("\"{text}\" is neither auto, off nor a length in metres"))?;
+                let length = metres(number).ok_or_else(|| {
+                    format!("\"{text}\" is neither auto, off nor a length, such as 0.1 or 10cm")
+                })?;
                 let is_length = length > 0.0 && length.is_finite();
                 is_length
                     .then_some(Self::Length(length))

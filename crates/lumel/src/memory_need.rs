@@ -86,7 +86,7 @@ impl Baker {
     }
 
     /// Direct light, and the bounces that are computed.
-    fn expected_steps(&self) -> u64 {
+    pub(crate) fn expected_steps(&self) -> u64 {
         let settings = self.settings();
         match settings.bounces {
             // What was reflected, what is unshot, and what a step sends and brings.

@@ -117,13 +117,17 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
         }
     };
     two_sided(name, &options.two_sided, &mut opened.builder, &mut opened.warnings);
-    opened.whole = options.keeps_whole.then(|| opened.builder.clone());
     let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
     let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
     let is_adaptive = options.adaptive.unwrap_or(opened.settings.settings().adaptive != Adaptive::Off);
     let max_edge = options.max_edge.or(of_project).unwrap_or(MaxEdge::usual(is_builtin || is_adaptive));
     let preset = opened.settings.preset.unwrap_or_default();
     let vertex_budget = options.vertex_budget.unwrap_or(preset.vertex_budget());
+    opened.whole = options.keeps_whole.then(|| opened.builder.clone());
+    if let Some(whole) = &mut opened.whole {
+        // As it is opened by itself.
+        MaxEdge::Off.apply(whole, vertex_budget)?;
+    }
     let (length, warnings) = max_edge.apply(&mut opened.builder, vertex_budget)?;
     opened.warnings.append(warnings);
     let auto_edge = (max_edge == MaxEdge::Auto).then_some(AutoEdge { length, vertex_budget });
@@ -255,6 +259,22 @@ mod tests {
         let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
         assert_eq!(opened.project, Some(project));
         opened
+    }
+
+    #[test]
+    fn a_scene_that_is_kept_whole_is_that_which_is_opened_with_no_edge_split() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        // A square that is there twice, split along both diagonals.
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 2 4 1\nf 2 3 4\n";
+        std::fs::write(&path, text).unwrap();
+        let hash = |builder: SceneBuilder| builder.build().unwrap().0.geometry_hash();
+        let opened = |max_edge, keeps_whole| {
+            let options = OpenOptions { max_edge: Some(max_edge), keeps_whole, ..OpenOptions::default() };
+            open(&path.to_string_lossy(), &options).unwrap()
+        };
+        let whole = opened(MaxEdge::Length(0.3), true).whole.unwrap();
+        assert_eq!(hash(whole), hash(opened(MaxEdge::Off, false).builder));
     }
 
     #[test]

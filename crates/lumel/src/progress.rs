@@ -5,6 +5,9 @@ use crate::reading::Reading;
 use crate::workload::{Remainder, Workload};
 use lumel_solve::{Accuracy, SolveState, Step};
 
+/// Below this share of a solve that is done, its speed says little.
+const MIN_SHARE: f64 = 0.02;
+
 /// Follows a solve and foresees its end.
 ///
 /// An [`Observer`](crate::Observer) tells it of every step, with the time; whoever displays progress asks it at any
@@ -12,8 +15,8 @@ use lumel_solve::{Accuracy, SolveState, Step};
 #[derive(Clone, Debug)]
 pub struct Tracker {
     workload: Workload,
-    /// When the first step began.
-    started: Option<Reading>,
+    /// The first step and when it began: what was done before is known from a checkpoint.
+    started: Option<(Step, Reading)>,
     /// The last step that began.
     current: Option<Current>,
     remainders: Vec<Remainder>,
@@ -41,10 +44,12 @@ pub struct Progress {
     pub step_share: Option<f64>,
     /// Share of the whole solve that is done, by time; `None` while [`seconds_left`](Self::seconds_left) is.
     pub share: Option<f64>,
-    /// Seconds until the solve ends, if later bounces trace rays as fast as this step; `None` while it is unknown.
+    /// Seconds until the solve ends, if it goes on as it went so far; `None` while it is unknown.
     pub seconds_left: Option<f64>,
-    /// Rays per second in this step.
+    /// Rays per second in this step, if it traces any.
     pub rays_per_second: Option<f64>,
+    /// Whether this step traces the rays that later ones read.
+    pub traces_kept_rays: bool,
     /// The last bounce that will be computed, as far as it is known.
     pub last_bounce: Option<u32>,
     /// How many layers of lights are told apart after the last bounce.
@@ -87,7 +92,7 @@ impl Tracker {
 
     /// A step begins.
     pub fn step_started(&mut self, step: Step, now: Reading) {
-        self.started.get_or_insert(now);
+        self.started.get_or_insert((step, now));
         self.current = Some(Current { step, started: now, done: None });
     }
 
@@ -134,17 +139,25 @@ impl Tracker {
         };
         let Some(Current { step, started, done }) = self.current else { return fixed };
         let done = done.unwrap_or(now).since(started);
-        let seconds_left = self.workload.seconds_left(step, done, &self.remainders);
-        let elapsed = self.started.map_or(0.0, |started| now.since(started).seconds);
+        let elapsed = self.started.map_or(0.0, |(_, started)| now.since(started).seconds);
+        let seconds_left = self.seconds_left(step, done.elements, elapsed);
         Progress {
             step: Some(step),
             step_share: self.workload.step_share(step, done.elements, &self.remainders),
             share: seconds_left.map(|left| elapsed / (elapsed + left)),
             seconds_left,
             // A clock may not have moved yet.
-            rays_per_second: Some(done.rays as f64 / done.seconds.max(1e-6)),
+            rays_per_second: (done.rays > 0).then(|| done.rays as f64 / done.seconds.max(1e-6)),
+            traces_kept_rays: self.workload.traces_kept_rays(step),
             ..fixed
         }
+    }
+
+    /// Seconds until the end, if it goes on as it went so far.
+    fn seconds_left(&self, step: Step, elements: u64, elapsed: f64) -> Option<f64> {
+        let share = self.workload.share(step, elements, &self.remainders)?;
+        let done = share - self.workload.share_before(self.started?.0, &self.remainders)?;
+        (done >= MIN_SHARE).then(|| elapsed * (1.0 - share) / done)
     }
 }
 
@@ -177,9 +190,10 @@ mod tests {
         let progress = tracker.progress(at(104.0, 1320, 27_007));
         assert_eq!((progress.step, progress.step_share), (Some(Step::Bounce(1)), Some(0.25)));
         assert_eq!((progress.rays_per_second, progress.last_bounce), (Some(25_000.0), Some(2)));
-        // Three quarters of this bounce, and another of 100 000 rays: 3 s and 4 s, after 4 s.
-        assert_eq!(progress.seconds_left, Some(7.0));
-        assert_eq!(progress.share, Some(4.0 / 11.0));
+        // 64 rays of direct light and 25 of the bounce, after 4 s; the rest of the bounce and another of 100 rays are to come.
+        let left = 4.0 * 175.0 / 89.0;
+        assert!((progress.seconds_left.unwrap() - left).abs() < 1e-9);
+        assert!((progress.share.unwrap() - 4.0 / (4.0 + left)).abs() < 1e-9);
         assert_eq!(tracker.steps(), [(Step::Bounce(0), 2.0)]);
     }
 

@@ -1,42 +1,54 @@
-//! How much a solve has to do, and how long it will still take.
+//! How much a solve has to do, and how much of it is done.
 
 use crate::Baker;
 use crate::assembly::directional_plan;
 use crate::layers::light_layers;
 use crate::method::Method;
-use crate::reading::Reading;
 use crate::settings::{BounceLimit, Layers, Settings};
 use lumel_basis::{Directional, Sampling};
 use lumel_solve::Step;
 
-/// Below this share of a step that is done, its speed says little.
-const MIN_SHARE: f64 = 0.02;
+/// Rays that are looked along at each vertex to tell whether it lies inside geometry, where none are kept.
+const VALIDITY_RAYS: f64 = 64.0;
+
+/// What reading the ends of kept rays takes of tracing them: the first time, when textures are looked up, and from then on.
+/// Measured on the atrium.
+const FIRST_READING: f64 = 0.3;
+const READING: f64 = 0.04;
 
 /// How much a solve has to do.
 #[derive(Clone, Debug)]
 pub(crate) struct Workload {
     /// Elements measured per bounce.
     elements: u64,
-    rays: RaysPerElement,
+    work: Work,
     /// Layers of lights that are told apart in the end.
     layers: u32,
     limit: BounceLimit,
     remainder: f64,
+    /// The last bounce, as far as settings and albedo tell.
+    expected: Option<u32>,
 }
 
-/// Rays per element, by step.
+/// Work per element, by step, in rays that are traced.
 #[derive(Clone, Copy, Debug)]
-struct RaysPerElement {
-    /// Shadow rays to one light.
-    shadow: f64,
-    /// In the first bounce.
+struct Work {
+    /// Looking inside geometry: 0 over areas, whose samples tell it by themselves.
+    validity: f64,
+    /// Direct light.
+    direct: f64,
+    /// The first bounce.
     first: f64,
-    /// In each later bounce, and in each bounce of a layer.
+    /// Each later bounce.
     later: f64,
-    /// In the final gather.
-    gathered: f64,
-    /// By direction, shadow rays included.
+    /// The final gather.
+    gather: f64,
+    /// Light by direction.
     directional: f64,
+    /// Direct light alone, as for a layer.
+    shadow: f64,
+    /// Whether rays are kept.
+    keeps_rays: bool,
 }
 
 /// What is still missing after a bounce.
@@ -56,13 +68,15 @@ impl Workload {
             Layers::Off => 0,
             Layers::Lights => light_layers(baker.scene(), settings).len() as u32,
         };
-        Self { layers, ..Self::of(baker.elements_per_step(), settings, baker.method()) }
+        let expected = u32::try_from(baker.expected_steps().saturating_sub(1)).ok();
+        Self { layers, expected, ..Self::of(baker.elements_per_step(), settings, baker.method()) }
     }
 
     /// Without layers.
     pub(crate) fn of(elements: u64, settings: &Settings, method: Method) -> Self {
+        let over_areas = settings.projection.sampling() == Sampling::Area;
         // A mesh has about twice as many triangles as vertices; each gets half the rays of a vertex.
-        let share = if settings.sampling() == Sampling::Point { 1.0 } else { 0.5 };
+        let share = if over_areas { 0.5 } else { 1.0 };
         let all = share * f64::from(settings.indirect_samples);
         let shadow = f64::from(settings.direct_samples);
         let directional = match settings.directional {
@@ -72,14 +86,29 @@ impl Workload {
                 share * f64::from(plan.indirect_samples) + f64::from(plan.direct_samples)
             }
         };
-        let (first, later, gathered) = match method {
-            Method::Neumann | Method::Replicates { .. } => (all, all, 0.0),
-            Method::Cached { .. } => (all, 0.0, 0.0),
-            Method::FinalGather { stored, .. } => (share * f64::from(stored), 0.0, all),
+        let (kept, gather) = match method {
+            Method::Neumann | Method::Replicates { .. } => (0.0, 0.0),
+            Method::Cached { .. } => (all, 0.0),
+            Method::FinalGather { stored, .. } => (share * f64::from(stored), all),
         };
-        let rays = RaysPerElement { shadow, first, later, gathered, directional };
+        let keeps_rays = kept > 0.0;
+        // Rays to keep are traced by the first step, which looks inside geometry along them.
+        let looking = match (keeps_rays, over_areas) {
+            (true, _) => kept,
+            (false, true) => all,
+            (false, false) => VALIDITY_RAYS,
+        };
+        let (validity, direct) = if over_areas { (0.0, shadow + looking) } else { (looking, shadow) };
+        let (first, later) = if keeps_rays { (FIRST_READING * kept, READING * kept) } else { (all, all) };
+        let work = Work { validity, direct, first, later, gather, directional, shadow, keeps_rays };
         let (limit, remainder) = (settings.bounces, f64::from(settings.remainder));
-        Self { elements, rays, layers: 0, limit, remainder }
+        Self { elements, work, layers: 0, limit, remainder, expected: None }
+    }
+
+    /// Whether a step traces the rays that later ones read.
+    pub(crate) fn traces_kept_rays(&self, step: Step) -> bool {
+        let first = if self.work.validity > 0.0 { Step::Validity } else { Step::Bounce(0) };
+        self.work.keeps_rays && step == first
     }
 
     /// The last bounce that will be computed, as far as it can be foreseen from the remainders so far.
@@ -110,44 +139,58 @@ impl Workload {
             Step::Directional => 1 + u64::from(self.last_bounce(remainders) != Some(0)),
             Step::Layer(_) => {
                 let last = self.last_bounce(remainders)?;
-                let gathers = last > 0 && self.rays.gathered > 0.0;
-                let by_direction = if self.rays.directional > 0.0 { 1 + u64::from(last > 0) } else { 0 };
+                let gathers = last > 0 && self.work.gather > 0.0;
+                let by_direction = if self.work.directional > 0.0 { 1 + u64::from(last > 0) } else { 0 };
                 u64::from(last) + 1 + u64::from(gathers) + by_direction
             }
         };
         Some((elements as f64 / (jobs * self.elements).max(1) as f64).min(1.0))
     }
 
-    /// Seconds until the end of the solve, where `done` was done of the current step; `None` while it is unknown, as
+    /// Share of the whole solve that is done in the middle of a step, by the rays that it takes; `None` while it is unknown, as
     /// with rounds for a target error.
-    ///
-    /// Assumes that later steps trace rays as fast as the current step, and that layers take as long as each other.
-    pub(crate) fn seconds_left(&self, step: Step, done: Reading, remainders: &[Remainder]) -> Option<f64> {
-        let share = self.step_share(step, done.elements, remainders).filter(|&share| share >= MIN_SHARE)?;
-        let last = self.last_bounce(remainders)?;
-        let this_step = done.seconds * (1.0 - share) / share;
-        let RaysPerElement { shadow, first, later, gathered, directional } = self.rays;
-        let bounces_after = |bounce: u32| match last.saturating_sub(bounce) {
-            0 => 0.0,
-            n if bounce == 0 => first + f64::from(n - 1) * later,
-            n => f64::from(n) * later,
-        };
-        let gather = if last > 0 { gathered } else { 0.0 };
-        let layers = f64::from(self.layers) * (shadow + f64::from(last) * later + gather + directional);
-        let to_come = match step {
-            Step::Validity => first + bounces_after(0) + gathered + directional + layers,
-            Step::Bounce(bounce) => bounces_after(bounce) + gathered + directional + layers,
-            Step::FinalGather => directional + layers,
-            Step::Directional | Step::ReadDirect => layers,
-            Step::Layer(layer) => {
-                let to_come = self.layers.saturating_sub(layer + 1);
-                return Some(this_step + f64::from(to_come) * done.seconds / share);
-            }
-            // How many shots will follow is not known.
-            Step::Round(_) | Step::Shot(_) => return None,
-        };
-        let rays = self.elements as f64 * to_come;
-        (done.rays > 0).then(|| this_step + rays * done.seconds / done.rays as f64)
+    pub(crate) fn share(&self, step: Step, elements: u64, remainders: &[Remainder]) -> Option<f64> {
+        let of_step = self.step_share(step, elements, remainders)?;
+        let last = self.last_bounce(remainders).or(self.expected)?;
+        let last = if let Step::Bounce(bounce) = step { last.max(bounce) } else { last };
+        let [before, after] = self.around(step, last)?;
+        Some((before + of_step * (after - before)) / self.before_layer(self.layers, last))
+    }
+
+    /// Share of the whole solve before a step.
+    pub(crate) fn share_before(&self, step: Step, remainders: &[Remainder]) -> Option<f64> {
+        self.share(step, 0, remainders)
+    }
+
+    /// The work before a step and after it, where `last` is the last bounce.
+    fn around(&self, step: Step, last: u32) -> Option<[f64; 2]> {
+        let Work { validity, direct, gather, .. } = self.work;
+        let after = |bounces: u32| validity + direct + self.bounces(bounces);
+        let all = after(last) + if last > 0 { gather } else { 0.0 };
+        Some(match step {
+            Step::Validity => [0.0, validity],
+            Step::Bounce(0) => [validity, after(0)],
+            Step::Bounce(bounce) => [after(bounce - 1), after(bounce)],
+            Step::FinalGather => [after(last), all],
+            Step::Directional => [all, self.before_layer(0, last)],
+            Step::Layer(layer) => [layer, layer + 1].map(|layer| self.before_layer(layer, last)),
+            // How many will follow is not known.
+            Step::Round(_) | Step::Shot(_) | Step::ReadDirect => return None,
+        })
+    }
+
+    /// The work before a layer.
+    fn before_layer(&self, layer: u32, last: u32) -> f64 {
+        let Work { validity, direct, later, gather, directional, shadow, .. } = self.work;
+        let gather = if last > 0 { gather } else { 0.0 };
+        let of_layer = shadow + f64::from(last) * later + gather + directional;
+        validity + direct + self.bounces(last) + gather + directional + f64::from(layer) * of_layer
+    }
+
+    /// The work of so many bounces.
+    fn bounces(&self, n: u32) -> f64 {
+        let Work { first, later, .. } = self.work;
+        if n == 0 { 0.0 } else { first + f64::from(n - 1) * later }
     }
 }
 
@@ -166,16 +209,28 @@ mod tests {
     }
 
     #[test]
-    fn bounces_on_stored_rays_cost_nothing() {
-        let settings = Settings { bounces: BounceLimit::Count(5), indirect_samples: 100, ..at_vertices() };
-        let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
+    fn rays_that_are_kept_are_traced_first_and_then_read() {
+        let settings = Settings {
+            bounces: BounceLimit::Count(5),
+            direct_samples: 50,
+            indirect_samples: 100,
+            ..at_vertices()
+        };
         let cached = Workload::of(1000, &settings, Method::Cached { memory: Memory(1) });
-        assert_eq!(cached.seconds_left(Step::Bounce(1), done, &[]), Some(2.0));
-        assert_eq!(cached.seconds_left(Step::Bounce(0), done, &[]), Some(2.0 + 4.0));
+        let share = |step, elements| cached.share(step, elements, &[]);
+        // 100 rays, 50 of direct light, and what reading 100 takes once and four times more.
+        assert_eq!(share(Step::Validity, 500), Some(50.0 / 196.0));
+        assert_eq!(share(Step::Bounce(0), 500), Some(125.0 / 196.0));
+        assert_eq!(share(Step::Bounce(3), 0), Some(184.0 / 196.0));
+        assert_eq!(share(Step::Bounce(5), 1000), Some(1.0));
+        assert!(cached.traces_kept_rays(Step::Validity) && !cached.traces_kept_rays(Step::Bounce(0)));
         let method = Method::FinalGather { stored: 50, memory: Memory(1) };
         let gathers = Workload::of(1000, &settings, method);
-        assert_eq!(gathers.seconds_left(Step::Bounce(0), done, &[]), Some(2.0 + 2.0 + 4.0));
-        assert_eq!(gathers.seconds_left(Step::FinalGather, done, &[]), Some(2.0));
+        assert_eq!(gathers.share(Step::FinalGather, 500, &[]), Some((123.0 + 50.0) / 223.0));
+        let over_areas = Settings { projection: Projection::Area, ..settings };
+        let cached = Workload::of(1000, &over_areas, Method::Cached { memory: Memory(1) });
+        assert_eq!(cached.share(Step::Bounce(0), 500, &[]), Some(50.0 / 123.0));
+        assert!(cached.traces_kept_rays(Step::Bounce(0)));
     }
 
     #[test]
@@ -186,32 +241,32 @@ mod tests {
             indirect_samples: 100,
             ..at_vertices()
         };
-        let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
         let with = |method| Workload { layers: 4, ..Workload::of(1000, &settings, method) };
         let cached = with(Method::Cached { memory: Memory(1) });
-        // Half of bounce 1 at 25 000 rays a second, then 25 shadow rays for each element and layer.
-        assert_eq!(cached.seconds_left(Step::Bounce(1), done, &[]), Some(2.0 + 4.0));
-        let traced = with(Method::Neumann);
-        assert_eq!(traced.seconds_left(Step::Bounce(3), done, &[]), Some(2.0 + 4.0 * (1.0 + 3.0 * 4.0)));
+        // 100 rays, 25 of direct light and three times reading; then four times 25 and three times reading again.
+        let (before, layer) = (163.0, 37.0);
+        assert_eq!(cached.share(Step::Layer(0), 0, &[]), Some(before / (before + 4.0 * layer)));
+        let share = (before + 2.5 * layer) / (before + 4.0 * layer);
+        assert_eq!(cached.share(Step::Layer(2), 2000, &[]), Some(share));
         let gathers = with(Method::FinalGather { stored: 50, memory: Memory(1) });
-        assert_eq!(gathers.seconds_left(Step::FinalGather, done, &[]), Some(2.0 + 4.0 * (1.0 + 4.0)));
-        // Each measures four times, or five with a gather; the third takes as long as the last.
-        let layer = Reading { elements: 1000, ..done };
+        // Each measures four times, or five with a gather.
         assert_eq!(cached.step_share(Step::Layer(2), 1000, &[]), Some(0.25));
-        assert_eq!(cached.seconds_left(Step::Layer(2), layer, &[]), Some(6.0 + 8.0));
-        assert_eq!(cached.seconds_left(Step::Layer(3), Reading { rays: 0, ..layer }, &[]), Some(6.0));
         assert_eq!(gathers.step_share(Step::Layer(0), 1000, &[]), Some(0.2));
         assert_eq!(workload(BounceLimit::All).step_share(Step::Layer(0), 1000, &[]), None);
     }
 
     #[test]
-    fn bounces_to_come_take_as_long_as_their_rays() {
-        let work = workload(BounceLimit::Count(3));
-        let done = Reading { seconds: 2.0, elements: 500, rays: 50_000 };
-        // Half of bounce 1, then bounces 2 and 3 at 25000 rays a second.
-        assert_eq!(work.seconds_left(Step::Bounce(1), done, &[]), Some(2.0 + 2.0 * 4.0));
-        assert_eq!(work.seconds_left(Step::Bounce(1), Reading { elements: 1, ..done }, &[]), None);
-        assert_eq!(work.seconds_left(Step::Round(1), done, &[]), None);
+    fn the_number_of_bounces_is_expected_before_it_can_be_foreseen() {
+        let unknown = workload(BounceLimit::All);
+        assert_eq!(unknown.share(Step::Bounce(1), 500, &[]), None);
+        let expected = Workload { expected: Some(2), ..unknown };
+        let shadow = f64::from(Settings::default().direct_samples);
+        let before = VALIDITY_RAYS + shadow;
+        let share = |step, elements| expected.share(step, elements, &[]).unwrap();
+        assert_eq!(share(Step::Bounce(1), 500), (before + 50.0) / (before + 200.0));
+        // There are more than were expected.
+        assert_eq!(share(Step::Bounce(3), 500), (before + 250.0) / (before + 300.0));
+        assert_eq!(expected.share(Step::Round(1), 500, &[]), None);
     }
 
     #[test]

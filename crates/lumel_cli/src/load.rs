@@ -14,6 +14,7 @@ use lumel::{
 use lumel_export::SolutionMeta;
 use lumel_scene::TriId;
 use serde::Deserialize;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -160,7 +161,10 @@ fn open(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Opened> {
     lumel::open(&args.scene, options).map_err(|error| match error {
         OpenError::NotFound { name } => hinted(
             format!("there is no file \"{name}\" and no built-in scene of that name"),
-            format!("built-in scenes are {}", lumel_builtin::NAMES.join(", ")),
+            match most_similar(&name) {
+                Some(similar) => format!("did you mean {similar}?"),
+                None => format!("built-in scenes are {}", lumel_builtin::NAMES.join(", ")),
+            },
         ),
         OpenError::NotBuiltin(path) => hinted(
             format!("only built-in scenes can be subdivided: {}", path.display()),
@@ -168,6 +172,26 @@ fn open(args: &SceneArgs, options: &OpenOptions) -> anyhow::Result<Opened> {
         ),
         error => in_scene(error, args),
     })
+}
+
+/// Names at least this similar are probably what was meant; 1 is the same name.
+const SIMILAR: f64 = 0.85;
+
+/// The built-in scene, or the file beside a missing one, whose name is most similar.
+fn most_similar(name: &str) -> Option<String> {
+    let path = Path::new(name);
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let wanted = path.file_name()?.to_str()?;
+    let files = fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| {
+        let file = entry.file_name().into_string().ok()?;
+        let is_scene = entry.file_type().is_ok_and(|kind| !kind.is_dir());
+        is_scene
+            .then(|| (strsim::jaro_winkler(wanted, &file), path.with_file_name(file).display().to_string()))
+    });
+    let builtin =
+        lumel_builtin::NAMES.iter().map(|known| (strsim::jaro_winkler(name, known), (*known).to_owned()));
+    let most = builtin.chain(files).filter(|(likeness, _)| *likeness >= SIMILAR);
+    most.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, name)| name)
 }
 
 /// An error that names the scene.

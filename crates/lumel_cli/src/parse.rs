@@ -72,6 +72,12 @@ pub(crate) fn above_zero(text: &str) -> Result<f32, String> {
     if number > 0.0 { Ok(number) } else { Err("it must be above zero".to_owned()) }
 }
 
+/// A length above zero, metres.
+pub(crate) fn length(text: &str) -> Result<f32, String> {
+    let length = lumel::metres(text).ok_or("it must be a length in metres, or with a unit, such as 10cm")?;
+    if length > 0.0 && length.is_finite() { Ok(length) } else { Err("it must be above zero".to_owned()) }
+}
+
 /// A name and a number above zero. The name may have an equals sign.
 pub(crate) fn named_factor(text: &str) -> Result<(String, f32), String> {
     let (name, number) = text.rsplit_once('=').ok_or_else(|| "it must be NAME=X".to_owned())?;

@@ -183,7 +183,9 @@ fn add_step(event: &mut Value, step: Step) {
 
 fn name_of(step: Step, progress: &lumel::Progress) -> String {
     match step {
-        Step::Validity => "validity of vertices".to_owned(),
+        Step::Validity if progress.traces_kept_rays => "tracing rays".to_owned(),
+        Step::Validity => "looking inside geometry".to_owned(),
+        Step::Bounce(0) if progress.traces_kept_rays => "direct light, tracing rays".to_owned(),
         Step::Bounce(0) => "direct light".to_owned(),
         Step::Bounce(bounce) => match progress.last_bounce.filter(|&last| last >= bounce) {
             Some(last) => format!("bounce {bounce} of {last}"),
@@ -250,7 +252,8 @@ impl Shared {
     fn moment(&self) -> Moment {
         let state = self.lock();
         let solve = state.tracker.as_ref().map(|tracker| lock(tracker).progress(self.reading()));
-        let no_solve = || lumel::Progress { step_share: state.share, ..lumel::Progress::default() };
+        let no_solve =
+            || lumel::Progress { share: state.share, step_share: state.share, ..lumel::Progress::default() };
         Moment { phase: state.phase.clone(), solve: solve.unwrap_or_else(no_solve) }
     }
 
@@ -259,12 +262,12 @@ impl Shared {
         match &self.display {
             Display::Bar(bar) => {
                 bar.set_prefix(moment.phase.clone());
-                bar.set_position((moment.solve.step_share.unwrap_or(0.0) * BAR_STEPS as f64) as u64);
+                bar.set_position((moment.solve.share.unwrap_or(0.0) * BAR_STEPS as f64) as u64);
                 bar.set_message(moment.details().join(", "));
                 bar.tick();
             }
             Display::Lines => {
-                let share = moment.solve.step_share.map(|share| format!("{:.0} %", 100.0 * share));
+                let share = moment.solve.share.map(|share| format!("{:.0} %", 100.0 * share));
                 let details: Vec<String> = share.into_iter().chain(moment.details()).collect();
                 if details.is_empty() {
                     // There is nothing new to say about it.

@@ -49,10 +49,11 @@ impl LumelLight {
     /// their samples found something small and bright that the other half did not find.
     ///
     /// What such a lumel has more has been found in place of all of them: it is spread over the chart,
-    /// so that power stays. Small spots of light that both halves see are left alone, unless fireflies are many.
-    /// Biased: it blurs light of which too little is known to place it.
+    /// so that power stays. Small spots of light that both halves see are left alone, unless fireflies were many around them in the light
+    /// as it was `measured`, before noise was taken off. Biased: it blurs light of which too little is known to place it.
     pub(crate) fn with_fireflies_spread(
         &self,
+        measured: &Self,
         atlas: &Atlas,
         coverage: &Coverage,
         solved: &SolvedLight,
@@ -60,9 +61,19 @@ impl LumelLight {
         let mut sources = self.sources.clone();
         let is_known = |place: usize| self.halves.iter().all(|half| half.samples[place] > 0.0);
         let surface = Surface::new(atlas, coverage, is_known);
-        let noise = self.noise(atlas, coverage);
+        let noise = [measured, self].map(|light| light.noise(atlas, coverage));
         for part in Part::ALL {
-            let is_firefly = self.fireflies(part, &surface, &noise, solved.part(part));
+            let solved = solved.part(part);
+            let [before, now] = [(measured, &noise[0]), (self, &noise[1])]
+                .map(|(light, noise)| light.found_brighter(part, &surface, noise, solved));
+            let is_firefly = |index: usize| match now[index] {
+                Found::Usual => false,
+                Found::Firefly => true,
+                Found::Spot => {
+                    around(&surface, index).filter(|&near| before[near] == Found::Firefly).count() >= MANY
+                }
+            };
+            let is_firefly: Vec<bool> = (0..surface.places().len()).into_par_iter().map(is_firefly).collect();
             if is_firefly.contains(&true) {
                 spread_fireflies(part.of_mut(&mut sources), &surface, &is_firefly);
             }
@@ -70,14 +81,14 @@ impl LumelLight {
         sources
     }
 
-    /// Those of a part of the light, by index in the places of a surface.
-    fn fireflies(
+    /// How a part of the light of each lumel compares with what is around, by index in the places of a surface.
+    fn found_brighter(
         &self,
         part: Part,
         surface: &Surface<'_>,
         noise: &[f32],
         solved: Option<&[Vec3]>,
-    ) -> Vec<bool> {
+    ) -> Vec<Found> {
         let places = surface.places();
         let light = |place: &usize| {
             let of_part: Vec3 = part.of(&self.sources).iter().map(|source| source[*place]).sum();
@@ -108,15 +119,7 @@ impl LumelLight {
                 Found::Spot
             }
         };
-        let found: Vec<Found> = (0..places.len()).into_par_iter().map(found).collect();
-        let is_firefly = |index: usize| match found[index] {
-            Found::Usual => false,
-            Found::Firefly => true,
-            Found::Spot => {
-                around(surface, index).filter(|&near| found[near] == Found::Firefly).count() >= MANY
-            }
-        };
-        (0..places.len()).into_par_iter().map(is_firefly).collect()
+        (0..places.len()).into_par_iter().map(found).collect()
     }
 }
 

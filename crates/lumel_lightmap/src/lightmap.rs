@@ -105,7 +105,7 @@ impl Lightmap {
         let light = match solved {
             Some(solved) => {
                 let shrunk = light.shrunk(atlas, coverage, solved);
-                let sources = shrunk.with_fireflies_spread(atlas, coverage, solved);
+                let sources = shrunk.with_fireflies_spread(light, atlas, coverage, solved);
                 Cow::Owned(LumelLight { sources, ..shrunk })
             }
             None => Cow::Borrowed(light),

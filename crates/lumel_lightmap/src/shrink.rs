@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// How much of the noise of what was measured may look like light that the solve has missed: more is no chance. In a lumel by itself,
 /// and in the few around it.
-const CHANCE: [f32; 2] = [20.0, 1.5];
+const CHANCE: [f32; 2] = [200.0, 2.5];
 
 /// How far around a lumel it is decided how much is kept: all but the first in turn.
 const REACHES: [i64; 3] = [1, 2, 4];

@@ -16,7 +16,7 @@ pub struct Cli {
     /// A mesh (.obj, .gltf, .glb, .ply), a project (.toml) or a built-in scene, such as cornell-box.
     pub scene: Option<String>,
 
-    /// Split edges longer than this: a length in metres, auto (the default for files) or off.
+    /// Split edges longer than this: a length in metres or with a unit, such as 10cm, auto (the default for files) or off.
     #[arg(long, value_name = "L|auto|off")]
     pub max_edge: Option<MaxEdge>,
 

@@ -3,6 +3,7 @@
 use super::memory::Memory;
 use super::number_or_text::NumberOrText;
 use super::preset::Preset;
+use crate::length::metres;
 use lumel_basis::MeshlessBasis;
 use lumel_scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -102,10 +103,9 @@ impl FromStr for PointSpacing {
                 Some(points) => {
                     points.trim_end().parse().ok().filter(|n| *n > 0).map(Self::Points).ok_or_else(unknown)
                 }
-                None => number
-                    .parse()
-                    .map_err(|_| unknown())
-                    .and_then(|number| NumberOrText::Number(number).try_into()),
+                None => metres(number)
+                    .ok_or_else(unknown)
+                    .and_then(|spacing| NumberOrText::Number(spacing).try_into()),
             },
         }
     }

@@ -130,7 +130,7 @@ pub(crate) struct BakeArgs {
     ///
     /// It becomes the array "occlusion" of .npz files, a layer of .exr files, and the occlusion texture of .glb files with
     /// --target occlusion.
-    #[arg(long = "ao", value_name = "METRES", value_parser = parse::above_zero, help_heading = "Ambient occlusion")]
+    #[arg(long = "ao", value_name = "METRES", value_parser = parse::length, help_heading = "Ambient occlusion")]
     #[arg(allow_negative_numbers = true)]
     pub(crate) ao_distance: Option<f32>,
 

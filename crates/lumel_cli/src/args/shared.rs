@@ -42,7 +42,7 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub(crate) two_sided: Vec<String>,
 
-    /// Split edges longer than this: a length in metres, auto or off.
+    /// Split edges longer than this: a length in metres or with a unit, such as 10cm, auto or off.
     ///
     /// Light is stored at vertices: fine shadows need short edges. auto, the default for files without --adaptive, suits the scene: a 64th of
     /// its diameter, longer around the part where most of the triangles are, and longer where it would add more vertices

@@ -41,6 +41,7 @@ fn lengths_of_edges_are_told_and_what_would_suit() {
     // Where a length is given, edges are split, and nothing else would be chosen.
     let split = info("floor.obj --max-edge 0.4");
     assert!(split["edges"]["max"].as_f64().unwrap() <= 0.4 && split["auto"].is_null(), "{split}");
+    assert_eq!(info("floor.obj --max-edge 40cm"), split);
     place.write("floor.lumel.toml", "scene = \"floor.obj\"\n");
     assert_eq!(info("floor.lumel.toml")["auto"], floor["auto"], "projects stay as they are, too");
     let fine = info("furnace --subdivide 5");

@@ -32,3 +32,15 @@ fn control_characters_of_names_are_spelled_out() {
         crate::common::run(&mut place.lumel("info broken.gltf")).failed(r#"node "n\u{1b}]0;title\u{7}""#);
     assert!(!run.stderr.contains('\u{1b}'), "{:?}", run.stderr);
 }
+
+#[test]
+fn a_misspelt_scene_is_answered_by_what_is_most_like_it() {
+    let place = Place::new();
+    place.write("rooms/kitchen.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let names =
+        [("cornel-box", "cornell-box?"), ("atriun", "atrium?"), ("rooms/kitchn.obj", "rooms/kitchen.obj?")];
+    for (misspelt, meant) in names {
+        run(&mut place.lumel(&format!("info {misspelt}"))).failed(&format!("did you mean {meant}"));
+    }
+    run(&mut place.lumel("info zzz")).failed("built-in scenes are");
+}

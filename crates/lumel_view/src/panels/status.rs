@@ -73,7 +73,7 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
     let progress = job.progress();
     let share = match *phase {
         Phase::Lumels { percent, .. } => Some(f64::from(percent) / 100.0),
-        _ => progress.step_share,
+        _ => progress.share,
     };
     match share {
         Some(share) => {
@@ -91,7 +91,9 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
         Phase::Refining { bounce, vertices } => {
             format!("Refining by bounce {bounce}: {} vertices", grouped(*vertices))
         }
-        Phase::Probing => "Testing validity".to_owned(),
+        Phase::Probing if progress.traces_kept_rays => "Tracing rays".to_owned(),
+        Phase::Probing => "Looking inside geometry".to_owned(),
+        Phase::Bounce(0) if progress.traces_kept_rays => "Direct light, tracing rays".to_owned(),
         Phase::Bounce(0) => "Direct light".to_owned(),
         Phase::Bounce(k) => match progress.last_bounce.filter(|last| last >= k) {
             Some(last) => format!("Bounce {k} of {last}"),

@@ -17,9 +17,12 @@ impl Session {
         if generation != running.seen && !shown_whole {
             running.seen = generation;
             let published = running.job.published();
+            let mut taken = true;
             match running.errand {
                 // The old light stays in sight until there is some of the new.
-                Errand::Solve | Errand::Follow | Errand::Read { .. } if published.light.is_empty() => {}
+                Errand::Solve | Errand::Follow | Errand::Read { .. } if published.light.is_empty() => {
+                    taken = false
+                }
                 Errand::Solve | Errand::Follow | Errand::Read { .. } => {
                     self.light = published.light;
                     self.stats = published.stats;
@@ -32,7 +35,7 @@ impl Session {
                 Errand::StandardError => self.light.standard_error = published.light.standard_error,
                 Errand::Lumels => return self.poll_lumels(published.lumels, phase),
             }
-            self.light_generation += 1;
+            self.light_generation += u64::from(taken);
         }
         match phase {
             Phase::Ended(ending) => self.finish(ending),

@@ -6,28 +6,30 @@ use lumel::{Baker, SolveState};
 use lumel_basis::{Field, NodeId};
 use std::sync::Arc;
 
-/// Direct light and some bounces, as they were looked at first.
+/// Direct light and bounces, as they were looked at first.
 pub(super) struct FirstLook {
-    /// Direct light and some bounces.
+    /// Direct light and bounces; the last one stands for all later ones.
     bounces: Vec<Field>,
-    /// What further bounces would bring everywhere.
-    further: Vec3,
 }
 
 impl FirstLook {
-    /// That of these bounces.
-    pub(super) fn new(baker: &Baker, bounces: Vec<Field>) -> Self {
-        let state = SolveState { bounces, ..SolveState::new() };
-        Self { further: baker.ambient(&state), bounces: state.bounces }
+    /// That of these: see [`Baker::first_look`].
+    pub(super) fn new(bounces: Vec<Field>) -> Self {
+        Self { bounces }
     }
 
     /// A bounce of which nothing but these nodes is measured yet; `None` if it was not looked at.
     pub(super) fn completing(&self, bounce: u32, field: &Field, measured: &[bool]) -> Option<Field> {
-        let mut whole = self.bounces.get(bounce as usize)?.clone();
+        let mut whole = self.single().get(bounce as usize)?.clone();
         for (node, _) in (0..).map(NodeId).zip(measured).filter(|(_, measured)| **measured) {
             whole.coefficients_mut(node).copy_from_slice(field.coefficients(node));
         }
         Some(whole)
+    }
+
+    /// Without the one that stands for all later ones.
+    fn single(&self) -> &[Field] {
+        self.bounces.split_last().map_or(&[], |(_, single)| single)
     }
 
     /// Direct light.
@@ -44,6 +46,6 @@ impl FirstLook {
         };
         let mut seen = baker.carried_at_vertices(&Field::sum(later[0].node_count(), later));
         seen.iter_mut().for_each(|value| *value *= share);
-        Unshot { ambient: self.further * share, seen: Some(Arc::new(seen)), ..unshot }
+        Unshot { ambient: Vec3::ZERO, seen: Some(Arc::new(seen)), ..unshot }
     }
 }

@@ -93,7 +93,7 @@ fn first_look(
         return Ok(None);
     }
     match baker.first_look(control) {
-        Ok(bounces) => Ok(Some(FirstLook::new(baker, bounces))),
+        Ok(bounces) => Ok(Some(FirstLook::new(bounces))),
         Err(TransportError::Cancelled) => Err(Ending::Stopped),
         Err(error) => Err(Ending::Failed(error.to_string())),
     }

@@ -58,6 +58,13 @@ struct Drawn {
     split: Option<f32>,
 }
 
+impl Drawn {
+    /// Whether it is the same picture with smoother edges.
+    fn is_smoother_than(&self, other: &Self) -> bool {
+        self.samples == Samples::Four && *self == Self { samples: Samples::Four, ..other.clone() }
+    }
+}
+
 /// The scene on the device.
 struct LoadedModel {
     /// The generation of the document that it is of.
@@ -177,7 +184,9 @@ impl Stage {
         let Some(document) = &showing.session.document else { return Ok(None) };
         self.load(showing.session, &document.scene)?;
         let drawn = self.wanted(showing, size)?;
-        if self.drawn.as_ref() == Some(&drawn) {
+        // What is there is not drawn again to be worse.
+        let is_better = |last: &Drawn| showing.view.antialias && last.is_smoother_than(&drawn);
+        if self.drawn.as_ref().is_some_and(|last| *last == drawn || is_better(last)) {
             return Ok(self.target.as_ref().map(|target| target.shown.clone()));
         }
         self.fit_target(size, drawn.samples)?;
