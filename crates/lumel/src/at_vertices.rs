@@ -7,6 +7,9 @@ use lumel_basis::Field;
 use lumel_export::{Solution, SolutionLayer, SolutionMeta, SolutionPoints};
 use lumel_solve::{SolveState, mix};
 
+/// Where points carry light, what holds for this share of those that a vertex is read from holds for the vertex.
+const MOST: f32 = 0.5;
+
 impl Baker {
     /// A field of a solve as bounces carry it, at every vertex of the scene, W·m⁻²: the mean under the hat function of
     /// each vertex where light is measured over areas.
@@ -32,9 +35,15 @@ impl Baker {
             .then(|| self.light_reader(state).positive_at_vertices(&mix(&state.layers, &shares)))
     }
 
-    /// What holds for the nodes of the basis, for every vertex of the scene; true where it is not known of the node.
+    /// What holds for the nodes of the basis, or most of many points, for every vertex of the scene; true where it is not known of the
+    /// node.
     pub fn flags_at_vertices(&self, nodes: &[bool]) -> Vec<bool> {
-        self.surfaces().points.all(&**self.basis(), nodes)
+        let points = &self.surfaces().points;
+        match self.basis().points() {
+            None => points.all(&**self.basis(), nodes),
+            // Of many points around a vertex, some lie behind a skirting board.
+            Some(basis) => points.share(&**basis, nodes).into_iter().map(|share| share >= MOST).collect(),
+        }
     }
 
     /// The light at every vertex of the scene.

@@ -85,6 +85,20 @@ impl VertexPoints {
         Coefficients::new(kind, values)
     }
 
+    /// The share of the weights of the nodes that a vertex is read from at which `flags` hold; a node without a flag counts as true.
+    pub fn share(&self, basis: &dyn Basis, flags: &[bool]) -> Vec<f32> {
+        let mut weights = NodeWeights::default();
+        let mut share = |&at: &SurfacePoint| {
+            weights.clear();
+            basis.weights_at(at, &mut weights);
+            let all: f32 = weights.iter().map(|(_, weight)| weight).sum();
+            let flag = |node: usize| flags.get(node).copied().unwrap_or(true);
+            let held = weights.iter().filter(|(node, _)| flag(node.index())).map(|(_, weight)| weight);
+            held.sum::<f32>() / all
+        };
+        self.0.iter().map(&mut share).collect()
+    }
+
     /// Whether `flags` hold at all nodes that a vertex is read from; a node without a flag counts as true.
     pub fn all(&self, basis: &dyn Basis, flags: &[bool]) -> Vec<bool> {
         let mut weights = NodeWeights::default();
