@@ -1,7 +1,7 @@
 //! Values on the command line. Every number is finite.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumel::{CameraEntry, LightEntry, LightKind, Shading, spec};
+use lumel::{CameraEntry, LightEntry, LightKind, Moment, Shading, spec};
 use lumel_render_cpu::{MAX_PIXELS, NormalMaps, Show, ToneMapper};
 use std::ops::RangeInclusive;
 
@@ -17,6 +17,8 @@ pub(crate) fn named_show() -> impl TypedValueParser<Value = Show> {
         ("normals", "the directions surfaces face: red is +x, green +y, blue +z"),
         ("false-color", "luminance of the irradiance in false colour, with a legend"),
     ];
+    let moments = Moment::ALL.map(|moment| (moment.name(), moment.text()));
+    let values = values.into_iter().chain(moments);
     PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
         .try_map(|name| name.parse::<Show>())
 }
