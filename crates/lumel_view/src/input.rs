@@ -70,6 +70,10 @@ pub enum Command {
     LumelGrid,
     /// Show one way of looking at the scene, or the usual one if it is shown already.
     Show(ViewMode),
+    /// Show normal maps and ripples, or not.
+    Relief,
+    /// Show the same light with and without them side by side.
+    SplitRelief,
     /// Keep the light to compare with.
     KeepLight,
     /// Show two lights side by side.
@@ -219,6 +223,11 @@ pub const BINDINGS: &[Binding] = &[
     bind(Command::Show(ViewMode::LumelDensity), Key::Y, "Show the density of lumels", Group::View),
     bind(Command::Show(ViewMode::Validity), Key::F3, "Show what lies inside geometry", Group::View),
     bind(Command::Show(ViewMode::Seams), Key::F4, "Show the seams of the lightmap", Group::View),
+    bind(Command::Relief, Key::Z, "Light normal maps by direction, or not", Group::View),
+    with(
+        Modifiers::SHIFT,
+        bind(Command::SplitRelief, Key::Z, "Compare with and without normal maps", Group::View),
+    ),
     bind(Command::KeepLight, Key::P, "Keep this solution for comparison", Group::View),
     bind(Command::Split, Key::C, "Compare side by side", Group::View),
     bind(Command::Help, Key::F1, "Show all keys", Group::View),

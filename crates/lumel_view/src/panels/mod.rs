@@ -10,6 +10,7 @@ mod log;
 mod lumels;
 mod menu;
 mod operator;
+mod relief;
 mod scene;
 mod settings;
 mod solve;
