@@ -34,6 +34,14 @@ pub(crate) fn named_normal_maps() -> impl TypedValueParser<Value = NormalMaps> {
         .try_map(|name| name.parse::<NormalMaps>())
 }
 
+/// Where green of normal maps points.
+pub(crate) fn named_green() -> impl TypedValueParser<Value = NormalMaps> {
+    named_normal_maps().try_map(|maps| match maps {
+        NormalMaps::Off => Err("expected up or down"),
+        NormalMaps::Up | NormalMaps::Down => Ok(maps),
+    })
+}
+
 /// How light on tilted normals is found.
 pub(crate) fn named_shading() -> impl TypedValueParser<Value = Shading> {
     let values = [

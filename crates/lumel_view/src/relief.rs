@@ -3,6 +3,7 @@
 use lumel::{Scene, Shading};
 use lumel_render_cpu::{NormalMaps, Relief, Ripple};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// How normal maps and ripples are shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,6 +73,11 @@ impl ReliefPrefs {
             Self { green_down: false, .. } => NormalMaps::Up,
         };
         Relief { maps, shading: self.shading() }
+    }
+
+    /// A scene whose normal maps have green up.
+    pub fn with_green_up(&self, scene: &Arc<Scene>) -> Arc<Scene> {
+        if self.green_down { Arc::new(scene.with_green_flipped()) } else { Arc::clone(scene) }
     }
 
     /// The waves over a scene once they have run so far, radians.
