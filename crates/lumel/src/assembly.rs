@@ -1,10 +1,11 @@
 //! The operators that settings ask for.
 
+use crate::BounceBasis;
 use crate::method::Method;
 use crate::settings::{Memory, ScheduleKind, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
-use lumel_basis::{Directional, Receivers, Sampling, VertexBasis};
+use lumel_basis::{Directional, Receivers, Sampling};
 use lumel_scene::Scene;
 use lumel_solve::{REPLICATES, Replicates, Schedule, Target};
 use lumel_transport::{
@@ -20,6 +21,8 @@ pub(crate) struct Assembly {
     pub(crate) transport: Box<dyn Transport>,
     pub(crate) stored: StoredRays,
     pub(crate) rest: Rest,
+    /// Measures direct light at the vertices in the end, where points carry the bounces.
+    pub(crate) direct: Option<Box<dyn Transport>>,
     /// Measures all light by direction in the end, where the settings want it.
     pub(crate) directional: Option<Box<dyn Transport>>,
 }
@@ -50,9 +53,9 @@ impl Assembly {
         settings: &Settings,
         stored: &StoredRays,
     ) -> Self {
-        match settings.projection.sampling() {
+        match settings.sampling() {
             Sampling::Point => {
-                Parts { scene, surfaces, measured: surfaces.at_vertices(), settings }.assembly(stored)
+                Parts { scene, surfaces, measured: surfaces.at_nodes(), settings }.assembly(stored)
             }
             Sampling::Area => {
                 Parts { scene, surfaces, measured: surfaces.over_areas(), settings }.assembly(stored)
@@ -159,7 +162,8 @@ impl<R: Receivers + 'static> Parts<'_, R> {
         let stored = |directional: &DirectionalTransport<_, _>| directional.stored();
         let stored = StoredRays { bounces, directional: directional.as_ref().and_then(stored) };
         let directional = directional.map(|operator| Box::new(operator) as Box<dyn Transport>);
-        Assembly { method, schedule: self.settings.schedule(), transport, stored, rest, directional }
+        let (schedule, direct) = (self.settings.schedule(), self.direct());
+        Assembly { method, schedule, transport, stored, rest, direct, directional }
     }
 
     /// Its rays are stored where those of bounces are, and both fit into memory.
@@ -167,7 +171,7 @@ impl<R: Receivers + 'static> Parts<'_, R> {
         &self,
         method: Method,
         shared: Option<&Stored>,
-    ) -> Option<DirectionalTransport<VertexBasis, R>> {
+    ) -> Option<DirectionalTransport<BounceBasis, R>> {
         let kind = self.settings.directional;
         let inner = || self.traced(directional_plan(self.settings.plan()));
         (kind != Directional::Off).then(|| {
@@ -178,7 +182,28 @@ impl<R: Receivers + 'static> Parts<'_, R> {
         })
     }
 
-    fn traced(&self, plan: Plan) -> CpuTransport<VertexBasis, R> {
+    /// Measures direct light at the vertices, as the projection says, where points carry the bounces. With a target error, all light is
+    /// that of the points, whose errors are known.
+    fn direct(&self) -> Option<Box<dyn Transport>> {
+        let Surfaces { tracer, basis, .. } = self.surfaces;
+        let is_read = basis.points().is_some() && self.settings.target_error == TargetError::Off;
+        let (scene, tracer, basis) = (Arc::clone(self.scene), Arc::clone(tracer), Arc::clone(basis));
+        let plan = self.settings.plan();
+        is_read.then(|| -> Box<dyn Transport> {
+            match self.settings.projection.sampling() {
+                Sampling::Point => {
+                    let Ordered { receivers, order } = self.surfaces.at_vertices().clone();
+                    Box::new(CpuTransport::in_order(scene, tracer, basis, (receivers, order), plan))
+                }
+                Sampling::Area => {
+                    let Ordered { receivers, order } = self.surfaces.over_areas().clone();
+                    Box::new(CpuTransport::in_order(scene, tracer, basis, (receivers, order), plan))
+                }
+            }
+        })
+    }
+
+    fn traced(&self, plan: Plan) -> CpuTransport<BounceBasis, R> {
         let Surfaces { tracer, basis, .. } = self.surfaces;
         let measured = (Arc::clone(&self.measured.receivers), self.measured.order.clone());
         CpuTransport::in_order(Arc::clone(self.scene), Arc::clone(tracer), Arc::clone(basis), measured, plan)

@@ -4,7 +4,7 @@ use crate::light_reader::{LightReader, positive};
 use crate::{Baker, layers};
 use glam::Vec3;
 use lumel_basis::Field;
-use lumel_export::{Solution, SolutionLayer, SolutionMeta};
+use lumel_export::{Solution, SolutionLayer, SolutionMeta, SolutionPoints};
 use lumel_solve::{SolveState, mix};
 
 impl Baker {
@@ -46,6 +46,10 @@ impl Baker {
         let reader = self.light_reader(state);
         let read = reader.read_state(state);
         let at_vertices = |field: &Field| self.carried_at_vertices(field);
+        let bounce = |(k, field): (usize, &Field)| match reader.direct_at_vertices().filter(|_| k == 0) {
+            Some(direct) => direct.to_vec(),
+            None => at_vertices(field),
+        };
         let settings = serde_json::to_value(self.settings()).unwrap_or_default();
         let errors = state.errors.as_ref();
         Solution {
@@ -54,9 +58,9 @@ impl Baker {
             normals: self.scene().normals().to_vec(),
             irradiance: match state.bounces.is_empty() {
                 true => vec![Vec3::ZERO; self.scene().vertex_count()],
-                false => positive(at_vertices(&read.total())),
+                false => positive(reader.with_direct(at_vertices(&read.total()))),
             },
-            bounces: read.bounces.iter().map(at_vertices).collect(),
+            bounces: read.bounces.iter().enumerate().map(bounce).collect(),
             tail: read.beyond_bounces().as_ref().map(at_vertices),
             valid: self.flags_at_vertices(&state.valid),
             standard_error: errors.map(|errors| self.carried_at_vertices(&errors.standard_error)),
@@ -64,7 +68,24 @@ impl Baker {
             directional: state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field)),
             occlusion: None,
             splits: self.splits().to_vec(),
+            points: self.solution_points(state),
         }
+    }
+
+    /// The points that have carried the light of a state.
+    fn solution_points(&self, state: &SolveState) -> Option<SolutionPoints> {
+        let basis = self.basis().points()?;
+        let values = |field: &Field| field.values().to_vec();
+        let (points, scene) = (basis.points(), self.scene());
+        Some(SolutionPoints {
+            positions: points.iter().map(|point| scene.to_world(point.position)).collect(),
+            normals: points.iter().map(|point| point.normal).collect(),
+            radii: vec![basis.radius(); points.len()],
+            levels: vec![0; points.len()],
+            valid: state.valid.clone(),
+            bounces: state.bounces.iter().map(values).collect(),
+            tail: state.beyond_bounces().as_ref().map(values),
+        })
     }
 
     /// The layers of a state at all vertices.

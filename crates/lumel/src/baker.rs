@@ -1,5 +1,6 @@
 //! From a scene and settings to a solution.
 
+use crate::BounceBasis;
 use crate::assembly::{Assembly, Rest, StoredRays, directional_memory};
 use crate::layers;
 use crate::method::Method;
@@ -7,13 +8,11 @@ use crate::settings::{Layers, Memory, Projection, Settings};
 use crate::surfaces::Surfaces;
 use glam::Vec3;
 use lumel_accel::{RayTracer, tracer_of};
-use lumel_basis::{
-    Basis, Field, LeastSquares, NodeId, Readout, Receivers, Sampling, VertexBasis, reflecting_areas,
-};
+use lumel_basis::{Basis, Field, LeastSquares, NodeId, Readout, Receivers, Sampling, reflecting_areas};
 use lumel_scene::Scene;
 use lumel_solve::{
-    Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, brightest, final_gather, solve,
-    solve_directional, solve_layers, solve_to_error,
+    Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, brightest, final_gather,
+    read_direct, solve, solve_directional, solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Order, Transport};
 use std::sync::Arc;
@@ -48,7 +47,7 @@ impl Baker {
         settings: Settings,
         stored: &StoredRays,
     ) -> Self {
-        let surfaces = Surfaces::new(&scene, tracer);
+        let surfaces = Surfaces::new(&scene, tracer, &settings);
         let assembly = Assembly::new(&scene, &surfaces, &settings, stored);
         let integrals = Arc::new(integrals(&scene, &surfaces.basis));
         Self { scene, surfaces, settings, assembly, integrals }
@@ -63,10 +62,11 @@ impl Baker {
         if scene.geometry_hash() != self.scene.geometry_hash() {
             return Self::with_tracer(scene, Arc::clone(self.tracer()), settings);
         }
-        let surfaces = self.surfaces.clone();
+        let surfaces = self.surfaces.carrying(&settings);
         let assembly = Assembly::new(&scene, &surfaces, &settings, &self.assembly.stored);
         // The integrals of a basis depend on albedo too.
-        let same_integrals = scene.has_surfaces_of(&self.scene);
+        let same_integrals =
+            scene.has_surfaces_of(&self.scene) && Arc::ptr_eq(&surfaces.basis, &self.surfaces.basis);
         let new = || Arc::new(integrals(&scene, &surfaces.basis));
         let integrals = if same_integrals { Arc::clone(&self.integrals) } else { new() };
         Self { scene, surfaces, settings, assembly, integrals }
@@ -104,23 +104,23 @@ impl Baker {
         &self.settings
     }
 
-    /// The basis that light is stored in: that of all fields of a [`SolveState`].
-    pub fn basis(&self) -> &Arc<VertexBasis> {
+    /// The basis that bounces are carried on: that of all fields of a [`SolveState`].
+    pub fn basis(&self) -> &Arc<BounceBasis> {
         &self.surfaces.basis
     }
 
     /// Where light is measured.
     pub(crate) fn receivers(&self) -> &dyn Receivers {
-        match self.settings.projection.sampling() {
-            Sampling::Point => &*self.surfaces.at_vertices().receivers,
+        match self.settings.sampling() {
+            Sampling::Point => &*self.surfaces.at_nodes().receivers,
             Sampling::Area => &*self.surfaces.over_areas().receivers,
         }
     }
 
     /// The order in which light is measured.
     pub(crate) fn order(&self) -> &Order {
-        match self.settings.projection.sampling() {
-            Sampling::Point => &self.surfaces.at_vertices().order,
+        match self.settings.sampling() {
+            Sampling::Point => &self.surfaces.at_nodes().order,
             Sampling::Area => &self.surfaces.over_areas().order,
         }
     }
@@ -176,6 +176,16 @@ impl Baker {
         brightest(&powers.unwrap_or_default(), share)
     }
 
+    /// Where a node lies.
+    pub fn position_of(&self, node: NodeId) -> Vec3 {
+        match &**self.basis() {
+            BounceBasis::Vertices(basis) => {
+                self.scene().positions()[basis.first_vertices()[node.index()] as usize]
+            }
+            BounceBasis::Points(basis) => basis.points()[node.index()].position,
+        }
+    }
+
     /// Power that arrives in a field, W by luminance.
     pub fn power(&self, field: &Field) -> f64 {
         self.integrals.power(field)
@@ -229,6 +239,10 @@ impl Baker {
         {
             final_gather(finisher, state, control, observer)?;
         }
+        if let Some(direct) = &self.assembly.direct {
+            let operator = Operator { transport: &**direct, basis: &*self.surfaces.vertices };
+            read_direct(operator, state, control, observer)?;
+        }
         finish(state)?;
         if self.settings.layers == Layers::Lights {
             let masks = layers::masks(&self.scene, &self.settings);
@@ -260,11 +274,12 @@ impl Baker {
 
     /// What reads carried light, where its projection is the one by least squares.
     pub(crate) fn least_squares(&self) -> Option<&LeastSquares> {
-        (self.settings.projection == Projection::LeastSquares).then(|| self.surfaces.least_squares())
+        let is_read = self.settings.projection == Projection::LeastSquares && self.basis().points().is_none();
+        is_read.then(|| self.surfaces.least_squares())
     }
 }
 
-fn integrals(scene: &Scene, basis: &VertexBasis) -> Integrals {
+fn integrals(scene: &Scene, basis: &BounceBasis) -> Integrals {
     Integrals::new(basis.node_areas().to_vec(), reflecting_areas(scene, basis))
 }
 
@@ -339,6 +354,6 @@ mod tests {
             |name| Arc::new(crate::open(name, &OpenOptions::default()).unwrap().builder.build().unwrap().0);
         let baker =
             Baker::new(built("sphere"), Settings::default()).relit(built("furnace"), Settings::default());
-        assert_eq!(baker.basis().scene().name(), "furnace");
+        assert_eq!(baker.scene().name(), "furnace");
     }
 }

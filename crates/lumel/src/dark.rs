@@ -38,7 +38,7 @@ impl Baker {
         let over_areas = self.surfaces().over_areas();
         let measured = (Arc::clone(&over_areas.receivers), over_areas.order.clone());
         let (scene, tracer) = (Arc::clone(self.scene()), Arc::clone(self.tracer()));
-        let basis = Arc::clone(&self.surfaces().basis);
+        let basis = Arc::clone(&self.surfaces().vertices);
         let transport = CpuTransport::in_order(scene, tracer, basis, measured, Plan::default());
         let transport = transport.with_samples(Plan::default(), nodes);
         let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };

@@ -23,7 +23,10 @@ const BENT: f64 = 0.2;
 pub struct ErrorEstimate {
     /// Root mean square over the surfaces but for the worst 2 % of them, relative to that of the light there.
     pub error: f64,
-    /// What most of it comes from.
+    /// The same over the darker half of those surfaces alone. Much larger where most light never comes to where people look:
+    /// on the outside of a house under a sky. `None` if no light comes there at all.
+    pub in_darker_half: Option<f64>,
+    /// What most of the error comes from.
     pub cause: ErrorCause,
 }
 
@@ -46,12 +49,13 @@ impl Baker {
     ///
     /// At vertices inside a surface, two thousand of them at most, light is compared with what a linear function through the
     /// neighbours says. What is left is noise, and detail that the mesh does not resolve. It says nothing of
-    /// [bounces that are missing](Self::remainder). `None` if there are no such vertices, or no light.
+    /// [bounces that are missing](Self::remainder). `None` if there are no such vertices, or no light, or points have carried it:
+    /// then neighbours share what is wrong.
     ///
     /// `solution` must be one of this baker's.
     pub fn error_estimate(&self, solution: &Solution) -> Option<ErrorEstimate> {
-        let direct = solution.bounces.first()?;
-        let basis = self.basis();
+        let direct = solution.bounces.first().filter(|_| self.basis().points().is_none())?;
+        let basis = &self.surfaces().vertices;
         let at_nodes = || basis.first_vertices().iter().map(|&vertex| vertex as usize);
         let valid: Vec<bool> = at_nodes().map(|vertex| solution.valid[vertex]).collect();
         let all: Vec<f64> = at_nodes().map(|vertex| luminance(solution.irradiance[vertex]).into()).collect();
@@ -67,7 +71,7 @@ impl Baker {
         let kept = without_worst(nodes.filter_map(found).collect());
         let integral = |value: &dyn Fn(&Found) -> f64| kept.iter().map(|at| at.area * value(at)).sum::<f64>();
         let squares = [0, 1].map(|k| integral(&|at| at.residuals[k].value.powi(2)));
-        let error = ((squares[0] + squares[1]) / integral(&|at| at.light * at.light)).sqrt();
+        let error = relative(kept.iter().map(|at| (at, at.area)))?;
         let (k, noise) = match squares[0] > squares[1] {
             true => (0, ErrorCause::DirectNoise),
             false => (1, ErrorCause::IndirectNoise),
@@ -87,7 +91,8 @@ impl Baker {
             products > BENT * squares
         };
         let cause = if 2.0 * at_edges > squares[k] || is_bent() { ErrorCause::CoarseMesh } else { noise };
-        error.is_finite().then_some(ErrorEstimate { error, cause })
+        let in_darker_half = relative(darker_half(&kept));
+        Some(ErrorEstimate { error, in_darker_half, cause })
     }
 }
 
@@ -124,6 +129,26 @@ fn without_worst(mut found: Vec<Found>) -> Vec<Found> {
     }
     found.retain(|at| at.area > 0.0);
     found
+}
+
+/// The darkest, on half of the area, each with the area that belongs to it.
+fn darker_half(found: &[Found]) -> impl Iterator<Item = (&Found, f64)> {
+    let mut ascending: Vec<&Found> = found.iter().collect();
+    ascending.sort_by(|a, b| a.light.total_cmp(&b.light));
+    let mut left = 0.5 * found.iter().map(|at| at.area).sum::<f64>();
+    ascending.into_iter().map_while(move |at| {
+        let area = at.area.min(left);
+        left -= area;
+        (area > 0.0).then_some((at, area))
+    })
+}
+
+/// The root mean square of residuals over that of the light, if there is light.
+fn relative<'a>(found: impl Iterator<Item = (&'a Found, f64)>) -> Option<f64> {
+    let (square, light) = found.fold((0.0, 0.0), |(square, light), (at, area)| {
+        (square + area * at.square(), light + area * at.light * at.light)
+    });
+    (light > 0.0).then(|| (square / light).sqrt())
 }
 
 /// What a linear function through the neighbours of a node has to be multiplied with to be compared with the node.

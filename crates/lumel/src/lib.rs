@@ -19,11 +19,13 @@ mod assembly;
 mod at_vertices;
 mod bake;
 mod baker;
+mod bounce_basis;
 mod dark;
 mod decimal;
 mod difference;
 mod error_estimate;
 mod file_format;
+mod first_look;
 mod layers;
 mod light_entry;
 mod light_file;
@@ -46,16 +48,19 @@ mod resume;
 mod samples;
 mod settings;
 mod sky_entry;
+mod solved_lumels;
 pub mod spec;
 mod suggestion;
 mod surfaces;
 mod target;
 mod two_sided;
+mod words;
 mod workload;
 
 pub use adaptive::{Adapted, RefinementEnd, Refining};
 pub use bake::{Bake, BakeError, Baked};
 pub use baker::Baker;
+pub use bounce_basis::BounceBasis;
 pub use decimal::decimal;
 pub use difference::{Difference, Percentiles};
 pub use error_estimate::{ErrorCause, ErrorEstimate};
@@ -77,7 +82,7 @@ pub use lumel_export::{
     SolutionLayer, SolutionSelection,
 };
 pub use lumel_import::PathPolicy;
-pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight};
+pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight, SolvedLight};
 pub use lumel_sample::SamplerKind;
 pub use lumel_scene::{
     AlphaMode, Bisection, Camera, DirectionalLight, DiskLight, Face, FaceSide, Irradiance, Light, Material,
@@ -101,11 +106,12 @@ pub use project::{CameraEntry, MaterialEntry, ObjectEntry, Project, ProjectError
 pub use reading::Reading;
 pub use resume::ResumeError;
 pub use settings::{
-    Adaptive, BounceLimit, Layers, Memory, Preset, Projection, ScheduleKind, Settings, SettingsError,
-    SettingsPatch, Share, SolverKind, Tail, TargetError,
+    Adaptive, BounceLimit, Layers, Memory, PointNeed, PointSpacing, Preset, Projection, ScheduleKind,
+    Settings, SettingsError, SettingsPatch, Share, SolverKind, Tail, TargetError,
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
 pub use suggestion::suggested_light;
+pub use words::counted;
 pub use workload::Remainder;
 
 /// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.

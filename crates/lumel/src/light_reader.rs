@@ -1,6 +1,6 @@
 //! How the light of one solve is read.
 
-use crate::Baker;
+use crate::{Baker, Projection};
 use glam::Vec3;
 use lumel_basis::{Coefficients, Field, LeastSquares, Limits};
 use lumel_solve::{ShotLight, SolveState};
@@ -14,6 +14,8 @@ pub struct LightReader<'a> {
     baker: &'a Baker,
     /// `None` where light is read as it is carried.
     least_squares: Option<(&'a LeastSquares, Limits)>,
+    /// Direct light at the vertices, where it was measured there apart from what bounces carry, and as these carry it.
+    direct: Option<[Vec<Vec3>; 2]>,
 }
 
 impl Baker {
@@ -21,7 +23,22 @@ impl Baker {
     pub fn light_reader(&self, state: &SolveState) -> LightReader<'_> {
         let least_squares = self.least_squares().zip(state.bounces.first());
         let least_squares = least_squares.map(|(solver, direct)| (solver, solver.limits(direct)));
-        LightReader { baker: self, least_squares }
+        let reader = LightReader { baker: self, least_squares, direct: None };
+        let carried = state.bounces.first().map(|direct| reader.at_vertices(direct));
+        let measured = state.read_direct.as_ref().map(|direct| self.measured_at_vertices(direct));
+        LightReader { direct: measured.zip(carried).map(|(measured, carried)| [measured, carried]), ..reader }
+    }
+
+    /// Direct light that was measured at the vertices, as the projection says, where points carry the bounces.
+    fn measured_at_vertices(&self, direct: &Field) -> Vec<Vec3> {
+        let surfaces = self.surfaces();
+        let mut direct = direct.clone();
+        if self.settings().projection == Projection::LeastSquares {
+            let solver = surfaces.least_squares();
+            let limits = solver.limits(&direct);
+            solver.project_within(&limits, &mut direct);
+        }
+        surfaces.points.read(&*surfaces.vertices, &direct)
     }
 }
 
@@ -38,6 +55,20 @@ impl LightReader<'_> {
         self.baker.carried_at_vertices(&self.read(field))
     }
 
+    /// Direct light that was measured at the vertices, apart from what bounces carry.
+    pub(crate) fn direct_at_vertices(&self) -> Option<&[Vec3]> {
+        self.direct.as_ref().map(|[measured, _]| measured.as_slice())
+    }
+
+    /// Light at vertices that contains all direct light, with the direct light that was measured there.
+    pub(crate) fn with_direct(&self, mut light: Vec<Vec3>) -> Vec<Vec3> {
+        if let Some([measured, carried]) = &self.direct {
+            let other = measured.iter().zip(carried).map(|(measured, carried)| *measured - *carried);
+            light.iter_mut().zip(other).for_each(|(light, other)| *light += other);
+        }
+        light
+    }
+
     /// The coefficients of harmonics of a field of the solve at every vertex of the scene, W·m⁻²; `None` for irradiance alone.
     ///
     /// They are read as irradiance is, with the same limits.
@@ -50,7 +81,7 @@ impl LightReader<'_> {
         if state.bounces.is_empty() {
             return vec![Vec3::ZERO; self.baker.scene().vertex_count()];
         }
-        self.positive_at_vertices(&state.total())
+        positive(self.with_direct(self.at_vertices(&state.total())))
     }
 
     /// All light, or a mixture of all layers, at every vertex of the scene, W·m⁻², never negative.

@@ -11,6 +11,8 @@ pub enum LightBasis {
     /// At the vertices of the mesh, whose long edges are split.
     #[default]
     Vertex,
+    /// On points that are scattered over the surfaces; in the end it is read at the vertices.
+    Points,
     /// In lumels, the texels of a lightmap: the mesh stays as it is.
     Lightmap,
 }

@@ -1,14 +1,14 @@
 //! From a solve on vertices to light on the lumels of an atlas.
 
 use crate::Baker;
+use crate::BounceBasis;
 use crate::assembly::directional_plan;
 use crate::settings::Memory;
 use crate::target::target;
-use glam::Vec3;
-use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers, VertexBasis};
+use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers};
 use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
-use lumel_scene::{Scene, SurfacePoint};
+use lumel_scene::Scene;
 use lumel_solve::{SolveState, Target};
 use lumel_transport::{
     CachedTransport, Control, CpuTransport, DIRECTIONAL_PASS, DirectionalTransport, Job, Order, Plan, Source,
@@ -152,26 +152,7 @@ impl Baker {
 
     /// What measuring the light of a solve at lumels begins with.
     pub fn no_light_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> LumelLight {
-        let light = LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state));
-        LumelLight { solved: self.solved_at_lumels(state, lumels), ..light }
-    }
-
-    /// Direct light and all bounces of a solve, read at the middle of each lumel, W·m⁻²; zero where the surfaces of the solve are not
-    /// near.
-    fn solved_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> [Vec<Vec3>; 2] {
-        let Some((direct, bounces)) = state.bounces.split_first() else { return [Vec::new(), Vec::new()] };
-        let Lumels { scene, atlas, coverage } = lumels;
-        let middles = coverage.middles(atlas, &atlas.refined(scene, self.scene()));
-        let reader = self.light_reader(state);
-        let bounces = Field::sum(direct.node_count(), bounces.iter().chain(&state.tail));
-        [direct, &bounces].map(|field| {
-            let values = reader.positive_at_vertices(field);
-            let at = |middle: SurfacePoint| {
-                let corners = self.scene().triangle(middle.tri).into_iter().zip(middle.bary.weights());
-                corners.map(|(vertex, weight)| values[vertex as usize] * weight).sum()
-            };
-            middles.iter().map(|middle| middle.map(at).unwrap_or_default()).collect()
-        })
+        LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state))
     }
 
     /// Measures the light of a solve over what each lumel covers, on average with as many samples as a triangle of mean size: half
@@ -267,7 +248,7 @@ impl Baker {
         &self,
         lumels: &Lumels,
         plan: Plan,
-    ) -> CpuTransport<VertexBasis, LumelReceivers> {
+    ) -> CpuTransport<BounceBasis, LumelReceivers> {
         let receivers = lumels.receivers();
         let order = Order::new(&receivers);
         CpuTransport::in_order(
@@ -279,14 +260,14 @@ impl Baker {
         )
     }
 
-    fn cached_at_lumels(&self, lumels: &Lumels) -> CachedTransport<VertexBasis, LumelReceivers> {
+    fn cached_at_lumels(&self, lumels: &Lumels) -> CachedTransport<BounceBasis, LumelReceivers> {
         CachedTransport::new(self.traced_at_lumels(lumels, self.settings().plan()), None)
     }
 
     /// Measures the lumels that are left of a round.
     fn finish_round(
         &self,
-        (operator, sources): (&CachedTransport<VertexBasis, LumelReceivers>, &[StepSource<'_>]),
+        (operator, sources): (&CachedTransport<BounceBasis, LumelReceivers>, &[StepSource<'_>]),
         light: &mut LumelLight,
         parts: &mut LumelParts,
         control: &Control,
@@ -323,7 +304,7 @@ impl Baker {
     /// How many lumels are measured together, so that their rays fit the settings' memory, and the bytes of these.
     fn part_of(
         &self,
-        operator: &CachedTransport<VertexBasis, LumelReceivers>,
+        operator: &CachedTransport<BounceBasis, LumelReceivers>,
         plan: &Plan,
         active: &[bool],
         most: usize,

@@ -45,7 +45,7 @@ impl Baker {
         let (vertices, triangles) =
             (self.scene().vertex_count() as u64, self.scene().triangle_count() as u64);
         let n_fields = self.expected_steps() + 1 + self.layer_count();
-        let is_area = self.settings().projection.sampling() == Sampling::Area;
+        let is_area = self.settings().sampling() == Sampling::Area;
         let sums = if is_area { 3 * SUM } else { SUM };
         let fields = n_fields * nodes * LIGHT;
         let harmonics = self.settings().directional.harmonics() as u64;
@@ -54,6 +54,12 @@ impl Baker {
         let kept = self.ray_bytes() + fields + directional + if is_area { nodes * LEAST_SQUARES } else { 0 };
         // A checkpoint is written from a copy, array by array.
         let solving = (elements * sums + nodes * MERGING + triangles * PLANE).max(2 * fields);
+        // Direct light is measured at vertices, or over triangles, once bounces are there.
+        let reading = match self.basis().points() {
+            Some(_) => (3 * triangles).max(vertices) * SUM + vertices * (MERGING + LEAST_SQUARES),
+            None => 0,
+        };
+        let solving = solving.max(reading);
         // Each value is summed and merged in double precision, for lights and for bounces.
         let sums_of_harmonics =
             harmonics * (if is_area { 3 * elements } else { elements } + nodes) * 2 * LIGHT;

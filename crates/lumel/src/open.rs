@@ -166,7 +166,7 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
     };
     let project = project.moved(-builder.origin);
     apply(&project, path, options, &mut builder, &mut warnings)?;
-    let settings = project.bake.clone();
+    let settings = project.settings();
     Ok(Opened { builder, whole: None, warnings, settings, project: Some(project), auto_edge: None })
 }
 

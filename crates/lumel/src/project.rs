@@ -5,7 +5,7 @@ use crate::light_entry::LightEntry;
 use crate::lightmap_entry::{LightBasis, LightmapEntry};
 use crate::max_edge::MaxEdge;
 use crate::occlusion_entry::OcclusionEntry;
-use crate::settings::SettingsPatch;
+use crate::settings::{PointSpacing, SettingsPatch};
 use crate::sky_entry::SkyEntry;
 use glam::{DVec3, Vec3};
 use lumel_export::{ExportError, write_atomically};
@@ -224,6 +224,15 @@ impl Project {
         }
         let text = toml::to_string(self).map_err(|error| invalid(error.to_string()))?;
         Ok(write_atomically(path, |out| out.write_all(text.as_bytes()))?)
+    }
+
+    /// What it sets of a bake: that of `bake`, with points if they are its basis.
+    pub fn settings(&self) -> SettingsPatch {
+        let mut settings = self.bake.clone();
+        if self.basis == Some(LightBasis::Points) {
+            settings.point_spacing.get_or_insert(PointSpacing::Auto);
+        }
+        settings
     }
 
     /// The project with its lights and views elsewhere: in the coordinates of a scene, whose

@@ -3,7 +3,9 @@
 use crate::{Baker, Method, Projection, Settings, assembly};
 use glam::Vec3;
 use lumel_basis::{Basis, Field, LeastSquares};
-use lumel_export::{Checkpoint, CheckpointMeta, RefinementState, Saved, SavedShots, Solution, SolutionError};
+use lumel_export::{
+    Checkpoint, CheckpointMeta, RefinementState, Saved, SavedShots, Solution, SolutionError, SolutionPoints,
+};
 use lumel_solve::{Accuracy, Errors, PowerLog, ShotLight, SolveState};
 use serde_json::Value;
 
@@ -140,12 +142,23 @@ impl Baker {
         if let Method::Replicates { .. } = self.method() {
             return Err(ResumeError::TargetError);
         }
-        let first_vertices = self.basis().first_vertices();
+        if self.basis().points().is_some() {
+            return self.resume_points(solution);
+        }
+        let first_vertices = self.surfaces().vertices.first_vertices();
         // What was read as the nearest function is carried as means.
         let unread = (found.projection == Projection::LeastSquares).then(|| self.surfaces().least_squares());
         let at_nodes = |values: &Vec<Vec3>| self.at_nodes(values, unread);
         let valid = first_vertices.iter().map(|&v| solution.valid[v as usize]).collect();
         Ok(self.continued(self.state(valid, solution.bounces.iter().map(at_nodes).collect())))
+    }
+
+    /// [`resume`](Self::resume) from the points of a solution.
+    fn resume_points(&self, solution: &Solution) -> Result<SolveState, ResumeError> {
+        let points = solution.points.as_ref().filter(|points| points.len() == self.basis().node_count());
+        let points = points.ok_or(ResumeError::Basis)?;
+        let bounces = points.bounces.iter().map(|values| Field::from_values(values.clone())).collect();
+        Ok(self.continued(self.state(points.valid.clone(), bounces)))
     }
 
     /// The light of a file of a solve that was shot, which is done: to be measured, not to be continued.
@@ -156,8 +169,12 @@ impl Baker {
         let state = self.resume(saved)?;
         let Saved::Solution(solution) = saved else { return Ok(state) };
         let mut reflected = Field::zeros(state.node_count());
-        if let Some(tail) = &solution.tail {
-            reflected = self.at_nodes(tail, self.least_squares());
+        match (&solution.tail, &solution.points) {
+            (_, Some(SolutionPoints { tail: Some(tail), .. })) => {
+                reflected = Field::from_values(tail.clone())
+            }
+            (Some(tail), None) => reflected = self.at_nodes(tail, self.least_squares()),
+            _ => {}
         }
         let unshot = Field::zeros(state.node_count());
         Ok(SolveState { shot: Some(ShotLight { reflected, unshot, shots: 0 }), ..state })
@@ -165,7 +182,7 @@ impl Baker {
 
     /// Light at vertices that was read as the nearest function, as it is carried.
     fn at_nodes(&self, values: &[Vec3], unread: Option<&LeastSquares>) -> Field {
-        let first_vertices = self.basis().first_vertices();
+        let first_vertices = self.surfaces().vertices.first_vertices();
         let mut field = Field::from_values(first_vertices.iter().map(|&v| values[v as usize]).collect());
         unread.inspect(|least_squares| least_squares.unproject(&mut field));
         field

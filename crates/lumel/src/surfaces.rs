@@ -1,7 +1,11 @@
 //! What is prepared once for a scene's surfaces, whatever its lights.
 
+use crate::BounceBasis;
+use crate::settings::Settings;
 use lumel_accel::RayTracer;
-use lumel_basis::{AreaReceivers, LeastSquares, PointReceivers, Receivers, VertexBasis, VertexPoints};
+use lumel_basis::{
+    AreaReceivers, LeastSquares, MeshlessBasis, PointReceivers, Receivers, VertexBasis, VertexPoints,
+};
 use lumel_scene::Scene;
 use lumel_transport::Order;
 use std::sync::{Arc, OnceLock};
@@ -10,12 +14,15 @@ use std::sync::{Arc, OnceLock};
 #[derive(Clone)]
 pub(crate) struct Surfaces {
     pub(crate) tracer: Arc<dyn RayTracer>,
-    /// The piecewise linear basis on the vertices, which all solves read.
-    pub(crate) basis: Arc<VertexBasis>,
+    /// What bounces are carried on.
+    pub(crate) basis: Arc<BounceBasis>,
+    /// The piecewise linear basis on the vertices, where light is read in the end.
+    pub(crate) vertices: Arc<VertexBasis>,
     pub(crate) points: Arc<VertexPoints>,
     at_vertices: Arc<OnceLock<Ordered<PointReceivers>>>,
     over_areas: Arc<OnceLock<Ordered<AreaReceivers>>>,
     least_squares: Arc<OnceLock<LeastSquares>>,
+    at_nodes: Arc<OnceLock<Ordered<PointReceivers>>>,
 }
 
 /// Receivers in the order in which they are measured.
@@ -33,31 +40,56 @@ impl<R: Receivers> Ordered<R> {
 }
 
 impl Surfaces {
-    pub(crate) fn new(scene: &Arc<Scene>, tracer: Arc<dyn RayTracer>) -> Self {
-        let basis = Arc::new(VertexBasis::new(Arc::clone(scene)));
+    pub(crate) fn new(scene: &Arc<Scene>, tracer: Arc<dyn RayTracer>, settings: &Settings) -> Self {
+        let vertices = Arc::new(VertexBasis::new(Arc::clone(scene)));
         let points = Arc::new(VertexPoints::new(scene));
-        Self {
+        let on_vertices = Self {
             tracer,
-            basis,
+            basis: Arc::new(BounceBasis::Vertices(Arc::clone(&vertices))),
+            vertices,
             points,
+            at_nodes: Arc::default(),
             at_vertices: Arc::default(),
             over_areas: Arc::default(),
             least_squares: Arc::default(),
+        };
+        on_vertices.carrying(settings)
+    }
+
+    /// The same surfaces with the basis that bounces are carried on with these settings.
+    pub(crate) fn carrying(&self, settings: &Settings) -> Self {
+        let scene = self.vertices.scene();
+        let spacing = settings.point_spacing.on(scene);
+        if self.basis.points().map(|points| points.spacing()) == spacing {
+            return self.clone();
+        }
+        let basis = match spacing {
+            None => BounceBasis::Vertices(Arc::clone(&self.vertices)),
+            Some(spacing) => BounceBasis::Points(Arc::new(MeshlessBasis::new(Arc::clone(scene), spacing))),
+        };
+        Self { basis: Arc::new(basis), at_nodes: Arc::default(), ..self.clone() }
+    }
+
+    /// Measures at the scattered points; at the vertices where there are none.
+    pub(crate) fn at_nodes(&self) -> &Ordered<PointReceivers> {
+        match self.basis.points() {
+            Some(points) => self.at_nodes.get_or_init(|| Ordered::new(PointReceivers::at_nodes(points))),
+            None => self.at_vertices(),
         }
     }
 
     /// Measures at the vertices.
     pub(crate) fn at_vertices(&self) -> &Ordered<PointReceivers> {
-        self.at_vertices.get_or_init(|| Ordered::new(PointReceivers::at_vertices(&self.basis)))
+        self.at_vertices.get_or_init(|| Ordered::new(PointReceivers::at_vertices(&self.vertices)))
     }
 
     /// Measures over the triangles around vertices.
     pub(crate) fn over_areas(&self) -> &Ordered<AreaReceivers> {
-        self.over_areas.get_or_init(|| Ordered::new(AreaReceivers::new(Arc::clone(&self.basis))))
+        self.over_areas.get_or_init(|| Ordered::new(AreaReceivers::new(Arc::clone(&self.vertices))))
     }
 
     /// Reads what is measured over areas as the nearest function.
     pub(crate) fn least_squares(&self) -> &LeastSquares {
-        self.least_squares.get_or_init(|| LeastSquares::new(&self.basis, LeastSquares::ALPHA))
+        self.least_squares.get_or_init(|| LeastSquares::new(&self.vertices, LeastSquares::ALPHA))
     }
 }

@@ -62,7 +62,7 @@ impl Workload {
     /// Without layers.
     pub(crate) fn of(elements: u64, settings: &Settings, method: Method) -> Self {
         // A mesh has about twice as many triangles as vertices; each gets half the rays of a vertex.
-        let share = if settings.projection.sampling() == Sampling::Point { 1.0 } else { 0.5 };
+        let share = if settings.sampling() == Sampling::Point { 1.0 } else { 0.5 };
         let all = share * f64::from(settings.indirect_samples);
         let shadow = f64::from(settings.direct_samples);
         let directional = match settings.directional {
@@ -101,11 +101,11 @@ impl Workload {
         self.layers
     }
 
-    /// Share of a step that is done; `None` for a round, which has as many solves as it takes, and for a layer while the
+    /// Share of a step that is done; `None` for a round, which has as many solves as it takes, for direct light that is read elsewhere, and for a layer while the
     /// number of its bounces is unknown.
     pub(crate) fn step_share(&self, step: Step, elements: u64, remainders: &[Remainder]) -> Option<f64> {
         let jobs = match step {
-            Step::Round(_) => return None,
+            Step::Round(_) | Step::ReadDirect => return None,
             Step::Validity | Step::Bounce(_) | Step::Shot(_) | Step::FinalGather => 1,
             Step::Directional => 1 + u64::from(self.last_bounce(remainders) != Some(0)),
             Step::Layer(_) => {
@@ -138,7 +138,7 @@ impl Workload {
             Step::Validity => first + bounces_after(0) + gathered + directional + layers,
             Step::Bounce(bounce) => bounces_after(bounce) + gathered + directional + layers,
             Step::FinalGather => directional + layers,
-            Step::Directional => layers,
+            Step::Directional | Step::ReadDirect => layers,
             Step::Layer(layer) => {
                 let to_come = self.layers.saturating_sub(layer + 1);
                 return Some(this_step + f64::from(to_come) * done.seconds / share);

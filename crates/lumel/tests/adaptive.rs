@@ -211,7 +211,7 @@ fn target_errors_layers_and_other_lights_work_on_refined_meshes() {
     }
     let relit = baker.relit(Arc::new(baker.scene().relit(lights).unwrap()), in_layers);
     assert!(relit.has_rays_of(baker.settings()));
-    assert_eq!(relit.basis().scene().vertex_count(), baker.scene().vertex_count());
+    assert_eq!(relit.scene().vertex_count(), baker.scene().vertex_count());
     assert!(solved(&relit).total() != state.total());
 }
 

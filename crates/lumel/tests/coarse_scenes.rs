@@ -8,7 +8,7 @@ use lumel::{
     Settings, Silent, SolveState,
 };
 use lumel_basis::{Field, PointReceivers, VertexLighting};
-use lumel_testkit::mesh::{Facing, cuboid};
+use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::scene::{ceiling_light, grey, placed, reordered, scene};
 use lumel_testkit::{Reference, SurfaceError};
 use lumel_transport::{CpuTransport, Plan, Transport};
@@ -91,4 +91,31 @@ fn estimates_of_the_error_are_about_right_and_name_its_cause() {
         assert!((0.5..2.0).contains(&ratio), "{what}: {estimate:?} for {error:?}");
         assert_eq!(estimate.cause, cause, "{what}");
     }
+}
+
+/// Most light may fall where nobody looks: on a plate outside, under a lamp of its own.
+#[test]
+fn bright_light_outside_does_not_hide_the_error_in_a_room() {
+    let settings = Settings {
+        bounces: BounceLimit::Count(3),
+        direct_samples: 64,
+        indirect_samples: 8,
+        ..Preset::Draft.settings()
+    };
+    let of = |mut builder: SceneBuilder| {
+        builder.tessellate(0.1).unwrap();
+        let (_, estimate, _) = errors(builder, &settings);
+        estimate.unwrap()
+    };
+    let alone = of(room());
+    let mut with_plate = room();
+    // Smaller than all surfaces of the room.
+    let corners = [[-9.0, 0.0], [-5.0, 0.0], [-5.0, 4.0], [-9.0, 4.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    with_plate.objects.push(quad(corners, [1; 2], 0));
+    with_plate.lights.push(lumel::Light::Rect(ceiling_light(Vec3::new(-7.0, 2.0, 4.0), 2.0, 2.0, 1e3)));
+    let both = of(with_plate);
+    println!("{alone:?} alone, {both:?} with a bright plate");
+    assert!(both.error < 0.3 * alone.error, "{both:?} hides {alone:?}");
+    let ratio = both.in_darker_half.unwrap() / alone.in_darker_half.unwrap();
+    assert!((0.5..2.0).contains(&ratio), "{both:?} for {alone:?}");
 }

@@ -40,7 +40,7 @@ fn difference(a: &[Vec3], b: &[Vec3]) -> f32 {
 
 /// By which share the powers of two lights at all vertices differ.
 fn power_differs_by(baker: &Baker, a: &[Vec3], b: &[Vec3]) -> f64 {
-    let basis = baker.basis();
+    let basis = baker.basis().vertices().expect("light is carried on vertices");
     let [a, b] = [a, b].map(|values| -> DVec3 {
         let of_nodes = basis.first_vertices().iter().map(|&vertex| values[vertex as usize]);
         let areas = basis.node_areas().iter().map(|&area| Vec3::splat(area));

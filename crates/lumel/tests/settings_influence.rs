@@ -4,8 +4,8 @@
 
 use lumel::setting::{self, Influence};
 use lumel::{
-    Baker, BounceLimit, Control, Directional, EmitterSampling, Layers, LightSampling, Memory, Projection,
-    SamplerKind, Scene, ScheduleKind, Settings, Silent, SolveState, SolverKind, Tail,
+    Baker, BounceLimit, Control, Directional, EmitterSampling, Layers, LightSampling, Memory, PointSpacing,
+    Projection, SamplerKind, Scene, ScheduleKind, Settings, Silent, SolveState, SolverKind, Tail,
 };
 use std::sync::Arc;
 
@@ -23,6 +23,7 @@ fn usual() -> Settings {
 fn unusual() -> Settings {
     Settings {
         projection: Projection::Area,
+        point_spacing: PointSpacing::Points(500),
         adaptive: "3%".parse().unwrap(),
         max_vertices: 1000,
         schedule: ScheduleKind::Shoot,

@@ -37,6 +37,11 @@ pub trait Basis: Send + Sync {
 
     /// Which nodes are next to each other.
     fn adjacency(&self) -> &Adjacency;
+
+    /// How far apart the places are, metres, by which its functions are integrated well enough; infinite if a few in each triangle do.
+    fn resolution(&self) -> f32 {
+        f32::INFINITY
+    }
 }
 
 impl Field {

@@ -1,21 +1,38 @@
 //! Light measured at points.
 
-use crate::vertex_receivers::Vertices;
-use crate::{ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
+use crate::{Basis, ElementId, Identity, NodeId, NodeWeights, Receivers, Sampling, Site};
 use glam::{DVec3, Vec3};
 use lumel_sample::Frame;
 use lumel_scene::{Scene, SurfacePoint, TriId};
+use std::fmt;
+use std::sync::Arc;
 
 /// Points at which light is measured; each is a node of its own.
 ///
 /// Points that somebody asks for are no basis, as nothing can be read back between them; those
-/// [at vertices](Self::at_vertices) measure the nodes of one.
+/// [at vertices](Self::at_vertices) and [at nodes](Self::at_nodes) measure those of one.
 #[derive(Clone, Debug)]
 pub struct PointReceivers {
     identity: Identity,
     sites: Vec<Site>,
-    /// If they lie at vertices.
-    vertices: Option<Vertices>,
+    /// If they are the nodes of a basis.
+    surroundings: Option<Surroundings>,
+}
+
+/// What is around points that are the nodes of a basis.
+#[derive(Clone)]
+pub(crate) struct Surroundings {
+    pub(crate) basis: Arc<dyn Basis>,
+    /// [`Receivers::reach`] of each.
+    pub(crate) reaches: Vec<f32>,
+    /// A triangle that each lies on.
+    pub(crate) surfaces: Vec<TriId>,
+}
+
+impl fmt::Debug for Surroundings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Surroundings").field("basis", &self.basis.identity()).finish_non_exhaustive()
+    }
 }
 
 impl PointReceivers {
@@ -60,8 +77,12 @@ impl PointReceivers {
     }
 
     /// Receivers at sites that `identity` tells from others.
-    pub(crate) fn from_sites(identity: Identity, sites: Vec<Site>, vertices: Option<Vertices>) -> Self {
-        Self { identity, sites, vertices }
+    pub(crate) fn from_sites(
+        identity: Identity,
+        sites: Vec<Site>,
+        surroundings: Option<Surroundings>,
+    ) -> Self {
+        Self { identity, sites, surroundings }
     }
 }
 
@@ -95,15 +116,16 @@ impl Receivers for PointReceivers {
     }
 
     fn reach(&self, element: ElementId) -> f32 {
-        self.vertices.as_ref().map_or(0.0, |vertices| vertices.reaches[element.index()])
+        self.surroundings.as_ref().map_or(0.0, |around| around.reaches[element.index()])
     }
 
     fn surface(&self, element: ElementId) -> Option<TriId> {
-        self.vertices.as_ref().map(|vertices| vertices.surfaces[element.index()])
+        self.surroundings.as_ref().map(|around| around.surfaces[element.index()])
     }
 
     fn beside(&self, element: ElementId, origins: &mut Vec<Vec3>) {
-        let beside = self.vertices.iter().flat_map(|vertices| vertices.beside(element.index()));
-        origins.extend(beside.map(|neighbour| self.sites[neighbour].origin));
+        let Some(Surroundings { basis, .. }) = &self.surroundings else { return };
+        let beside = basis.adjacency().neighbours(NodeId(element.0));
+        origins.extend(beside.map(|(neighbour, _)| self.sites[neighbour.index()].origin));
     }
 }

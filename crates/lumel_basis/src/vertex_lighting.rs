@@ -1,6 +1,6 @@
 //! Light that is stored at the vertices of a scene.
 
-use crate::{Coefficients, HARMONICS, IncidentRadiance, Lighting};
+use crate::{Coefficients, IncidentRadiance, Lighting};
 use glam::Vec3;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 
@@ -52,23 +52,24 @@ impl<'a> VertexLighting<'a> {
         }
         Ok(Self { coefficients, ..self })
     }
+
+    /// The light at a surface point.
+    #[inline]
+    pub fn at(&self, at: SurfacePoint) -> Irradiance {
+        let corners = self.scene.triangle(at.tri);
+        let weighted = corners.into_iter().zip(at.bary.weights());
+        weighted.map(|(vertex, weight)| Irradiance(self.values[vertex as usize]) * weight).sum()
+    }
 }
 
 impl Lighting for VertexLighting<'_> {
     #[inline]
     fn irradiance(&self, at: SurfacePoint, _normal: Vec3) -> Irradiance {
-        let corners = self.scene.triangle(at.tri);
-        let weighted = corners.into_iter().zip(at.bary.weights());
-        weighted.map(|(vertex, weight)| Irradiance(self.values[vertex as usize]) * weight).sum()
+        self.at(at)
     }
 
     fn incident(&self, at: SurfacePoint) -> Option<IncidentRadiance> {
-        let (coefficients, mut sums) = (self.coefficients?, [Vec3::ZERO; HARMONICS]);
-        for (vertex, weight) in self.scene.triangle(at.tri).into_iter().zip(at.bary.weights()) {
-            let of_vertex = coefficients.of(vertex as usize);
-            sums.iter_mut().zip(of_vertex).for_each(|(sum, c)| *sum += *c * weight);
-        }
-        IncidentRadiance::new(&sums[..coefficients.kind().harmonics()])
+        self.coefficients?.at(self.scene, at)
     }
 
     fn vertex_values(&self) -> Option<&[Vec3]> {

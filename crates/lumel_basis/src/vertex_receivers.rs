@@ -1,7 +1,8 @@
 //! Light measured at vertices.
 
 use crate::area_receivers::reach_over;
-use crate::{Basis, NodeId, PointReceivers, Site, VertexBasis};
+use crate::points::Surroundings;
+use crate::{Basis, PointReceivers, Site, VertexBasis};
 use glam::DVec3;
 use lumel_sample::Frame;
 use lumel_scene::{Margins, Scene, TriId};
@@ -30,8 +31,8 @@ impl PointReceivers {
         let sites = rings.iter().map(|ring| ring.site(basis.scene())).collect();
         let reaches = rings.iter().map(Ring::reach).collect();
         let surfaces = rings.iter().map(|ring| ring.last).collect();
-        let vertices = Vertices { basis: Arc::clone(basis), reaches, surfaces };
-        Self::from_sites(basis.identity().derived("vertices"), sites, Some(vertices))
+        let surroundings = Surroundings { basis: basis.clone(), reaches, surfaces };
+        Self::from_sites(basis.identity().derived("vertices"), sites, Some(surroundings))
     }
 }
 
@@ -85,23 +86,6 @@ fn rings(basis: &VertexBasis) -> Vec<Ring> {
         }
     }
     rings
-}
-
-/// The vertices that points lie at.
-#[derive(Clone, Debug)]
-pub(crate) struct Vertices {
-    basis: Arc<VertexBasis>,
-    /// [`Receivers::reach`](crate::Receivers::reach) of each.
-    pub(crate) reaches: Vec<f32>,
-    /// A triangle around each.
-    pub(crate) surfaces: Vec<TriId>,
-}
-
-impl Vertices {
-    /// The vertices next to one.
-    pub(crate) fn beside(&self, node: usize) -> impl Iterator<Item = usize> {
-        self.basis.adjacency().neighbours(NodeId(node as u32)).map(|(neighbour, _)| neighbour.index())
-    }
 }
 
 impl Ring {

@@ -1,14 +1,15 @@
 //! Scenes and settings from the command line.
 
-use crate::args::{SceneArgs, SettingsArgs, Tessellation};
+use crate::args::{Basis, SceneArgs, SettingsArgs, Tessellation};
 use crate::console::{Console, MAX_WARNINGS};
 use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
+use crate::report;
 use glam::Vec3;
 use lumel::{
     Adaptive, AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightFileError, LightmapEntry, MaxEdge,
-    OpenError, OpenOptions, Opened, Project, Saved, Scene, SceneBuilder, SceneError, Settings, SettingsError,
-    SettingsPatch, SolveState, Warnings, suggested_light,
+    OpenError, OpenOptions, Opened, PointNeed, PointSpacing, Project, Saved, Scene, SceneBuilder, SceneError,
+    Settings, SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
 };
 use lumel_export::SolutionMeta;
 use lumel_scene::TriId;
@@ -193,6 +194,46 @@ pub(crate) fn settings(
         error => in_scene(error, scene),
     })?;
     Ok(settings)
+}
+
+/// The settings of a project for what the command line says of the basis.
+pub(crate) fn with_basis(
+    project: SettingsPatch,
+    basis: Option<Basis>,
+    args: &SettingsArgs,
+) -> anyhow::Result<SettingsPatch> {
+    let is_on = |spacing: Option<PointSpacing>| spacing.is_some_and(|spacing| spacing != PointSpacing::Off);
+    match basis {
+        Some(Basis::Vertex) if is_on(args.patch.point_spacing) => {
+            let problem = "--basis vertex carries light on vertices, not on points";
+            Err(hinted(problem, "use --basis points, or leave out --point-spacing"))
+        }
+        Some(Basis::Vertex) => Ok(SettingsPatch { point_spacing: Some(PointSpacing::Off), ..project }),
+        Some(Basis::Points) if args.patch.point_spacing == Some(PointSpacing::Off) => {
+            let problem = "--basis points and --point-spacing off exclude each other";
+            Err(hinted(problem, "leave out one of them"))
+        }
+        Some(Basis::Points) if !is_on(project.point_spacing) => {
+            Ok(SettingsPatch { point_spacing: Some(PointSpacing::Auto), ..project })
+        }
+        Some(Basis::Points | Basis::Lightmap) | None => Ok(project),
+    }
+}
+
+/// Refuses more points than fit into memory; says how many there will be before they are made.
+pub(crate) fn announce_points(scene: &Scene, settings: &Settings, console: &Console) -> anyhow::Result<()> {
+    let Some(need) = settings.point_spacing.need(scene) else { return Ok(()) };
+    let PointNeed { spacing, points, memory, least_spacing } = need;
+    if let Some(least) = least_spacing {
+        let least = report::significant(least.into());
+        let problem =
+            format!("about {points} points, {spacing} m from each other, would not fit into memory");
+        return Err(hinted(problem, format!("use a --point-spacing of at least {least}")));
+    }
+    let spacing = report::significant(spacing.into());
+    console
+        .note(&format!("scatters about {points} points, {spacing} m from each other, in {memory} of memory"));
+    Ok(())
 }
 
 /// Refuses a scene that would stay dark.

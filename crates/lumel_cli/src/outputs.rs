@@ -35,7 +35,7 @@ enum Content {
 /// All contents by their extension.
 fn contents(basis: Basis) -> Vec<(&'static str, Content)> {
     match basis {
-        Basis::Vertex => {
+        Basis::Vertex | Basis::Points => {
             let light =
                 FileFormat::ALL.into_iter().map(|(extension, format)| (extension, Content::Light(format)));
             light.chain([("png", Content::Picture)]).collect()
@@ -95,11 +95,15 @@ impl Output {
         }
         let all: Vec<String> = contents.iter().map(|(extension, _)| format!(".{extension}")).collect();
         let all = all.join(", ");
-        let other = if basis == Basis::Vertex { Basis::Lightmap } else { Basis::Vertex };
+        let other = if basis == Basis::Lightmap { Basis::Vertex } else { Basis::Lightmap };
         let problem = match extension.as_str() {
             "" => "the output has no extension".to_owned(),
             _ if find(&self::contents(other)).is_some() => {
-                let name = if basis == Basis::Vertex { "--basis vertex" } else { "--basis lightmap" };
+                let name = match basis {
+                    Basis::Vertex => "--basis vertex",
+                    Basis::Points => "--basis points",
+                    Basis::Lightmap => "--basis lightmap",
+                };
                 format!("{name} writes no .{extension} files")
             }
             _ => "the output has an unknown extension".to_owned(),

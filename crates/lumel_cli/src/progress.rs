@@ -168,6 +168,7 @@ fn add_step(event: &mut Value, step: Step) {
             event["shot"] = (shot + 1).into();
         }
         Step::FinalGather => event["step"] = "final gather".into(),
+        Step::ReadDirect => event["step"] = "direct at vertices".into(),
         Step::Directional => event["step"] = "directional".into(),
         Step::Round(round) => {
             event["step"] = "round".into();
@@ -193,6 +194,7 @@ fn name_of(step: Step, progress: &lumel::Progress) -> String {
             None => format!("shot {}", shot + 1),
         },
         Step::FinalGather => "final gather".to_owned(),
+        Step::ReadDirect => "direct light at vertices".to_owned(),
         Step::Directional => "light by direction".to_owned(),
         Step::Layer(layer) => format!("layer {} of {}", layer + 1, progress.layers),
         Step::Round(round) => match &progress.accuracy {

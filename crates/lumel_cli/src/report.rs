@@ -1,5 +1,7 @@
 //! Formatting of numbers for people.
 
+pub(crate) use lumel::counted;
+
 /// Seconds: `1.23 s`, `4 min 05 s`, `3 h 12 min`.
 pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
@@ -34,11 +36,6 @@ pub(crate) fn bytes(bytes: u64) -> String {
 pub(crate) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 || percent >= 0.1 { format!("{percent:.1} %") } else { format!("{percent:.2} %") }
-}
-
-/// A count and what is counted.
-pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// A number with five significant digits.

@@ -33,6 +33,7 @@ mod png;
 mod rad;
 mod refinement_state;
 mod solution;
+mod solution_points;
 
 pub use atlas_png::{chart_color, write_atlas_png};
 pub use atomic::write_atomically;
@@ -52,3 +53,4 @@ pub use png::write_png;
 pub use rad::{RadFile, position_md5};
 pub use refinement_state::{NextRefinement, RefinementMeta, RefinementState, SavedProbe};
 pub use solution::{Solution, SolutionLayer, SolutionMeta, SolutionSelection};
+pub use solution_points::SolutionPoints;

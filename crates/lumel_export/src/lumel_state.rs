@@ -41,7 +41,6 @@ fn is_zero(n: &usize) -> bool {
     *n == 0
 }
 
-const SOLVED: [&str; 2] = ["lumel_solved_direct", "lumel_solved_bounces"];
 const ACTIVE: &str = "lumel_active";
 
 fn source(number: usize) -> String {
@@ -91,9 +90,6 @@ impl LumelState<'_> {
             npz.array(&totals(number), &list(&half.totals))?;
             npz.array(&bounced(number), &list(&half.bounced))?;
         }
-        for (name, values) in SOLVED.into_iter().zip(&self.light.solved) {
-            npz.array(name, &Array::from_vectors(values))?;
-        }
         npz.array(ACTIVE, &Array::list(ArrayData::Bool(self.light.active.clone())))
     }
 }
@@ -108,7 +104,7 @@ impl LumelMeta {
         let of_halves = (0..2).flat_map(|half| [samples(half), totals(half), bounced(half)]);
         let names = (0..self.sources).map(source).chain(of_halves);
         let names = names.chain((0..self.harmonics).map(harmonic));
-        let names: Vec<String> = names.chain(SOLVED.into_iter().chain([ACTIVE]).map(str::to_owned)).collect();
+        let names: Vec<String> = names.chain([ACTIVE.to_owned()]).collect();
         check_members(npz, &names)?;
         let mut half = |number| {
             Ok(Half {
@@ -124,7 +120,6 @@ impl LumelMeta {
             sources: (0..self.sources)
                 .map(|number| read_vectors(npz, &source(number)))
                 .collect::<Result<_, _>>()?,
-            solved: [read_vectors(npz, SOLVED[0])?, read_vectors(npz, SOLVED[1])?],
             has_tail: self.has_tail && self.sources > 0,
             round: self.round,
             active: read_flags(npz, ACTIVE)?,

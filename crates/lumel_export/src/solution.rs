@@ -5,6 +5,7 @@ use crate::members::{
     Kind, SPLITS, check_members, coefficients_array, read_coefficients, read_flags, read_meta, read_numbers,
     read_optional, read_positions, read_splits, read_stacked, read_vectors, stacked, write_splits,
 };
+use crate::solution_points::SolutionPoints;
 use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
 use glam::{DVec3, Vec3};
 use lumel_basis::{Coefficients, VertexLighting};
@@ -30,7 +31,8 @@ pub(crate) const KIND: Kind =
 /// (n, 3), `bounces` (bounces, n, 3), `layers` (layers, n, 3) and `valid` (n), and of `meta.json`, which has the names of
 /// the layers. `tail`, `standard_error`, `layers`, `occlusion` (n) and `splits` (edges, 2) may be absent, and so may the light by
 /// direction, `sh` (n, harmonics, 3) and `layers_sh` (layers, n, harmonics, 3): coefficients `∫ L Y dω` of the radiance that
-/// arrives in real spherical harmonics in world space, W·m⁻², in the order of [`Harmonics`](lumel_basis::Harmonics).
+/// arrives in real spherical harmonics in world space, W·m⁻², in the order of [`Harmonics`](lumel_basis::Harmonics). Where points carried
+/// the light, there are the arrays of [`SolutionPoints`], too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Where it comes from.
@@ -59,6 +61,8 @@ pub struct Solution {
     /// Where the scene was [refined](Scene::refined): the edges in whose middles the last vertices lie. What opens the scene for
     /// this light needs them.
     pub splits: Vec<[u32; 2]>,
+    /// The points that carried the light, where these were not the vertices.
+    pub points: Option<SolutionPoints>,
 }
 
 /// The part of a solution's light that a light, or all that share a name, cause.
@@ -255,6 +259,7 @@ impl Solution {
                 return Err(SolutionError::NotFinite { array: "occlusion".to_owned(), vertex });
             }
         }
+        self.points.as_ref().map_or(Ok(()), SolutionPoints::validate)?;
         self.check_length("valid", self.valid.len())
     }
 
@@ -352,6 +357,7 @@ impl Solution {
                 npz.array("occlusion", &Array::list(ArrayData::F32(occlusion.clone())))?;
             }
             write_splits(npz, &self.splits)?;
+            self.points.as_ref().map_or(Ok(()), |points| points.write(npz))?;
             npz.array("valid", &Array::list(ArrayData::Bool(self.valid.clone())))
         })?;
         Ok(())
@@ -406,6 +412,7 @@ impl Solution {
                 "(layer, vertex, rgb) part of the irradiance that each of the named layers causes",
             ));
         }
+        all.extend(self.points.iter().flat_map(SolutionPoints::descriptions));
         all.into_iter().map(|(name, meaning)| (name.to_owned(), meaning.to_owned())).collect()
     }
 
@@ -438,6 +445,7 @@ impl Solution {
                 None
             },
             splits: read_splits(&mut npz)?,
+            points: SolutionPoints::read(&mut npz)?,
             positions,
         };
         solution.validate()?;

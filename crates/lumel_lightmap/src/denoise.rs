@@ -19,6 +19,9 @@ const UNSEEN: f32 = 0.003;
 /// Light darker than this share of the mean is compared with it, where noise is relative.
 const DARK: f32 = 0.1;
 
+/// How far around a lumel it is decided how much of the mixed light is taken.
+const REACHES: [i64; 2] = [1, 2];
+
 /// How far lumels are moved to see what of that remains, in standard errors.
 const STIR: f32 = 0.1;
 
@@ -67,11 +70,11 @@ impl Lightmap {
         };
         let mut benefits: Vec<Vec4> = (0..errors.len()).into_par_iter().map(benefit).collect();
         let mean = benefits.iter().map(|benefit| f64::from(benefit.w)).sum::<f64>() / errors.len() as f64;
-        for reach in [1, 2] {
+        for reach in REACHES {
             benefits = surface.means(&benefits, reach);
         }
         for (place, lumel) in surface.lumels().enumerate() {
-            let share = share(benefits[place], mean as f32);
+            let share = share(benefits[place], mean as f32) * surface.trust(place, &REACHES);
             for (index, layer) in self.layers.iter_mut().enumerate() {
                 let value = &mut layer.values[lumel];
                 *value += (mixed.layer(place, index) - *value) * share;

@@ -22,6 +22,7 @@ mod lightmap;
 mod nearest;
 mod seams;
 mod shrink;
+mod solved;
 mod surface;
 mod taps;
 
@@ -31,4 +32,5 @@ pub use light::{DirectionalLight, Half, LumelLight, PartLight};
 pub use lighting::LumelLighting;
 pub use lightmap::{Lightmap, LightmapLayer};
 pub use seams::Seams;
+pub use solved::SolvedLight;
 pub use taps::Filter;

@@ -22,9 +22,6 @@ pub struct LumelLight {
     pub has_tail: bool,
     /// By half.
     pub halves: [Half; 2],
-    /// What the solve says of direct light and of all bounces at each lumel, W·m⁻². Empty if there is nothing to compare
-    /// with.
-    pub solved: [Vec<Vec3>; 2],
     /// The round that is under way, from 0.
     pub round: u32,
     /// The lumels that it measures.
@@ -73,7 +70,6 @@ impl LumelLight {
             sources: vec![vec![Vec3::ZERO; n_lumels]; n_sources],
             has_tail,
             halves: [half.clone(), half],
-            solved: [const { Vec::new() }; 2],
             round: 0,
             active: vec![true; n_lumels],
             done: 0,
@@ -90,7 +86,6 @@ impl LumelLight {
         let halves = self.halves.iter().flat_map(|half| [&half.samples, &half.totals, &half.bounced]);
         if halves.clone().any(|values| values.len() != n)
             || self.sources.iter().chain(&self.directional.harmonics).any(|source| source.len() != n)
-            || self.solved.iter().any(|solved| ![0, n].contains(&solved.len()))
         {
             return Err(format!("has {n} lumels, but other parts of the light have not"));
         }

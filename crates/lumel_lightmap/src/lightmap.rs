@@ -1,6 +1,6 @@
 //! Irradiance by lumel.
 
-use crate::{Dilation, Filter, LumelLight, LumelLighting, Seams};
+use crate::{Dilation, Filter, LumelLight, LumelLighting, Seams, SolvedLight};
 use glam::Vec3;
 use lumel_basis::Moment;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
@@ -56,8 +56,8 @@ impl LightmapLayer {
 }
 
 impl Lightmap {
-    /// What was measured, less its noise if that is wanted, with seams closed and the light of lumels that were not measured taken
-    /// from their neighbours.
+    /// What was measured, with seams closed and the light of lumels that were not measured taken from their neighbours; less its
+    /// noise if what the `solved` light is at the same lumels is given, of which nothing needs to be known.
     ///
     /// The layers are "irradiance", "direct", "bounce 1" and so on, "tail" if there is one, the coefficients "sh0", "sh1" and so on of
     /// light by direction, from which the same noise is taken, "noisy" if noise was taken off, which
@@ -71,24 +71,26 @@ impl Lightmap {
         atlas: &Arc<Atlas>,
         coverage: &Coverage,
         light: &LumelLight,
-        denoises: bool,
+        solved: Option<&SolvedLight>,
         openness: Option<&LumelLight>,
     ) -> Self {
-        let mut lightmap = Self::calmed(atlas, coverage, light, denoises);
+        let mut lightmap = Self::calmed(atlas, coverage, light, solved);
         lightmap.layers[0].name = "irradiance".to_owned();
         let n_lumels = atlas.lumel_count();
         let on_pages = |name: &str, values: Vec<Vec3>| LightmapLayer {
             name: name.to_owned(),
             values: on_pages(coverage, &values, n_lumels),
         };
-        if denoises {
+        if solved.is_some() {
             let all = (0..light.len()).map(|place| light.irradiance(place)).collect();
             lightmap.layers.push(on_pages("noisy", all));
         }
         let errors = light.noise(atlas, coverage).into_iter().map(Vec3::splat).collect();
         lightmap.layers.push(on_pages("error", errors));
         if let Some(openness) = openness {
-            let values = Self::calmed(atlas, coverage, openness, denoises).layers.swap_remove(0).values;
+            let nothing = SolvedLight::default();
+            let solved = solved.map(|_| &nothing);
+            let values = Self::calmed(atlas, coverage, openness, solved).layers.swap_remove(0).values;
             lightmap.layers.push(LightmapLayer { name: LightmapLayer::OCCLUSION.to_owned(), values });
         }
         lightmap.finish(scene, coverage);
@@ -96,15 +98,20 @@ impl Lightmap {
     }
 
     /// All light and its parts, less their noise if that is wanted.
-    fn calmed(atlas: &Arc<Atlas>, coverage: &Coverage, light: &LumelLight, denoises: bool) -> Self {
+    fn calmed(
+        atlas: &Arc<Atlas>,
+        coverage: &Coverage,
+        light: &LumelLight,
+        solved: Option<&SolvedLight>,
+    ) -> Self {
         let n_lumels = atlas.lumel_count();
-        let light = match denoises {
-            true => {
-                let shrunk = light.shrunk(atlas, coverage);
-                let sources = shrunk.with_fireflies_spread(atlas, coverage);
+        let light = match solved {
+            Some(solved) => {
+                let shrunk = light.shrunk(atlas, coverage, solved);
+                let sources = shrunk.with_fireflies_spread(atlas, coverage, solved);
                 Cow::Owned(LumelLight { sources, ..shrunk })
             }
-            false => Cow::Borrowed(light),
+            None => Cow::Borrowed(light),
         };
         let all: Vec<Vec3> = (0..light.len()).map(|place| light.irradiance(place)).collect();
         let n_bounces = light.bounces().len();
@@ -119,7 +126,7 @@ impl Lightmap {
         let valid: Vec<bool> = (0..light.len()).map(|place| light.is_valid(place)).collect();
         let valid = on_pages(coverage, &valid, n_lumels);
         let mut lightmap = Self { atlas: Arc::clone(atlas), valid, layers };
-        if denoises {
+        if solved.is_some() {
             let errors: Vec<f32> =
                 light.noise(atlas, coverage).iter().map(|error| error / COMPLEMENT).collect();
             lightmap.denoise(coverage, &on_pages(coverage, &errors, n_lumels));

@@ -9,6 +9,12 @@ use std::ops::{AddAssign, Div, Mul};
 /// A cubic B-spline at whole numbers, which weighs neighbours along each axis.
 pub(crate) const SPLINE: [f32; 5] = [1.0, 4.0, 6.0, 4.0, 1.0];
 
+/// A share that `n` lumels tell counts for `1 − FEW / n` of itself. James and Stein have 2 for what is independent.
+///
+/// Measured in the house, whose charts have few lumels, the atrium and the Cornell box: with 0, light in the house comes out worse at
+/// production than it was; with more, noise is left in the others at draft.
+const FEW: f32 = 3.0;
+
 /// Which lumels of a coverage are near each other on a chart.
 pub(crate) struct Surface<'a> {
     atlas: &'a Atlas,
@@ -56,6 +62,15 @@ impl<'a> Surface<'a> {
             sum / weights
         };
         (0..values.len()).into_par_iter().map(mean).collect()
+    }
+
+    /// How far what those around one say together is to be trusted, if they are looked at at some reaches: not at all if they are few.
+    pub(crate) fn trust(&self, index: usize, reaches: &[i64]) -> f32 {
+        let mut n = 0;
+        for &reach in reaches {
+            self.around(index, reach, |_, _| n += 1);
+        }
+        (1.0 - FEW / n as f32).max(0.0)
     }
 
     /// Calls `add(index, weight)` for those around one of them, `reach` and twice `reach` away.

@@ -15,6 +15,8 @@ pub enum Step {
     Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// Measuring direct light once more, in the basis in which light is read.
+    ReadDirect,
     /// Measuring where all light comes from.
     Directional,
     /// Adding samples where the error is above a target, and solving all replicates with them.

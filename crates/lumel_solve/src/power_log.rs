@@ -1,8 +1,8 @@
 //! The powers of bounces, each computed once.
 
 use crate::Integrals;
-use glam::DVec3;
 use lumel_basis::Field;
+use lumel_scene::luminance;
 
 /// The power that each bounce of a solve brings, in their order.
 ///
@@ -13,14 +13,14 @@ pub struct PowerLog<'a> {
     integrals: &'a Integrals,
     /// W by luminance.
     powers: Vec<f64>,
-    /// Whether surfaces reflect nothing of the direct light.
-    all_absorbed: bool,
+    /// What surfaces reflect of each, W by luminance.
+    reflected: Vec<f64>,
 }
 
 impl<'a> PowerLog<'a> {
     /// The log before the first bounce.
     pub fn new(integrals: &'a Integrals) -> Self {
-        Self { integrals, powers: Vec::new(), all_absorbed: false }
+        Self { integrals, powers: Vec::new(), reflected: Vec::new() }
     }
 
     /// The log of these bounces, direct light included.
@@ -37,10 +37,8 @@ impl<'a> PowerLog<'a> {
 
     /// Adds the next bounce.
     pub fn add(&mut self, bounce: &Field) {
-        if self.powers.is_empty() {
-            self.all_absorbed = self.integrals.reflected(bounce) == DVec3::ZERO;
-        }
         self.powers.push(self.integrals.power(bounce));
+        self.reflected.push(f64::from(luminance(self.integrals.reflected(bounce).as_vec3())));
     }
 
     /// The power that arrives in each bounce, W by luminance.
@@ -50,22 +48,32 @@ impl<'a> PowerLog<'a> {
 
     /// Share of all light, by luminance of the incident power, that bounces after the last one would bring.
     ///
-    /// Assumes that each goes on shrinking by the ratio of the last two. `None` while there is no ratio or the last
-    /// bounce was no weaker than the one before.
+    /// Assumes that each goes on shrinking by one [ratio](Self::ratio_after). `None` after direct light, unless nothing is
+    /// reflected, and while bounces do not shrink.
     pub fn remainder(&self) -> Option<f64> {
         self.remainder_after(self.powers.len(), self.powers.iter().sum())
     }
 
     /// [`remainder`](Self::remainder) after the first `n` bounces, whose powers add up to `total`.
     fn remainder_after(&self, n: usize, total: f64) -> Option<f64> {
-        let [.., before, last] = self.powers[..n] else {
-            return (n == 1 && self.all_absorbed).then_some(0.0);
-        };
-        if last <= 0.0 {
+        let (reflected, last) = (*self.reflected[..n].last()?, self.powers[n - 1]);
+        if reflected <= 0.0 || last <= 0.0 {
             return Some(0.0);
         }
-        let ratio = last / before;
+        let ratio = self.ratio_after(n)?;
         (ratio < 1.0).then(|| last * ratio / (1.0 - ratio) / total)
+    }
+
+    /// How much weaker each bounce to come will be than the one before it, as far as the first `n` bounces tell.
+    ///
+    /// That of the last two, or more where it still grows: by as much again, but no more than is reflected. Of the direct
+    /// light much may fall where it leaves the scene at once, such as onto roofs, so that how the first bounce compares to
+    /// it says nothing of those to come.
+    fn ratio_after(&self, n: usize) -> Option<f64> {
+        let ratio = |k: usize| Some(self.powers[k] / self.powers[k.checked_sub(1)?]);
+        let last = ratio(n.checked_sub(1)?)?;
+        let most = last.max(self.reflected[n - 1] / self.powers[n - 1]);
+        Some(ratio(n - 2).map_or(most, |before| most.min(last + (last - before).max(0.0))))
     }
 
     /// How many bounces there are when, for the first time, the remainder is below `fraction` or more than `at_most`
@@ -107,6 +115,20 @@ mod tests {
             // After 0.5 W of 20.5 W, another 0.5 W is missing.
             assert_eq!(stop.wanted(&grown), (n >= 6).then_some(6), "{n} bounces");
         }
+    }
+
+    #[test]
+    fn light_that_leaves_at_once_does_not_make_bounces_look_weak() {
+        let integrals = integrals(0.5);
+        let after = |powers: &[f32]| PowerLog::of(&integrals, &bounces(powers)).remainder().unwrap();
+        // Nothing but what is reflected limits what follows the first bounce: as much as that bounce.
+        assert_eq!(after(&[93.0, 7.0]), 7.0 / 100.0);
+        // The ratio has grown from 0.1 to 0.25 and may grow to 0.4.
+        assert_eq!(after(&[80.0, 8.0, 2.0]), 2.0 * 0.4 / 0.6 / 90.0);
+        // Not beyond a half, however.
+        assert_eq!(after(&[80.0, 8.0, 3.25]), 3.25 / 91.25);
+        // Where it falls, it is the last one.
+        assert_eq!(after(&[10.0, 8.0, 2.0]), 2.0 * 0.25 / 0.75 / 20.0);
     }
 
     #[test]

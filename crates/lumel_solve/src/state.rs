@@ -26,6 +26,8 @@ pub struct SolveState {
     pub tail: Option<Field>,
     /// All light but the direct, measured once more with many rays of their own: a final gather.
     pub gathered: Option<Field>,
+    /// Direct light in the basis in which light is read, where that is another than carries it from bounce to bounce.
+    pub read_direct: Option<Field>,
     /// How far the sum may be off, where replicates tell.
     pub errors: Option<Errors>,
     /// The nodes that each round of a target error measures, the round that comes next included.
@@ -104,7 +106,7 @@ impl SolveState {
     }
 
     /// All light that has been found, part by part: without the tail, and before a final gather.
-    pub(crate) fn found(&self) -> impl Iterator<Item = &Field> {
+    pub fn found(&self) -> impl Iterator<Item = &Field> {
         self.bounces.iter().chain(self.shot.iter().map(|shot| &shot.reflected))
     }
 
@@ -139,7 +141,7 @@ impl SolveState {
     /// Removes what only a finished solve has: it is made from the bounces, or what was shot.
     pub(crate) fn reopen(&mut self) {
         (self.tail, self.gathered, self.errors) = (None, None, None);
-        self.directional = None;
+        (self.read_direct, self.directional) = (None, None);
         self.layers.clear();
         self.directional_layers.clear();
     }

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests")]
 
 use lumel_basis::{
-    Adjacency, AreaReceivers, Basis, ElementId, Identity, NodeId, NodeWeights, PointReceivers, Receivers,
-    Sampling, Site, VertexBasis,
+    Adjacency, AreaReceivers, Basis, ElementId, Identity, MeshlessBasis, NodeId, NodeWeights, PointReceivers,
+    Receivers, Sampling, Site, VertexBasis,
 };
 use lumel_scene::{Scene, SurfacePoint, TriId};
 use lumel_testkit::laws::{Law, assert_basis_laws, assert_receiver_laws, basis_laws, receiver_laws, scenes};
@@ -14,13 +14,21 @@ use std::sync::atomic::{AtomicU32, Ordering};
 type MakeBasis = fn(Arc<Scene>) -> Box<dyn Basis>;
 type MakeReceivers = fn(Arc<Scene>) -> Box<dyn Receivers>;
 
-const BASES: [(&str, MakeBasis); 1] = [("vertices", |scene| Box::new(VertexBasis::new(scene)))];
+const BASES: [(&str, MakeBasis); 2] =
+    [("vertices", |scene| Box::new(VertexBasis::new(scene))), ("points", |scene| Box::new(meshless(scene)))];
 
-const RECEIVERS: [(&str, MakeReceivers); 3] = [
+const RECEIVERS: [(&str, MakeReceivers); 4] = [
     ("at vertices", |scene| Box::new(PointReceivers::at_vertices(&Arc::new(VertexBasis::new(scene))))),
     ("over areas", |scene| Box::new(AreaReceivers::new(Arc::new(VertexBasis::new(scene))))),
     ("at points", |scene| Box::new(centres(&scene))),
+    ("at nodes", |scene| Box::new(PointReceivers::at_nodes(&Arc::new(meshless(scene))))),
 ];
+
+/// As many points as scenes have vertices.
+fn meshless(scene: Arc<Scene>) -> MeshlessBasis {
+    let spacing = MeshlessBasis::spacing_for(&scene, 60);
+    MeshlessBasis::new(scene, spacing)
+}
 
 /// A point in the middle of each triangle.
 fn centres(scene: &Scene) -> PointReceivers {

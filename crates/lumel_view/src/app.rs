@@ -220,7 +220,9 @@ impl App {
                 self.prefs.view.relief.on = true;
                 self.comparison.toggle_smooth();
             }
-            Command::KeepLight => self.session.keep_light(),
+            Command::Shooters => self.prefs.view.shooters = !self.prefs.view.shooters,
+            Command::Ambient => self.prefs.view.ambient = !self.prefs.view.ambient,
+            Command::KeepLight => self.comparison.keep(&mut self.session),
             Command::Split => self.comparison.toggle(&self.session),
             Command::Help => self.dialogs.toggle_help(),
             Command::Panels => self.panels_visible = !self.panels_visible,

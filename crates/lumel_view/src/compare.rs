@@ -68,6 +68,14 @@ impl Comparison {
         self.on && self.right == Side::Smooth
     }
 
+    /// Keeps the light as it is now, and compares with it where nothing else was chosen.
+    pub fn keep(&mut self, session: &mut Session) {
+        session.keep_light();
+        if let (Side::Current, Some(kept)) = (self.right, session.kept.last()) {
+            self.choose(Side::Kept(kept.id), Selection::All);
+        }
+    }
+
     /// Puts a light right of the divider.
     pub fn choose(&mut self, right: Side, selection: Selection) {
         (self.right, self.selection) = (right, selection);

@@ -7,7 +7,8 @@ use crate::selection::VertexValues;
 use crate::slots::Slots;
 use glam::Vec3;
 use lumel::{
-    Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch, tracer_of,
+    Baker, MaterialEntry, OpenOptions, PointSpacing, Project, RayTracer, Scene, Settings, SettingsPatch,
+    tracer_of,
 };
 use lumel_render_cpu::camera_for;
 use lumel_scene::{Light, TextureId, TriId};
@@ -101,7 +102,8 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
             .as_ref()
             .map(|p| p.bake.clone())
             .filter(|p| *p != SettingsPatch::default())
-            .map(|p| p.settings()),
+            // The window carries light on vertices.
+            .map(|p| Settings { point_spacing: PointSpacing::Off, ..p.settings() }),
         slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
     };
     let baker = Arc::new(baker);

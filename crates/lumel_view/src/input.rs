@@ -70,6 +70,10 @@ pub enum Command {
     LumelGrid,
     /// Show one way of looking at the scene, or the usual one if it is shown already.
     Show(ViewMode),
+    /// Mark where the most light is still to be reflected.
+    Shooters,
+    /// Add what is still to come on average.
+    Ambient,
     /// Show normal maps and ripples, or not.
     Relief,
     /// Show the same light with and without them side by side.
@@ -223,6 +227,9 @@ pub const BINDINGS: &[Binding] = &[
     bind(Command::Show(ViewMode::LumelDensity), Key::Y, "Show the density of lumels", Group::View),
     bind(Command::Show(ViewMode::Validity), Key::F3, "Show what lies inside geometry", Group::View),
     bind(Command::Show(ViewMode::Seams), Key::F4, "Show the seams of the lightmap", Group::View),
+    bind(Command::Show(ViewMode::Unshot), Key::F6, "Show what is still to be reflected", Group::View),
+    bind(Command::Shooters, Key::F7, "Mark the brightest shooters", Group::View),
+    bind(Command::Ambient, Key::F8, "Ambient term while a solve is not finished", Group::View),
     bind(Command::Relief, Key::Z, "Light normal maps by direction, or not", Group::View),
     with(
         Modifiers::SHIFT,

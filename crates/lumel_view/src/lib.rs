@@ -39,6 +39,7 @@ pub mod solver;
 pub mod stage;
 pub mod task;
 pub mod theme;
+pub mod unshot;
 pub mod values;
 pub mod viewport;
 pub mod wake;

@@ -31,7 +31,11 @@ pub fn of_lumels(session: &Session, mode: ViewMode, selection: Selection) -> Opt
             let light = session.lumel_light()?.by_direction(selection)?;
             Some(light.iter().map(|light| Some(moment.of(light))).collect())
         }
-        ViewMode::Albedo | ViewMode::Normals | ViewMode::TriangleSize | ViewMode::Bends => None,
+        ViewMode::Albedo
+        | ViewMode::Normals
+        | ViewMode::Unshot
+        | ViewMode::TriangleSize
+        | ViewMode::Bends => None,
         ViewMode::Validity => {
             let light = session.lumel_light();
             Some(covered(layout, |place, _| {

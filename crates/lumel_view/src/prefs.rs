@@ -28,6 +28,8 @@ pub enum ViewMode {
     Validity,
     /// Length of the edges, as colours.
     TriangleSize,
+    /// What is still to be reflected, as colours.
+    Unshot,
     /// How far light is from linear between vertices, over what it may be, as colours.
     Bends,
     /// Lumels per metre, as colours.
@@ -53,13 +55,14 @@ pub struct Known {
 
 impl ViewMode {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Final,
         Self::Irradiance,
         Self::Albedo,
         Self::Normals,
         Self::FalseColor,
         Self::StandardError,
+        Self::Unshot,
         Self::Validity,
         Self::TriangleSize,
         Self::Bends,
@@ -88,6 +91,7 @@ impl ViewMode {
             Self::Normals => "Normals",
             Self::FalseColor => "False colour",
             Self::StandardError => "Standard error",
+            Self::Unshot => "Unshot power",
             Self::Validity => "Validity",
             Self::TriangleSize => "Triangle size",
             Self::Bends => "Bends of light",
@@ -110,6 +114,10 @@ impl ViewMode {
             Self::FalseColor => "Luminance of the irradiance in false colours, with a legend",
             Self::StandardError => {
                 "Standard error of the irradiance at each vertex or lumel, where it was measured"
+            }
+            Self::Unshot => {
+                "Light that has arrived and is still to be reflected, as radiosity: what shoots next is the brightest; after \
+                 gathering, the last bounce"
             }
             Self::Validity => {
                 "Red vertices or lumels lie inside geometry; their light is extrapolated from neighbours"
@@ -134,6 +142,7 @@ impl ViewMode {
         match self {
             Self::FalseColor
             | Self::StandardError
+            | Self::Unshot
             | Self::TriangleSize
             | Self::Bends
             | Self::LumelDensity => true,
@@ -228,6 +237,16 @@ impl Unit {
     }
 }
 
+/// What the plot of convergence shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PlotKind {
+    /// What each bounce of the last solve brought.
+    #[default]
+    Bounces,
+    /// What was still to come at each time of the last two solves.
+    Time,
+}
+
 /// How the picture is drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -236,6 +255,8 @@ pub struct ViewPrefs {
     pub mode: ViewMode,
     /// Which bounces.
     pub selection: Selection,
+    /// Whether what is still to come is added on average while a solve is not finished.
+    pub ambient: bool,
     /// Whether the exposure follows the picture.
     pub auto_exposure: bool,
     /// The exposure when it does not, stops.
@@ -254,6 +275,8 @@ pub struct ViewPrefs {
     pub sample_points: bool,
     /// Rays of the picked vertex.
     pub rays: bool,
+    /// Dots where the most light is still to be reflected.
+    pub shooters: bool,
     /// The lights' outlines and handles.
     pub gizmo: bool,
     /// Smooth edges by four samples.
@@ -268,6 +291,8 @@ pub struct ViewPrefs {
     pub range: [f32; 2],
     /// Equal steps for equal ratios.
     pub logarithmic: bool,
+    /// What the plot of convergence shows.
+    pub plot: PlotKind,
     /// How normal maps and ripples are shown.
     pub relief: ReliefPrefs,
 }
@@ -277,6 +302,7 @@ impl Default for ViewPrefs {
         Self {
             mode: ViewMode::default(),
             selection: Selection::default(),
+            ambient: true,
             auto_exposure: true,
             stops: 0.0,
             tone: ToneMapper::default().to_string(),
@@ -286,6 +312,7 @@ impl Default for ViewPrefs {
             filter: LumelFilter::default(),
             sample_points: false,
             rays: true,
+            shooters: false,
             gizmo: true,
             antialias: true,
             unit: Unit::default(),
@@ -294,6 +321,7 @@ impl Default for ViewPrefs {
             auto_range: true,
             range: [0.0, 1.0],
             logarithmic: false,
+            plot: PlotKind::default(),
             relief: ReliefPrefs::default(),
         }
     }

@@ -52,6 +52,9 @@ pub struct Note {
     pub camera: FlyCamera,
     /// Bounces in the checkpoint, direct light included; 0 when there is none.
     pub bounces: usize,
+    /// Shots in the checkpoint, after direct light.
+    #[serde(default)]
+    pub shots: u32,
     /// Whether its checkpoint is a mesh that is still being refined.
     #[serde(default)]
     pub refining: bool,
@@ -172,16 +175,17 @@ impl Note {
         let work = match (self.bounces, self.complete) {
             (0, _) if self.refining => "a mesh that is being refined".to_owned(),
             (0, _) => "lights, materials and slots".to_owned(),
-            (n, true) => format!("a finished solve with {}", bounces(n)),
-            (n, false) => format!("a solve stopped after {}", bounces(n)),
+            (n, true) => format!("a finished solve with {}", found(n, self.shots)),
+            (n, false) => format!("a solve stopped after {}", found(n, self.shots)),
         };
         format!("{}: {work}", self.request().title())
     }
 }
 
-/// Direct light and so many bounces after it.
-fn bounces(n: usize) -> String {
+/// Direct light and so many bounces or shots after it.
+fn found(n: usize, shots: u32) -> String {
     match n {
+        _ if shots > 0 => format!("{shots} shots"),
         1 => "direct light".to_owned(),
         2 => "1 bounce".to_owned(),
         n => format!("{} bounces", n - 1),
@@ -246,6 +250,7 @@ mod tests {
             settings: Settings::default(),
             camera: FlyCamera::default(),
             bounces: 3,
+            shots: 0,
             refining: false,
             complete: false,
             // No process has this number.
@@ -263,6 +268,8 @@ mod tests {
         assert_eq!(found, [LeftBehind { place: recovery.clone(), note: note() }]);
         assert_eq!(found[0].note.request().options.max_edge, Some(MaxEdge::Length(0.1)));
         assert_eq!(found[0].note.summary(), "cornell-box: a solve stopped after 2 bounces");
+        let shot = Note { bounces: 1, shots: 7, ..note() };
+        assert_eq!(shot.summary(), "cornell-box: a solve stopped after 7 shots");
         recovery.remove();
         assert_eq!(Recovery::left_behind(&folder.path().join("deeper")), []);
     }

@@ -31,8 +31,9 @@ pub fn of_vertices(
         ViewMode::Validity => Some(validity(n, &light.valid)),
         ViewMode::TriangleSize => Some(edge_lengths(scene).into_iter().map(Vec3::splat).collect()),
         ViewMode::Moment(moment) => moments(moment, light.select_directional(selection, n)?),
-        // Those are known to the mesh and the lightmap.
-        ViewMode::Bends
+        // Those are known to the solve, the mesh and the lightmap.
+        ViewMode::Unshot
+        | ViewMode::Bends
         | ViewMode::LumelDensity
         | ViewMode::Chequerboard
         | ViewMode::Charts
@@ -107,6 +108,17 @@ pub fn significant(value: f32) -> String {
     format!("{value:.*}", (2.0 - digits).max(0.0) as usize)
 }
 
+/// A share in percent, with two significant digits.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent >= 10.0 {
+        format!("{percent:.0} %")
+    } else {
+        let digits = (1.0 - percent.max(1e-6).log10().floor()).clamp(0.0, 5.0) as usize;
+        format!("{percent:.digits$} %")
+    }
+}
+
 /// A number with its thousands apart.
 pub fn grouped(n: usize) -> String {
     let digits = n.to_string();
@@ -136,8 +148,10 @@ mod tests {
             let values = of_vertices(mode, &scene, &Illumination::default(), Selection::All);
             assert_eq!(
                 values.map(|v| v.len()),
-                (!matches!(mode, ViewMode::StandardError | ViewMode::Bends | ViewMode::Moment(_))
-                    && !mode.needs_lumels())
+                (!matches!(
+                    mode,
+                    ViewMode::StandardError | ViewMode::Unshot | ViewMode::Bends | ViewMode::Moment(_)
+                ) && !mode.needs_lumels())
                 .then(|| scene.vertex_count()),
                 "{mode:?}"
             );
@@ -174,6 +188,11 @@ mod tests {
         assert_eq!(in_unit(2.0, Unit::Lux, 179.0), "358");
         assert_eq!(in_unit(2.0, Unit::Stops, 179.0), "+1.00");
         assert_eq!(in_unit(0.0, Unit::Stops, 179.0), "-");
+    }
+
+    #[test]
+    fn shares_have_two_digits() {
+        assert_eq!([1.0, 0.1, 0.01, 0.000_316].map(percent), ["100 %", "10 %", "1.0 %", "0.032 %"]);
     }
 
     #[test]

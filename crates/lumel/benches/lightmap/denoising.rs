@@ -28,12 +28,13 @@ pub(crate) fn measure(case: &Case) -> Result<(), String> {
         indirect_samples: MANY * medium.indirect_samples,
         ..medium
     };
+    let solved = baker.solved_at_lumels(&state, &lumels);
     let bake = |samples: &Settings, seed| {
         let baker = baker.relit(Arc::clone(&fine), Settings { seed, ..samples.clone() });
         let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
         let Lumels { scene, atlas, coverage } = &lumels;
-        [false, true].map(|denoises| {
-            let map = Lightmap::finished(scene, atlas, coverage, &light, denoises, None);
+        [None, Some(&solved)].map(|solved| {
+            let map = Lightmap::finished(scene, atlas, coverage, &light, solved, None);
             let value = |(place, &lumel): (usize, &u32)| {
                 if light.is_valid(place) { map.layers[0].values[lumel as usize] } else { Vec3::NAN }
             };

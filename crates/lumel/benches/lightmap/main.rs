@@ -130,10 +130,11 @@ impl Case {
             let lumels = lumels_of(&whole, Density::Budget(preset.lumel_budget()));
             let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
             let Lumels { scene, atlas, coverage } = &lumels;
-            let raw = Lightmap::finished(scene, atlas, coverage, &light, false, None);
+            let raw = Lightmap::finished(scene, atlas, coverage, &light, None, None);
             let seconds = begun.elapsed().as_secs_f64();
             let begun = ProcessTime::now();
-            let denoised = Lightmap::finished(scene, atlas, coverage, &light, true, None);
+            let known = baker.solved_at_lumels(&state, &lumels);
+            let denoised = Lightmap::finished(scene, atlas, coverage, &light, Some(&known), None);
             let more = begun.elapsed().as_secs_f64();
             let n_lumels = coverage.len();
             row(&format!("{preset:?} lumels, {n_lumels}"), seconds, &of_whole, &raw.lighting(0));

@@ -88,9 +88,10 @@ pub(crate) fn bake(name: &str, folder: &Path, settings: Settings) {
     let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
     let measured = start.elapsed().as_secs_f64();
     let Lumels { scene, atlas, coverage } = &lumels;
-    let finished = |denoises, name: &str| {
+    let finished = |denoises: bool, name: &str| {
         let start = ProcessTime::now();
-        let map = Lightmap::finished(scene, atlas, coverage, &light, denoises, None);
+        let known = denoises.then(|| baker.solved_at_lumels(&state, &lumels));
+        let map = Lightmap::finished(scene, atlas, coverage, &light, known.as_ref(), None);
         let seconds = start.elapsed().as_secs_f64();
         write_light(&map.lighting(0), folder, name);
         measured + seconds

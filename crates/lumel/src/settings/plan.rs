@@ -1,10 +1,11 @@
 //! What settings ask of the crates below.
 
 use super::bounce_limit::BounceLimit;
+use super::point_spacing::PointSpacing;
 use super::schedule_kind::ScheduleKind;
 use super::table::Settings;
 use super::target_error::TargetError;
-use lumel_basis::Directional;
+use lumel_basis::{Directional, Sampling};
 use lumel_solve::{Gather, Schedule, Shoot, Stop};
 use lumel_transport::Plan;
 
@@ -26,11 +27,21 @@ impl Settings {
         }
     }
 
+    /// How light is measured that is carried from bounce to bounce.
+    pub fn sampling(&self) -> Sampling {
+        if self.point_spacing == PointSpacing::Off { self.projection.sampling() } else { Sampling::Point }
+    }
+
     /// Those of a solve whose light is only carried, to be gathered by lumels: a target error and light by direction are theirs, and
     /// what they gather is a mean over many nodes of the basis.
     pub fn carrying(&self) -> Self {
         let directional = Directional::Off;
         Self { target_error: TargetError::Off, directional, ..self.clone() }
+    }
+
+    /// Whether each bounce is known by itself: shots tell none apart.
+    pub fn tells_bounces(&self) -> bool {
+        self.schedule == ScheduleKind::Gather
     }
 
     /// In which order light is transported, and until when.

@@ -30,6 +30,15 @@ impl Preset {
         }
     }
 
+    /// How many points [`PointSpacing::Auto`](crate::PointSpacing::Auto) scatters over a scene, about.
+    pub fn point_budget(self) -> u32 {
+        match self {
+            Self::Draft => 12_500,
+            Self::Medium => 50_000,
+            Self::Production => 125_000,
+        }
+    }
+
     /// How far light may be from a linear function along edges where [`Adaptive`](crate::Adaptive) meshes do not say.
     pub fn adaptive_error(self) -> Share {
         match self {

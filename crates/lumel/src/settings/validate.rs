@@ -1,15 +1,18 @@
 //! Which settings can be used.
 
+use super::adaptive::Adaptive;
 use super::bounce_limit::BounceLimit;
 use super::error::SettingsError;
 use super::layers::Layers;
-use super::schedule_kind::ScheduleKind;
+use super::point_spacing::PointSpacing;
 use super::solver_kind::SolverKind;
 use super::table::{
-    ALL, BOUNCES, Definition, LAYERS, SCHEDULE, SOLVER, Setting as _, Settings, SettingsPatch, TARGET_ERROR,
+    ADAPTIVE, ALL, BOUNCES, DIRECTIONAL, Definition, LAYERS, POINT_SPACING, SCHEDULE, SOLVER, Setting as _,
+    Settings, SettingsPatch, TARGET_ERROR,
 };
 use super::target_error::TargetError;
 use super::value::Value;
+use lumel_basis::Directional;
 
 impl SettingsPatch {
     /// Checks every value that is set.
@@ -28,9 +31,12 @@ impl Settings {
     /// [`SettingsError::Invalid`] or [`SettingsError::Conflict`] for the first that is wrong.
     pub fn validate(&self) -> Result<(), SettingsError> {
         SettingsPatch::complete(self).validate()?;
-        if let (ScheduleKind::Shoot, BounceLimit::Count(_)) = (self.schedule, self.bounces) {
+        if let (false, BounceLimit::Count(_)) = (self.tells_bounces(), self.bounces) {
             let reason = "shots tell no bounces apart, use bounces all";
             return Err(self.excluded_by(&SCHEDULE, &BOUNCES, reason));
+        }
+        if self.point_spacing != PointSpacing::Off {
+            self.validate_with_points()?;
         }
         if self.target_error == TargetError::Off {
             return Ok(());
@@ -41,6 +47,26 @@ impl Settings {
         if self.layers != Layers::Off {
             let reason = "the error of single layers is not known";
             return Err(self.excluded_by(&TARGET_ERROR, &LAYERS, reason));
+        }
+        Ok(())
+    }
+
+    /// What does not go together with points.
+    fn validate_with_points(&self) -> Result<(), SettingsError> {
+        if self.adaptive != Adaptive::Off {
+            return Err(self.excluded_by(
+                &POINT_SPACING,
+                &ADAPTIVE,
+                "points do not need a mesh that follows light",
+            ));
+        }
+        if self.layers != Layers::Off {
+            let reason = "layers would not add up, as all direct light is measured at vertices";
+            return Err(self.excluded_by(&POINT_SPACING, &LAYERS, reason));
+        }
+        if self.directional != Directional::Off {
+            let reason = "light by direction is carried on vertices alone";
+            return Err(self.excluded_by(&POINT_SPACING, &DIRECTIONAL, reason));
         }
         Ok(())
     }
@@ -74,6 +100,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::ScheduleKind;
 
     #[test]
     fn what_makes_no_sense_is_refused_with_its_name_its_value_and_a_remedy() {

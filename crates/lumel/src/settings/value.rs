@@ -4,6 +4,7 @@ use super::about::{Bounds, Influence};
 use super::adaptive::Adaptive;
 use super::bounce_limit::BounceLimit;
 use super::memory::Memory;
+use super::point_spacing::PointSpacing;
 use super::share::Share;
 use super::target_error::TargetError;
 
@@ -74,6 +75,8 @@ pub enum Slot<'a> {
     Share(&'a mut Share),
     /// A share that can be switched off, or left to the preset.
     Adaptive(&'a mut Adaptive),
+    /// Whether points carry light, and how far they are apart.
+    PointSpacing(&'a mut PointSpacing),
     /// A share that can be switched off.
     TargetError(&'a mut TargetError),
 }
@@ -267,6 +270,25 @@ impl Value for Adaptive {
 
     fn slot(&mut self) -> Slot<'_> {
         Slot::Adaptive(self)
+    }
+}
+
+impl Value for PointSpacing {
+    fn text(&self) -> String {
+        self.to_string()
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        text.parse().ok()
+    }
+
+    fn expected(_: Bounds) -> String {
+        "a length in metres greater than zero, a number of points such as \"50000 points\", auto or off"
+            .to_owned()
+    }
+
+    fn slot(&mut self) -> Slot<'_> {
+        Slot::PointSpacing(self)
     }
 }
 

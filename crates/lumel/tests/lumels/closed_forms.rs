@@ -177,7 +177,7 @@ fn a_screen_throws_the_shadow_it_should() {
     // As it is read.
     let placed = Placed::as_given(builder);
     let (Lumels { scene, atlas, coverage }, light) = measured(&placed, 1.0, 32.0, direct());
-    let lightmap = Lightmap::finished(&scene, &atlas, &coverage, &light, false, None);
+    let lightmap = Lightmap::finished(&scene, &atlas, &coverage, &light, None, None);
     for (x, known) in screen::KNOWN {
         let at = surface_point(&placed, &scene, DVec3::X * x, DVec3::Z).unwrap();
         let read = f64::from(lightmap.at(0, at).0.x);

@@ -4,6 +4,7 @@ use crate::{Placed, built, lumels, room, settings, solved, tessellated};
 use glam::Vec3;
 use lumel::{
     AmbientOcclusion, Baker, BounceLimit, Control, Lightmap, LightmapLayer, LumelLight, Lumels, Settings,
+    SolvedLight,
 };
 use lumel_scene::luminance;
 use lumel_testkit::mesh::{Facing, sphere};
@@ -24,8 +25,10 @@ fn less_noise_is_left_of_few_samples_and_many_hardly_change() {
         let baker = baker.relit(fine.clone(), settings);
         baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap()
     };
-    let read = |light: &LumelLight, denoises| -> Vec<f64> {
-        let map = Lightmap::finished(&lumels.scene, &lumels.atlas, &lumels.coverage, light, denoises, None);
+    let of_solve = baker.solved_at_lumels(&state, &lumels);
+    let read = |light: &LumelLight, denoises: bool| -> Vec<f64> {
+        let solved = denoises.then_some(&of_solve);
+        let map = Lightmap::finished(&lumels.scene, &lumels.atlas, &lumels.coverage, light, solved, None);
         let lumels = lumels.coverage.lumels().iter().enumerate().filter(|(place, _)| light.is_valid(*place));
         lumels.map(|(_, &lumel)| luminance(map.layers[0].values[lumel as usize]).into()).collect()
     };
@@ -56,8 +59,9 @@ fn the_noise_of_openness_is_taken_off_as_that_of_light() {
     let baker = Baker::new(Arc::clone(scene), settings);
     let occlusion = AmbientOcclusion { distance: 2.0, falloff: 1.0 };
     let openness = baker.openness_at_lumels(occlusion, &lumels, &Control::default()).unwrap();
-    let [noisy, calm] = [false, true].map(|denoises| {
-        let lightmap = Lightmap::finished(scene, atlas, coverage, &openness, denoises, Some(&openness));
+    let nothing = SolvedLight::default();
+    let [noisy, calm] = [None, Some(&nothing)].map(|known| {
+        let lightmap = Lightmap::finished(scene, atlas, coverage, &openness, known, Some(&openness));
         let layer = lightmap.layers.iter().find(|layer| layer.name == LightmapLayer::OCCLUSION).unwrap();
         let off = |lumel: &u32| (layer.values[*lumel as usize].x - 2.0 / 3.0).powi(2);
         (coverage.lumels().iter().map(off).sum::<f32>() / coverage.len() as f32).sqrt()

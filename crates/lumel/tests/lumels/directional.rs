@@ -76,8 +76,9 @@ fn irradiance_keeps_its_bits_and_coefficients_come_in_any_parts() {
     baker.continue_lumels(&state, &lumels, &mut loaded, &Control::default(), &mut |_| {}).unwrap();
     assert_eq!(loaded.directional.harmonics.len(), 9);
     assert!(loaded.directional.harmonics[..4] == whole.directional.harmonics);
-    let lightmap = Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &whole, true, None);
-    let plain = Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &plain, true, None);
+    let known = baker.solved_at_lumels(&state, &lumels);
+    let lightmap = Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &whole, Some(&known), None);
+    let plain = Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &plain, Some(&known), None);
     let names: Vec<&str> = lightmap.layers.iter().map(|layer| layer.name.as_str()).collect();
     assert_eq!(
         names,

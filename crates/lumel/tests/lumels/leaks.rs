@@ -2,7 +2,7 @@
 
 use crate::{Placed, irradiance, measured, placements, settings};
 use glam::Vec3;
-use lumel::{Lightmap, Lumels, SceneBuilder};
+use lumel::{Lightmap, Lumels, SceneBuilder, SolvedLight};
 use lumel_scene::{DirectionalLight, Light, PointLight, Radiance, Sky};
 use lumel_testkit::mesh::{Facing, cuboid, quad};
 use lumel_testkit::random_surface_points;
@@ -69,7 +69,7 @@ fn no_light_passes_walls_and_a_floor_far_thinner_than_a_lumel() {
     };
     for placed in placements(&builder) {
         let (Lumels { scene, atlas, coverage }, light) = measured(&placed, 0.3, 7.0, settings());
-        let map = Lightmap::finished(&scene, &atlas, &coverage, &light, true, None);
+        let map = Lightmap::finished(&scene, &atlas, &coverage, &light, Some(&SolvedLight::default()), None);
         let half = f64::from(0.5 * THICKNESS);
         for at in random_surface_points(&scene, 4000, 3) {
             let (point, e) = (placed.home(&scene, scene.position(at)), map.at(0, at).0);

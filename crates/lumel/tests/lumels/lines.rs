@@ -2,7 +2,7 @@
 
 use crate::{Placed, measured, placements, room, settings, surface_point};
 use glam::{DVec3, Vec3};
-use lumel::{BounceLimit, LumelLight, Lumels, Scene, SceneBuilder, Settings};
+use lumel::{BounceLimit, LumelLight, Lumels, Scene, SceneBuilder, Settings, SolvedLight};
 use lumel_lightmap::Lightmap;
 use lumel_scene::{Face, MaterialId, ObjectMesh, Radiance, Sky, Smoothing, SurfacePoint};
 use lumel_testkit::mesh::quad;
@@ -11,7 +11,9 @@ use lumel_testkit::{Estimate, form_factor, rms};
 use std::f64::consts::PI;
 
 fn finished((lumels, light): &(Lumels, LumelLight), denoises: bool) -> Lightmap {
-    Lightmap::finished(&lumels.scene, &lumels.atlas, &lumels.coverage, light, denoises, None)
+    let nothing = SolvedLight::default();
+    let known = denoises.then_some(&nothing);
+    Lightmap::finished(&lumels.scene, &lumels.atlas, &lumels.coverage, light, known, None)
 }
 
 /// A floor from 0 to 1 along x, and a wall that leans over it or away from it, in one mesh with one edge.

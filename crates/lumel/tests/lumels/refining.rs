@@ -29,7 +29,7 @@ fn distance(edge: f32) -> f64 {
         let (baker, state) = solved(&fine, samples);
         let at_vertices = baker.light_at_vertices(&state);
         let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
-        let map = Lightmap::finished(&lumels.scene, &lumels.atlas, &lumels.coverage, &light, false, None);
+        let map = Lightmap::finished(&lumels.scene, &lumels.atlas, &lumels.coverage, &light, None, None);
         let at_lumels = LumelLighting { atlas: &refined, ..map.lighting(0) };
         let at_vertices = VertexLighting::new(&fine, &at_vertices).unwrap();
         let read = |light: &dyn Lighting, at: &SurfacePoint| {

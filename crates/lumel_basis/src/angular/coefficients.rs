@@ -1,7 +1,8 @@
 //! Coefficients of harmonics at many places.
 
-use super::Directional;
+use super::{Directional, HARMONICS, IncidentRadiance};
 use glam::Vec3;
+use lumel_scene::{Scene, SurfacePoint};
 
 /// What is known at some places, such as vertices, of the light that arrives from different directions: coefficients of incident
 /// radiance, W·m⁻².
@@ -39,6 +40,18 @@ impl Coefficients {
     #[inline]
     pub fn of(&self, place: usize) -> &[Vec3] {
         &self.values[place * self.kind.harmonics()..][..self.kind.harmonics()]
+    }
+
+    /// Those at a surface point, if the places are the vertices of the scene.
+    ///
+    /// # Panics
+    /// If there are fewer places than vertices.
+    pub fn at(&self, scene: &Scene, at: SurfacePoint) -> Option<IncidentRadiance> {
+        let mut sums = [Vec3::ZERO; HARMONICS];
+        for (vertex, weight) in scene.triangle(at.tri).into_iter().zip(at.bary.weights()) {
+            sums.iter_mut().zip(self.of(vertex as usize)).for_each(|(sum, c)| *sum += *c * weight);
+        }
+        IncidentRadiance::new(&sums[..self.kind.harmonics()])
     }
 
     /// Of all places, place by place.

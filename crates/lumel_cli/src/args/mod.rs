@@ -173,6 +173,8 @@ pub(crate) enum Basis {
     /// At the vertices of the mesh, whose long edges are split.
     #[value(alias = "vertex-area")]
     Vertex,
+    /// On points that are scattered over the surfaces, see --point-spacing; in the end it is read at the vertices.
+    Points,
     /// In lumels, the texels of a lightmap: the mesh stays as it is.
     Lightmap,
 }
@@ -197,6 +199,7 @@ impl From<LightBasis> for Basis {
     fn from(basis: LightBasis) -> Self {
         match basis {
             LightBasis::Vertex => Self::Vertex,
+            LightBasis::Points => Self::Points,
             LightBasis::Lightmap => Self::Lightmap,
         }
     }

@@ -142,14 +142,15 @@ mod tests {
     use crate::args::{Cli, Command};
     use clap::Parser;
     use lumel::{
-        BounceLimit, Directional, Layers, LightSampling, Memory, Projection, SamplerKind, ScheduleKind,
-        Settings, SolverKind, Tail,
+        BounceLimit, Directional, Layers, LightSampling, Memory, PointSpacing, Projection, SamplerKind,
+        ScheduleKind, Settings, SolverKind, Tail,
     };
 
     /// Every setting other than by default. A new setting belongs here.
     fn unusual() -> Settings {
         Settings {
             projection: Projection::Area,
+            point_spacing: PointSpacing::Metres(0.25),
             adaptive: "3%".parse().unwrap(),
             max_vertices: 1000,
             schedule: ScheduleKind::Shoot,

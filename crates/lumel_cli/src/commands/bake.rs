@@ -97,8 +97,10 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
     let (loaded, load_seconds) = run.timed("load", load);
     let Loaded { scene, whole, patch, auto_edge, .. } = loaded?;
     let preset = args.settings.patch.preset.or(patch.preset).unwrap_or_default();
+    let patch = load::with_basis(patch, args.basis, &args.settings)?;
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
+    load::announce_points(&scene, &settings, &run.console)?;
     let prepared = match whole {
         None => None,
         Some(whole) => match lightmap::prepare(whole, args, (wanted.lightmap, preset), run)? {

@@ -87,7 +87,10 @@ pub(crate) fn measure(
     let Lumels { scene, atlas, coverage } = &lumels;
     let accuracy = baker.accuracy_at_lumels(&lumels, &light);
     warn_of_error(&accuracy, &solved.settings, run);
-    let finished = || Lightmap::finished(scene, atlas, coverage, &light, wanted.denoises, openness.as_ref());
+    let finished = || {
+        let known = wanted.denoises.then(|| baker.solved_at_lumels(solved.state, &lumels));
+        Lightmap::finished(scene, atlas, coverage, &light, known.as_ref(), openness.as_ref())
+    };
     let (lightmap, finish_seconds) = run.timed("finish", finished);
     let report = LightmapReport {
         pages: lumels.atlas.pages().to_vec(),

@@ -89,6 +89,7 @@ fn solve(
 ) -> anyhow::Result<Option<(Baker, SolveState)>> {
     let settings = load::settings(patch, &args.settings, &args.scene)?;
     load::check_shines(&scene, settings.emitters)?;
+    load::announce_points(&scene, &settings, &run.console)?;
     let (baker, _) = run.timed("build", || Baker::new(scene, settings));
     load::warn_of_lost_light(&baker, &run.console);
     let Some((baker, _)) = run.adapt(baker, None, None)? else { return Ok(None) };

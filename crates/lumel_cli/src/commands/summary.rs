@@ -19,6 +19,8 @@ pub(crate) struct Summary {
     pub(crate) auto_edge: Option<f32>,
     /// How the mesh was refined, if it follows light.
     pub(crate) adaptive: Option<AdaptiveReport>,
+    /// The points that carried light from bounce to bounce, if these were not the vertices.
+    points: Option<PointReport>,
     /// Vertices that could not be measured.
     invalid_vertices: usize,
     /// How the bounces were solved.
@@ -47,6 +49,34 @@ pub(crate) struct Summary {
     pub(crate) seconds: Seconds,
     pub(crate) files: Vec<Written>,
     pub(crate) warnings: usize,
+}
+
+/// Points that carried light from bounce to bounce.
+#[derive(Debug, Serialize)]
+pub(crate) struct PointReport {
+    points: usize,
+    /// Points that could not be measured.
+    invalid: usize,
+    /// Metres.
+    spacing: f32,
+}
+
+impl PointReport {
+    fn of(baker: &Baker, state: &SolveState) -> Option<Self> {
+        let basis = baker.basis().points()?;
+        let invalid = state.valid.iter().filter(|valid| !**valid).count();
+        Some(Self { points: basis.points().len(), invalid, spacing: basis.spacing() })
+    }
+
+    fn text(&self) -> String {
+        let points = counted(self.points, "point", "points");
+        let spacing = report::significant(f64::from(self.spacing));
+        let inside = match self.invalid {
+            0 => String::new(),
+            n => format!(", {n} of them inside geometry"),
+        };
+        format!("{points} carried the bounces, {spacing} m from each other{inside}")
+    }
 }
 
 /// What the program takes of memory, bytes, where the system tells.
@@ -179,6 +209,8 @@ pub(crate) enum Step {
     Shot(u32),
     /// A final gather of all indirect light.
     FinalGather,
+    /// Direct light at vertices, where points have carried the bounces.
+    ReadDirect,
     Directional,
     /// More samples where the error is above the target.
     Round(u32),
@@ -248,17 +280,22 @@ impl ErrorReport {
     }
 }
 
+/// From this factor on, the darker half of the surfaces has an error of its own in the summary.
+const MUCH_WORSE: f64 = 5.0;
+
 /// An estimated error, relative.
 #[derive(Debug, Serialize)]
 struct EstimateReport {
     error: f64,
+    /// Of the light on the darker half of the surfaces alone.
+    in_darker_half: Option<f64>,
     cause: &'static str,
     /// The option that lowers it.
     remedy: &'static str,
 }
 
 impl EstimateReport {
-    fn new(ErrorEstimate { error, cause }: ErrorEstimate, settings: &Settings) -> Self {
+    fn new(ErrorEstimate { error, in_darker_half, cause }: ErrorEstimate, settings: &Settings) -> Self {
         let (cause, remedy) = match cause {
             ErrorCause::DirectNoise => ("noise of direct light", "--direct-samples"),
             ErrorCause::IndirectNoise => ("noise of bounces", "--indirect-samples"),
@@ -267,7 +304,7 @@ impl EstimateReport {
             }
             ErrorCause::CoarseMesh => ("edges of light between vertices", "--max-edge"),
         };
-        Self { error, cause, remedy }
+        Self { error, in_darker_half, cause, remedy }
     }
 }
 
@@ -279,8 +316,12 @@ impl EstimateReport {
             _ => "more",
         };
         let error = report::percent(self.error);
+        let is_worse = |darker: &f64| *darker > MUCH_WORSE * self.error;
+        let darker = self.in_darker_half.filter(is_worse).map_or_else(String::new, |darker| {
+            format!(" and {} of that on their darker half", report::percent(darker))
+        });
         format!(
-            "error about {error} of the light, most of it {}: {more} {} lowers it",
+            "error about {error} of the light on all surfaces{darker}, most of it {}: {more} {} lowers it",
             self.cause, self.remedy
         )
     }
@@ -293,6 +334,7 @@ impl From<lumel::Step> for Step {
             lumel::Step::Bounce(bounce) => Self::Bounce(bounce as usize),
             lumel::Step::Shot(shot) => Self::Shot(shot),
             lumel::Step::FinalGather => Self::FinalGather,
+            lumel::Step::ReadDirect => Self::ReadDirect,
             lumel::Step::Directional => Self::Directional,
             lumel::Step::Round(round) => Self::Round(round),
             lumel::Step::Layer(layer) => Self::Layer(layer),
@@ -309,6 +351,7 @@ impl Step {
             Self::Bounce(k) => format!("bounce {k}"),
             Self::Shot(shot) => format!("shot {}", shot + 1),
             Self::FinalGather => "final gather".to_owned(),
+            Self::ReadDirect => "direct at vertices".to_owned(),
             Self::Directional => "directional".to_owned(),
             Self::Round(round) => format!("round {}", round + 1),
             Self::Layer(layer) => format!("layer {}", layer + 1),
@@ -340,15 +383,16 @@ impl Summary {
         let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
         let rounds = (0..rounds).map(|round| report(Step::Round(round), None));
         let layers = (0..state.layers.len() as u32).map(|layer| report(Step::Layer(layer), None));
-        let finishers = [Step::FinalGather, Step::Directional];
+        let finishers = [Step::FinalGather, Step::ReadDirect, Step::Directional];
         let finished = |step: Step| seconds_of(step).map(|_| report(step, None));
-        let [gather, directional] = finishers.map(finished);
+        let [gather, read_direct, directional] = finishers.map(finished);
         Self {
             scene: scene.name().to_owned(),
             vertices: scene.vertex_count(),
             triangles: scene.triangle_count(),
             auto_edge: None,
             adaptive: None,
+            points: PointReport::of(baker, state),
             invalid_vertices: solution.valid.iter().filter(|&&valid| !valid).count(),
             method: baker.method().to_string(),
             steps: validity
@@ -357,6 +401,7 @@ impl Summary {
                 .chain(shots)
                 .chain(gather)
                 .chain(rounds)
+                .chain(read_direct)
                 .chain(directional)
                 .chain(layers)
                 .collect(),
@@ -409,6 +454,7 @@ impl Summary {
                 format!("mesh of {given} refined to follow light to {error}{end}\nrefine {seconds:.2} s")
             },
         ));
+        lines.extend(self.points.as_ref().map(PointReport::text));
         match self.invalid_vertices {
             0 => {}
             1 => lines.push("1 vertex lies inside geometry".to_owned()),

@@ -13,6 +13,7 @@ mod lightmaps;
 mod lights;
 mod measure;
 mod names;
+mod points;
 mod project;
 mod refusals;
 mod render;

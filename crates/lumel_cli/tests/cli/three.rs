@@ -76,7 +76,8 @@ fn baked(page_sizes: [u32; 2]) -> (Arc<Scene>, [Lightmap; 2]) {
         let atlas = unwrap(&scene, &settings, &|| Pace::Go).unwrap().atlas;
         let lumels = Lumels::new(Arc::clone(&scene), atlas);
         let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
-        Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &light, true, None)
+        let known = baker.solved_at_lumels(&state, &lumels);
+        Lightmap::finished(&scene, &lumels.atlas, &lumels.coverage, &light, Some(&known), None)
     });
     (scene, lightmaps)
 }

@@ -4,8 +4,8 @@ use crate::tools::numpy;
 use glam::Vec3;
 use lumel_basis::{Coefficients, Directional, Lighting, irradiance_at_vertices};
 use lumel_export::{
-    Array, ArrayData, NpzReader, Solution, SolutionError, SolutionLayer, SolutionMeta, SolutionSelection,
-    write_npz,
+    Array, ArrayData, NpzReader, Solution, SolutionError, SolutionLayer, SolutionMeta, SolutionPoints,
+    SolutionSelection, write_npz,
 };
 use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
 use serde_json::json;
@@ -37,7 +37,22 @@ fn solution(scene: &Scene) -> Solution {
         directional: coefficients(1.0),
         occlusion: Some((0..irradiance.len()).map(|v| 0.01 * v as f32).collect()),
         splits: vec![[0, 1], [1, 7]],
+        points: Some(points()),
         irradiance,
+    }
+}
+
+/// Three points that carried light.
+fn points() -> SolutionPoints {
+    let values = |scale: f32| [1.0, 2.0, 3.0].map(|x| Vec3::new(x, 0.1, 0.0) * scale).to_vec();
+    SolutionPoints {
+        positions: values(1e5).iter().map(|p| p.as_dvec3() + 0.125).collect(),
+        normals: vec![Vec3::Y; 3],
+        radii: vec![0.5, 0.5, 0.25],
+        levels: vec![0, 0, 1],
+        valid: vec![true, false, true],
+        bounces: vec![values(2.0), values(0.5)],
+        tail: Some(values(0.1)),
     }
 }
 
@@ -63,6 +78,7 @@ fn a_solution_comes_back_bit_for_bit() {
     (solution.tail, solution.standard_error) = (None, None);
     solution.layers.clear();
     solution.directional = None;
+    solution.points = None;
     solution.meta.complete = false;
     solution.meta.statistics = json!({ "seconds": 1.5 });
     assert_eq!(saved_and_loaded(&solution, &path), solution);
@@ -75,6 +91,24 @@ fn equal_solutions_are_equal_files() {
     solution(&plain("box")).save(&a).unwrap();
     Solution::load(&a).unwrap().save(&b).unwrap();
     assert_eq!(fs::read(a).unwrap(), fs::read(b).unwrap());
+}
+
+#[test]
+fn points_that_do_not_belong_together_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let with = |points| Solution { points: Some(points), ..solution(&plain("box")) };
+    let error = |points| with(points).save(&path).unwrap_err().to_string();
+    let short = error(SolutionPoints { levels: vec![0], ..points() });
+    assert!(short.contains("point_level") && short.contains('1') && short.contains('3'), "{short}");
+    let nan = error(SolutionPoints { radii: vec![f32::NAN; 3], ..points() });
+    assert!(nan.contains("point_radius"), "{nan}");
+    let one_bounce = SolutionPoints { bounces: vec![vec![Vec3::ONE; 2]], ..points() };
+    assert!(error(one_bounce).contains("point_bounces"));
+    with(points()).save(&path).unwrap();
+    let loaded = Solution::load(&path).unwrap();
+    let arrays = ["points", "point_normals", "point_radius", "point_level", "point_valid", "point_bounces"];
+    assert!(arrays.iter().all(|array| loaded.meta.arrays.contains_key(*array)));
 }
 
 #[test]
@@ -228,7 +262,7 @@ fn arrays_of_a_wrong_shape_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (path, bad) = (folder.path().join("a.npz"), folder.path().join("b.npz"));
     solution(&plain("box")).save(&path).unwrap();
-    let wrong: [(&str, Array); 9] = [
+    let wrong: [(&str, Array); 12] = [
         ("irradiance", Array { shape: vec![3, 4], data: ArrayData::F32(vec![0.0; 12]) }),
         ("positions", Array { shape: vec![4, 3], data: ArrayData::U32(vec![0; 12]) }),
         ("bounces", Array { shape: vec![4, 3], data: ArrayData::F32(vec![0.0; 12]) }),
@@ -237,6 +271,9 @@ fn arrays_of_a_wrong_shape_are_refused() {
         ("sh", Array { shape: vec![4, 5, 3], data: ArrayData::F32(vec![0.0; 60]) }),
         ("layers_sh", Array { shape: vec![4, 4, 3], data: ArrayData::F32(vec![0.0; 48]) }),
         ("splits", Array { shape: vec![4], data: ArrayData::U32(vec![0; 4]) }),
+        ("points", Array { shape: vec![9], data: ArrayData::F32(vec![0.0; 9]) }),
+        ("point_bounces", Array { shape: vec![2, 4, 3], data: ArrayData::F32(vec![0.0; 24]) }),
+        ("point_level", Array { shape: vec![3], data: ArrayData::F32(vec![0.0; 3]) }),
         ("valid", Array { shape: vec![4, 1], data: ArrayData::Bool(vec![true; 4]) }),
     ];
     for (name, array) in wrong {
@@ -255,6 +292,13 @@ fn arrays_of_a_wrong_shape_are_refused() {
                 "layers_sh",
                 "occlusion",
                 "splits",
+                "points",
+                "point_normals",
+                "point_radius",
+                "point_level",
+                "point_valid",
+                "point_bounces",
+                "point_tail",
                 "valid",
             ] {
                 let old = npz.array(other).unwrap();

@@ -1,7 +1,7 @@
 use crate::Stage;
 use crate::denoising::{fine, normal};
 use glam::{DVec3, Vec3};
-use lumel_lightmap::{Lightmap, LumelLight, PartLight};
+use lumel_lightmap::{Lightmap, LumelLight, PartLight, SolvedLight};
 
 /// Light of a place.
 type Light<'a> = &'a dyn Fn(DVec3) -> f32;
@@ -18,8 +18,8 @@ fn at_places(stage: &Stage, light: Light<'_>) -> Vec<f32> {
     stage.coverage.lumels().iter().map(|&lumel| values[lumel as usize].x).collect()
 }
 
-/// Light with noise, beside what a solve says of it.
-fn measured(truth: &[f32], noise: f32, solved: &[f32]) -> LumelLight {
+/// Light with noise.
+fn measured(truth: &[f32], noise: f32) -> LumelLight {
     let n = truth.len();
     let half = |half: usize| {
         let part = |k: usize| {
@@ -30,18 +30,22 @@ fn measured(truth: &[f32], noise: f32, solved: &[f32]) -> LumelLight {
     };
     let mut light = LumelLight::new(n, 3, false);
     light.add(0..n, &[half(0), half(1)]);
-    let of = |share: f32| solved.iter().map(|value| Vec3::splat(share * value)).collect();
-    light.solved = [of(PARTS[0]), of(PARTS[1] + PARTS[2])];
     light
 }
 
-fn finished(stage: &Stage, light: &LumelLight) -> Lightmap {
-    Lightmap::finished(&stage.scene, &stage.atlas, &stage.coverage, light, true, None)
+/// What a solve says of light.
+fn said(light: &[f32]) -> SolvedLight {
+    let of = |share: f32| light.iter().map(|value| Vec3::splat(share * value)).collect();
+    SolvedLight { direct: of(PARTS[0]), bounces: of(PARTS[1] + PARTS[2]) }
+}
+
+fn finished(stage: &Stage, light: &LumelLight, solved: &SolvedLight) -> Lightmap {
+    Lightmap::finished(&stage.scene, &stage.atlas, &stage.coverage, light, Some(solved), None)
 }
 
 /// The root of the mean squared error of all light.
-fn error(stage: &Stage, truth: &[f32], light: &LumelLight) -> f64 {
-    let lightmap = finished(stage, light);
+fn error(stage: &Stage, truth: &[f32], light: &LumelLight, solved: &SolvedLight) -> f64 {
+    let lightmap = finished(stage, light, solved);
     let squares = truth
         .iter()
         .zip(stage.coverage.lumels())
@@ -66,14 +70,14 @@ fn what_a_solve_knows_takes_off_noise_and_what_it_does_not_know_stays() {
     ];
     for (name, truth, solved, most) in cases {
         let [truth, solved] = [truth, solved].map(|light| at_places(&stage, light));
-        let with = measured(&truth, NOISE, &solved);
-        let without = LumelLight { solved: Default::default(), ..with.clone() };
-        let [with, without] = [with, without].map(|light| error(&stage, &truth, &light));
+        let light = measured(&truth, NOISE);
+        let [with, without] =
+            [said(&solved), SolvedLight::default()].map(|solved| error(&stage, &truth, &light, &solved));
         println!("{name}: an error of {with:.4}, without the solve {without:.4}");
         assert!(with < most * without, "{name}: {with} {without}");
     }
     let [truth, solved] = [&line as Light<'_>, &smooth].map(|light| at_places(&stage, light));
-    let lightmap = finished(&stage, &measured(&truth, NOISE, &solved));
+    let lightmap = finished(&stage, &measured(&truth, NOISE), &said(&solved));
     let (mut was, mut is) = (0.0, 0.0);
     for ((truth, solved), &lumel) in truth.iter().zip(&solved).zip(stage.coverage.lumels()) {
         let [all, parts @ ..] = [0, 1, 2, 3].map(|layer| lightmap.layers[layer].values[lumel as usize].x);
@@ -90,7 +94,8 @@ fn what_a_solve_knows_takes_off_noise_and_what_it_does_not_know_stays() {
 fn light_without_noise_keeps_its_bits_whatever_a_solve_says() {
     let stage = fine();
     let truth: Vec<f32> = (0..stage.coverage.len()).map(|place| 1.0 + (place % 7) as f32).collect();
-    let exact = measured(&truth, 0.0, &vec![2.0; truth.len()]);
-    let without = LumelLight { solved: Default::default(), ..exact.clone() };
-    assert!(finished(&stage, &exact).layers == finished(&stage, &without).layers);
+    let exact = measured(&truth, 0.0);
+    let [with, without] = [said(&vec![2.0; truth.len()]), SolvedLight::default()]
+        .map(|solved| finished(&stage, &exact, &solved).layers);
+    assert!(with == without);
 }

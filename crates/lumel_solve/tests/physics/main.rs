@@ -4,6 +4,7 @@ mod determinism;
 mod energy;
 mod furnace;
 mod hidden;
+mod meshless;
 mod metamorphic;
 mod shooting;
 mod spheres;

@@ -26,7 +26,7 @@ pub(super) fn show(
             .on_hover_text("Keeps the light as it is now, to compare with (P)")
             .clicked()
         {
-            session.keep_light();
+            comparison.keep(session);
         }
         if ui.button("Load for comparison...").clicked() {
             actions.push(Command::CompareSolution);

@@ -1,12 +1,48 @@
-//! Energy by bounce.
+//! Energy by bounce, or by time.
 
+use super::course;
+use super::order::NO_BOUNCES;
+use crate::prefs::PlotKind;
 use crate::session::Session;
 use crate::theme;
+use crate::values::percent;
 use crate::widgets::hint;
 use eframe::egui::Ui;
 use egui_plot::{Corner, GridMark, HoverPosition, Legend, Line, MarkerShape, Plot, PlotPoints, Points};
 
-pub(super) fn show(session: &Session, ui: &mut Ui) {
+/// What can be plotted.
+const KINDS: [(PlotKind, &str, &str); 2] = [
+    (PlotKind::Bounces, "Bounces", "What each bounce of the last solve brought"),
+    (
+        PlotKind::Time,
+        "Time",
+        "Unshot energy and the estimated error against time, of this solve and of the one before",
+    ),
+];
+
+/// Room for their names.
+const KINDS_WIDTH: f32 = 74.0;
+
+pub(super) fn show(session: &Session, kind: &mut PlotKind, ui: &mut Ui) {
+    ui.horizontal_top(|ui| {
+        ui.vertical(|ui| {
+            ui.set_width(KINDS_WIDTH);
+            for (of, name, hint) in KINDS {
+                ui.selectable_value(kind, of, name).on_hover_text(hint);
+            }
+        });
+        match kind {
+            PlotKind::Bounces => by_bounce(session, ui),
+            PlotKind::Time => course::show(&session.courses, ui),
+        }
+    });
+}
+
+fn by_bounce(session: &Session, ui: &mut Ui) {
+    if !session.tells_bounces() {
+        hint(ui, NO_BOUNCES);
+        return;
+    }
     let stats = &session.stats;
     if stats.is_empty() {
         hint(ui, "Power, change and remaining energy are plotted here for each bounce of a solve.");
@@ -36,13 +72,13 @@ pub(super) fn show(session: &Session, ui: &mut Ui) {
         .x_grid_spacer(|_| (0..=400).map(|k| GridMark { value: f64::from(k), step_size: 1.0 }).collect())
         .y_grid_spacer(|input| decades(input.bounds))
         .x_axis_label("bounce")
-        .y_axis_formatter(|mark, _| percent(mark.value))
+        .y_axis_formatter(|mark, _| share(mark.value))
         .x_axis_formatter(
             |mark, _| if mark.value.fract() == 0.0 { format!("{}", mark.value) } else { String::new() },
         )
         .label_formatter(|at| match at {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                Some(format!("{plot_name}\nbounce {:.0}: {}", position.x, percent(position.y)))
+                Some(format!("{plot_name}\nbounce {:.0}: {}", position.x, share(position.y)))
             }
             HoverPosition::Elsewhere { .. } => None,
         })
@@ -56,29 +92,13 @@ pub(super) fn show(session: &Session, ui: &mut Ui) {
 }
 
 /// Marks at 1, 2 and 5 times each power of ten.
-fn decades((lo, hi): (f64, f64)) -> Vec<GridMark> {
+pub(super) fn decades((lo, hi): (f64, f64)) -> Vec<GridMark> {
     let range = lo.max(-12.0).floor() as i32..=hi.min(12.0).ceil() as i32;
     let mark = |decade: i32, value: f64, step_size| GridMark { value: f64::from(decade) + value, step_size };
     range.flat_map(|d| [mark(d, 0.0, 1.0), mark(d, 2f64.log10(), 0.3), mark(d, 5f64.log10(), 0.3)]).collect()
 }
 
 /// A decade as a share.
-fn percent(decades: f64) -> String {
-    let percent = 100.0 * 10f64.powf(decades);
-    if percent >= 10.0 {
-        format!("{percent:.0} %")
-    } else {
-        let digits = (1.0 - percent.max(1e-6).log10().floor()).clamp(0.0, 5.0) as usize;
-        format!("{percent:.digits$} %")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::percent;
-
-    #[test]
-    fn decades_are_told_as_shares() {
-        assert_eq!([0.0, -1.0, -2.0, -3.5].map(percent), ["100 %", "10 %", "1.0 %", "0.032 %"]);
-    }
+pub(super) fn share(decades: f64) -> String {
+    percent(10f64.powf(decades))
 }

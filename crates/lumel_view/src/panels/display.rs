@@ -26,6 +26,9 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
             "Not known yet: it is measured while a mesh is refined. Switch \"Follow light\" on under Solve.",
         );
     }
+    if view.mode == ViewMode::Unshot && session.unshot().is_none() {
+        hint(ui, "Not known yet: it is found by a solve.");
+    }
     if view.mode.needs_lumels() && !has_lumels {
         hint(ui, "There is no lightmap yet: choose it as the basis under Solve.");
     }
@@ -35,6 +38,9 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
         hint(ui, UNKNOWN);
     }
     if view.mode.is_exposed() {
+        let hint = "Adds, until a solve is finished, what light that is still to come would bring on average. For looking at: \
+                    it is never saved (F8)";
+        check(ui, "Ambient term", hint, &mut view.ambient);
         exposure(ui, view, stops);
     }
     if view.mode.has_legend() {
@@ -62,6 +68,12 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
         "Sample points",
         "Where light is measured; red points lie inside geometry",
         &mut view.sample_points,
+    );
+    check(
+        ui,
+        "Brightest shooters",
+        "Marks where the most light is still to be reflected: a tenth of it altogether (F7)",
+        &mut view.shooters,
     );
     check(ui, "Rays of the picked vertex", "Its hemisphere rays of the first bounce", &mut view.rays);
     check(ui, "Light handles", "Outlines of the lights, and handles for the active one", &mut view.gizmo);

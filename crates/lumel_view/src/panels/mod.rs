@@ -4,17 +4,21 @@ mod atlas;
 mod camera;
 mod compare;
 mod convergence;
+mod course;
 mod display;
 mod lights;
 mod log;
 mod lumels;
 mod menu;
 mod operator;
+mod order;
 mod relief;
 mod scene;
 mod settings;
 mod solve;
 mod status;
+
+pub(crate) use order::NO_BOUNCES;
 
 use crate::actions::Actions;
 use crate::atlas_view::AtlasView;
@@ -62,7 +66,7 @@ impl Panels<'_> {
                 let stops = stage.as_deref().map_or(0.0, |stage| stage.stops(&prefs.view));
                 atlas::show(session, &prefs.view, stops, self.atlas, ui);
             }
-            Pane::Convergence => convergence::show(session, ui),
+            Pane::Convergence => convergence::show(session, &mut prefs.view.plot, ui),
             Pane::Log => log::show(&mut session.notices, ui),
             Pane::Solve => scrolled(ui, "solve", |ui| solve::show(session, actions, ui)),
             Pane::Lights => scrolled(ui, "lights", |ui| lights::show(session, actions, ui)),

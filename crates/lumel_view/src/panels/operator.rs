@@ -1,5 +1,6 @@
 //! The terms of the Neumann series as pictures: what emits, and what each application of the operator makes of it.
 
+use super::order::NO_BOUNCES;
 use crate::selection::Selection;
 use crate::session::Session;
 use crate::stage::{Quality, Showing, Thumbnail};
@@ -41,6 +42,9 @@ pub(super) fn show(viewport: &Viewport, subject: &mut Subject<'_>, ui: &mut Ui) 
         ui.horizontal(|ui| {
             for term in &terms {
                 one(quality, subject, ui, term, vec2(width, height));
+            }
+            if !subject.session.tells_bounces() {
+                ui.allocate_ui(vec2(180.0, height), |ui| hint(ui, NO_BOUNCES));
             }
         });
     });

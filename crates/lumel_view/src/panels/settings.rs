@@ -1,11 +1,12 @@
 //! Settings of the solve, as the table of all settings has them.
 
+use super::order;
 use crate::theme;
 use crate::widgets::{check, choice, number, row, slider};
 use eframe::egui::{DragValue, RichText, Slider, Ui};
 use lumel::setting::{
     self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, DIRECTIONAL, INDIRECT_SAMPLES,
-    MAX_VERTICES, REMAINDER, SAMPLER, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
+    MAX_VERTICES, REMAINDER, SAMPLER, SCHEDULE, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
 };
 use lumel::{Adaptive, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
 use std::ops::RangeInclusive;
@@ -20,10 +21,11 @@ const DEFAULT_ERROR: f32 = 0.02;
 const PRESETS_WIDTH: f32 = 240.0;
 
 /// The settings with a place of their own, in that order; all others are under "More".
-static PLACED: [&dyn Setting; 11] = [
+static PLACED: [&dyn Setting; 12] = [
     &DIRECT_SAMPLES,
     &INDIRECT_SAMPLES,
     &SAMPLER,
+    &SCHEDULE,
     &BOUNCES,
     &REMAINDER,
     &TAIL,
@@ -39,10 +41,15 @@ pub(super) fn show(ui: &mut Ui, settings: &mut Settings) {
     for setting in PLACED {
         match setting.about().name {
             name if name == REMAINDER.about.name && settings.bounces != BounceLimit::All => {}
+            name if name == BOUNCES.about.name => {
+                ui.add_enabled_ui(settings.tells_bounces(), |ui| control(ui, setting, settings));
+                order::note(ui, settings);
+            }
             name if name == MAX_VERTICES.about.name && settings.adaptive == Adaptive::Off => {}
             name if name == TARGET_SHARE.about.name && settings.target_error == TargetError::Off => {}
             _ => control(ui, setting, settings),
         }
+        order::fit(settings);
     }
     ui.collapsing("More", |ui| {
         let is_placed = |setting: &dyn Setting| PLACED.iter().any(|s| s.about().name == setting.about().name);
@@ -102,6 +109,8 @@ fn control(ui: &mut Ui, setting: &dyn Setting, settings: &mut Settings) {
         Slot::Memory(memory) => size(ui, about, &hint, memory),
         Slot::Share(share) => percent_of(ui, about, &hint, share),
         Slot::TargetError(error) => target(ui, about, &hint, error),
+        // The window carries light on vertices.
+        Slot::PointSpacing(_) => {}
         Slot::Adaptive(adaptive) => follow_light(ui, about, &hint, adaptive),
     }
 }

@@ -5,7 +5,7 @@ use crate::session::Session;
 use crate::solver::Phase;
 use crate::stage::Stage;
 use crate::theme;
-use crate::values::grouped;
+use crate::values::{grouped, percent};
 use eframe::egui::{self, ProgressBar, RichText, Ui};
 use lumel::{Accuracy, Ended, Settings};
 
@@ -97,8 +97,12 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
             Some(last) => format!("Bounce {k} of {last}"),
             None => format!("Bounce {k}"),
         },
-        Phase::Shot(shot) => format!("Shot {}", shot + 1),
+        Phase::Shot(shot) => match progress.missing {
+            Some(missing) => format!("Shot {}, {} missing", shot + 1, percent(missing)),
+            None => format!("Shot {}", shot + 1),
+        },
         Phase::FinalGather => "Final gather".to_owned(),
+        Phase::ReadDirect => "Direct light at vertices".to_owned(),
         Phase::Directional => "Light by direction".to_owned(),
         Phase::Round(round) => format!("Round {}", round + 1),
         Phase::Layer(layer) => format!("Layer {} of {}", layer + 1, progress.layers),

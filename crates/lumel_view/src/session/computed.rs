@@ -4,7 +4,7 @@ use crate::inputs::Inputs;
 use crate::selection::Illumination;
 use crate::solver::Solved;
 use lumel::setting::{PROJECTION, Setting as _};
-use lumel::{Accuracy, RefinementState, Settings, Solution, TargetError};
+use lumel::{Accuracy, RefinementState, Settings, Solution, TargetError, counted};
 use std::sync::Arc;
 
 /// What the light on the surfaces was computed from.
@@ -45,20 +45,23 @@ impl Computed {
         Some(self.solved.as_ref()?.state.errors.as_ref()?.accuracy)
     }
 
+    /// How many batches of vertices have shot, where light was shot by this session.
+    pub fn shots(&self) -> Option<u32> {
+        Some(self.solved.as_ref()?.state.shot.as_ref()?.shots)
+    }
+
     /// What it is, in a few words.
     pub fn label(&self, light: &Illumination) -> String {
-        let bounces = light.bounce_count().saturating_sub(1);
-        let Some(s) = self.settings() else {
-            return self.origin.clone().unwrap_or_else(|| format!("{bounces} bounces"));
-        };
+        let bounces = counted(light.bounce_count().saturating_sub(1), "bounce", "bounces");
+        if let Some(origin) = &self.origin {
+            return origin.clone();
+        }
+        let Some(s) = self.settings() else { return bounces };
         let rays = match s.target_error {
             TargetError::Off => format!("{}+{}", s.direct_samples, s.indirect_samples),
             TargetError::At(_) => "adaptive".to_owned(),
         };
-        // Side by side, two readings of the same bounces are told apart.
-        let usual = PROJECTION.is_same(s, &Settings::default());
-        let projection = if usual { String::new() } else { format!(", {}", PROJECTION.text(s)) };
-        let computed = || format!("{} {rays} rays, {bounces} bounces{projection}", s.sampler);
-        self.origin.clone().unwrap_or_else(computed)
+        let found = self.shots().map_or(bounces, |n| counted(n as usize, "shot", "shots"));
+        format!("{} {rays} rays, {found}, {}", s.sampler, PROJECTION.text(s))
     }
 }

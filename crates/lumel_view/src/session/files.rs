@@ -269,6 +269,7 @@ impl Session {
             ..Computed::unfinished(inputs)
         });
         self.stats.clear();
+        self.unshot = None;
         self.light = light;
         self.light_generation += 1;
     }

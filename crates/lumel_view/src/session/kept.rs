@@ -6,7 +6,7 @@ use crate::notice::Level;
 use crate::selection::{Illumination, Layer, VertexValues};
 use glam::Vec3;
 use lumel::Scene;
-use lumel_basis::Coefficients;
+use lumel_basis::{Coefficients, HARMONICS, VertexLighting};
 use lumel_scene::{Barycentrics, SurfacePoint, TriId};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -60,21 +60,19 @@ impl Kept {
             })
             .collect();
         let own = &*self.mesh.scene;
-        // So many values at each vertex, side by side.
-        let read_all = |values: &[Vec3], n: usize| -> Vec<Vec3> {
-            let at = |place: &Option<SurfacePoint>, k: usize| {
-                let corners = place.map(|at| own.triangle(at.tri).into_iter().zip(at.bary.weights()));
-                corners
-                    .into_iter()
-                    .flatten()
-                    .map(|(v, weight)| values[v as usize * n + k] * weight)
-                    .sum::<Vec3>()
-            };
-            places.iter().flat_map(|place| (0..n).map(move |k| at(place, k))).collect()
+        let read = |values: &VertexValues| -> VertexValues {
+            let light = VertexLighting::new(own, values).ok();
+            let at = |place: &Option<SurfacePoint>| light.zip(*place).map(|(light, at)| light.at(at).0);
+            Arc::new(places.iter().map(|place| at(place).unwrap_or_default()).collect())
         };
-        let read = |values: &VertexValues| -> VertexValues { Arc::new(read_all(values, 1)) };
         let read_directional = |light: &Arc<Coefficients>| {
-            Coefficients::new(light.kind(), read_all(light.values(), light.kind().harmonics())).map(Arc::new)
+            let n = light.kind().harmonics();
+            let at = |place: &Option<SurfacePoint>| {
+                let incident = place.and_then(|at| light.at(own, at));
+                incident.map_or([Vec3::ZERO; HARMONICS], |incident| *incident.coefficients())
+            };
+            let values = places.iter().flat_map(|place| at(place).into_iter().take(n)).collect();
+            Coefficients::new(light.kind(), values).map(Arc::new)
         };
         let is_valid = |place: &Option<SurfacePoint>| {
             let corners = place.map(|at| own.triangle(at.tri));

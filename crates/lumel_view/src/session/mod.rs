@@ -4,6 +4,7 @@
 //! collects their results. Ask [`Session::objection`] before a change that would lose unsaved work.
 
 mod computed;
+mod courses;
 mod directions;
 mod edit;
 mod editing;
@@ -22,6 +23,7 @@ mod solve;
 mod unsaved;
 
 pub use computed::Computed;
+pub use courses::{Course, Courses};
 pub use file_light::{LightUse, LoadedLight, SavedFile, light_from};
 pub use files::{MESH_FORMATS, SOLUTION_FORMATS, load_light};
 pub use kept::Kept;
@@ -39,6 +41,7 @@ use crate::selection::{Illumination, Selection};
 use crate::slots::Slots;
 use crate::solver::{BounceStats, SolveJob};
 use crate::task::Background;
+use crate::unshot::Unshot;
 use crate::wake::{Wake, Wakes};
 use edit::Edit;
 use glam::Vec3;
@@ -95,6 +98,9 @@ pub struct Session {
     pub light_generation: u64,
     /// What each bounce brought.
     pub stats: Vec<BounceStats>,
+    /// How the last two solves went, by time.
+    pub courses: Courses,
+    unshot: Option<Arc<Unshot>>,
     /// Light to compare with.
     pub kept: Vec<Kept>,
     /// Messages to the user.
@@ -164,6 +170,8 @@ impl Session {
             light: Illumination::default(),
             light_generation: 0,
             stats: Vec::new(),
+            courses: Courses::default(),
+            unshot: None,
             kept: Vec::new(),
             notices: Notices::default(),
             left_behind: folder.and_then(|folder| Recovery::left_behind(folder).into_iter().next()),
@@ -236,10 +244,27 @@ impl Session {
         self.light.select(selection, n)
     }
 
+    /// What of the light is still to be reflected, where this session has computed it.
+    pub fn unshot(&self) -> Option<&Unshot> {
+        self.unshot.as_deref()
+    }
+
+    /// Whether each bounce of the light that is shown is known by itself.
+    pub fn tells_bounces(&self) -> bool {
+        self.computed.as_ref().and_then(Computed::settings).is_none_or(Settings::tells_bounces)
+    }
+
+    /// The same with what it would bring: the ambient term. `None` where a solve is finished.
+    pub fn to_come(&self) -> Option<&Unshot> {
+        let is_complete = self.computed.as_ref().is_some_and(|computed| computed.complete);
+        self.unshot().filter(|_| !is_complete)
+    }
+
     fn forget_light(&mut self) {
         self.light = Illumination::default();
         self.light_generation += 1;
         self.stats.clear();
+        self.unshot = None;
         self.computed = None;
         self.forget_lumels();
     }

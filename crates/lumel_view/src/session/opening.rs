@@ -1,6 +1,6 @@
 //! Opening scenes.
 
-use super::{Opening, Session};
+use super::{Courses, Opening, Session};
 use crate::document::{self, Contents, Document, OpenRequest};
 use crate::history::History;
 use crate::notice::Level;
@@ -78,6 +78,7 @@ impl Session {
         self.mesh_generation += 1;
         self.refined_for = None;
         self.forget_light();
+        self.courses = Courses::default();
         self.kept.clear();
         if let Some(recovery) = &self.recovery {
             recovery.remove();

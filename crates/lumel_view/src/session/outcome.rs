@@ -26,6 +26,10 @@ impl Session {
                     self.light = published.light;
                     self.light.directional_before = before.filter(|_| measures);
                     self.stats = published.stats;
+                    self.unshot = published.unshot;
+                    if running.errand == Errand::Solve {
+                        self.courses.follow(&published.course);
+                    }
                     self.take_mesh(published.mesh.as_deref(), &phase);
                 }
                 Errand::StandardError => self.light.standard_error = published.light.standard_error,
@@ -146,8 +150,8 @@ impl Session {
             (_, Then::GoOn) => self.solve(),
             (Ending::Done, Then::Rest) => {
                 let seconds = running.job.seconds();
-                let bounces = self.light.bounce_count().saturating_sub(1);
-                let text = format!("Solved: direct light and {bounces} bounces in {seconds:.1} s");
+                let found = self.reflections();
+                let text = format!("Solved: direct light and {found} in {seconds:.1} s");
                 self.notices.push(Level::Info, text);
                 if let Some(limit) = running.job.vertices_missing() {
                     let limit = crate::values::grouped(limit);
@@ -166,12 +170,23 @@ impl Session {
                     _ if self.settings.target_error != TargetError::Off => {
                         "Stopped; press Enter to resume after the last finished round"
                     }
+                    _ if !self.tells_bounces() => {
+                        "Stopped; press Enter to resume after the last finished shot"
+                    }
                     _ => "Stopped; press Enter to resume after the last finished bounce",
                 };
                 self.notices.push(Level::Info, text);
             }
         }
         self.note_completion();
+    }
+
+    /// What was found besides direct light, in words.
+    fn reflections(&self) -> String {
+        match self.computed.as_ref().and_then(Computed::shots) {
+            Some(shots) => format!("{shots} shots"),
+            None => format!("{} bounces", self.light.bounce_count().saturating_sub(1)),
+        }
     }
 
     fn finish_standard_error(&mut self, ending: &Ending) {

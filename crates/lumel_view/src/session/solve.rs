@@ -1,5 +1,6 @@
 //! Starting and stopping solves.
 
+use super::courses::{GoesOn, Rays};
 use super::running::{Errand, Running, Then};
 use super::{Hand, Session};
 use crate::document::Document;
@@ -105,7 +106,11 @@ impl Session {
                 Err(problem) => return self.notices.push(Level::Error, format!("Cannot solve: {problem}")),
             }
         }
+        task.first_look = true;
         let inputs = self.inputs(&scene, &self.settings);
+        let rays = if task.baker.has_rays_of(&self.settings) { Rays::Stored } else { Rays::New };
+        let goes_on = if matches!(start, SolveStart::From(_)) { GoesOn::Yes } else { GoesOn::No };
+        self.courses.begin(&self.settings, rays, goes_on);
         let keep = self.keeper();
         self.run(inputs, task, Work::Solve(start), keep, Errand::Solve);
     }
@@ -188,5 +193,5 @@ pub(super) fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings)
     // What was stopped while edges were split has left a baker of other triangles.
     let baker = if document.has_baker() { &document.baker } else { &document.opened };
     let (scene, baker) = (Arc::clone(scene), Arc::clone(baker));
-    Task { scene, baker, settings: settings.clone(), given: document.given.clone() }
+    Task { scene, baker, settings: settings.clone(), given: document.given.clone(), first_look: false }
 }

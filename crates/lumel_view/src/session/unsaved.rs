@@ -1,6 +1,6 @@
 //! Unsaved work: saving it for the next run, restoring it, discarding it.
 
-use super::Session;
+use super::{Computed, Session};
 use crate::lights::EditLight;
 use crate::notice::Level;
 use crate::recovery::{LeftBehind, Note, Recovery};
@@ -20,7 +20,8 @@ impl Session {
         let (recovery, note) = (self.recovery.clone()?, self.note()?);
         Some(Box::new(move |checkpoint| {
             let (bounces, refining) = (checkpoint.bounces.len(), checkpoint.refinement.is_some());
-            let note = Note { bounces, refining, complete: false, ..note.clone() };
+            let shots = checkpoint.shot.as_ref().map_or(0, |shot| shot.shots);
+            let note = Note { bounces, shots, refining, complete: false, ..note.clone() };
             recovery.write(&note, Some(checkpoint))
         }))
     }
@@ -53,6 +54,7 @@ impl Session {
             settings: self.settings.clone(),
             camera: self.camera,
             bounces: if self.has_unsaved_light() { self.light.bounces.len() } else { 0 },
+            shots: self.computed.as_ref().and_then(Computed::shots).unwrap_or(0),
             refining: self.computed.as_ref().is_some_and(|c| c.refinement.is_some()),
             complete: self.computed.as_ref().is_some_and(|c| c.complete),
             process: std::process::id(),
@@ -82,7 +84,13 @@ impl Session {
         if let Some(note) = self.note() {
             // The note that is there says the same, but for the process.
             let _ = recovery.write(
-                &Note { bounces: left.bounces, refining: left.refining, complete: left.complete, ..note },
+                &Note {
+                    bounces: left.bounces,
+                    shots: left.shots,
+                    refining: left.refining,
+                    complete: left.complete,
+                    ..note
+                },
                 None,
             );
         }
@@ -184,6 +192,7 @@ impl Session {
             directional: light.directional.as_deref().cloned(),
             occlusion: None,
             splits: scene.refinement().map_or(Vec::new(), |refinement| refinement.splits().to_vec()),
+            points: None,
         })
     }
 }

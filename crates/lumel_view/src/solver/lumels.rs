@@ -46,7 +46,8 @@ pub(super) fn measure(
         Err(error) => return Ending::Failed(error.to_string()),
     }
     shared.publish_phase(Phase::Finishing);
-    let lightmap = Lightmap::finished(scene, atlas, coverage, &light, denoises, None);
+    let known = denoises.then(|| baker.solved_at_lumels(state, &layout.lumels));
+    let lightmap = Lightmap::finished(scene, atlas, coverage, &light, known.as_ref(), None);
     let all = LumelIllumination::finished(Arc::clone(layout), lightmap);
     shared.publish_light(|published| published.lumels = Some(all));
     Ending::Done

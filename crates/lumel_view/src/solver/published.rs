@@ -1,9 +1,11 @@
 //! What can be seen of a job while it runs.
 
+use super::course::Moment;
 use super::task::Solved;
 use crate::lumel_light::LumelIllumination;
 use crate::mesh::Mesh;
 use crate::selection::Illumination;
+use crate::unshot::Unshot;
 use crate::wake::Wakes;
 use lumel::{Baker, Control, Reading, RefinementState, Tracker};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -29,6 +31,8 @@ pub enum Phase {
     Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
+    /// Measuring direct light at the vertices, where points have carried the bounces.
+    ReadDirect,
     /// Measuring where all light comes from.
     Directional,
     /// Adding samples where the error is above the target; 0 is the first round.
@@ -83,10 +87,14 @@ pub struct Published {
     pub mesh: Option<Arc<Mesh>>,
     /// The light so far.
     pub light: Illumination,
+    /// What of it is still to be reflected.
+    pub unshot: Option<Arc<Unshot>>,
     /// The light of lumels so far, once they are measured.
     pub lumels: Option<LumelIllumination>,
     /// One for each finished bounce.
     pub stats: Vec<BounceStats>,
+    /// One for each finished bounce or shot that was computed here.
+    pub course: Vec<Moment>,
     /// Changes with the light, at vertices or at lumels.
     pub generation: u64,
     /// Why the last checkpoint could not be written, if it could not.
@@ -116,8 +124,10 @@ impl Shared {
             phase: Phase::Preparing,
             mesh: None,
             light: Illumination::new(),
+            unshot: None,
             lumels: None,
             stats: Vec::new(),
+            course: Vec::new(),
             generation: 0,
             checkpoint_problem: None,
         };

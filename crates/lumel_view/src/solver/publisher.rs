@@ -1,10 +1,14 @@
 //! Publishes what a solve finds while it runs.
 
+use super::course::Moment;
+use super::first_look::FirstLook;
 use super::published::{BounceStats, Phase, Shared, lock};
 use super::task::Keep;
 use crate::selection::{Illumination, VertexValues};
+use crate::unshot::Unshot;
+use glam::Vec3;
 use lumel::{Baker, Control, LightReader, Observer, Reading, Snapshot, SolveState, Step, Tracker};
-use lumel_basis::Basis as _;
+use lumel_basis::{Basis as _, Field};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
@@ -22,8 +26,12 @@ pub(super) struct Publisher<'a> {
     shared: &'a Shared,
     keep: &'a Keep,
     clock: Instant,
+    /// What stands for light that is not measured yet.
+    first_look: Option<FirstLook>,
     /// Made when direct light is there; each round of a target error has others.
     reader: OnceLock<LightReader<'a>>,
+    /// Direct light, once it is there.
+    direct: OnceLock<Field>,
     /// Milliseconds of the clock from which on a snapshot is wanted.
     due: AtomicU64,
     /// Handed from the threads that solve to the one that publishes.
@@ -36,6 +44,8 @@ pub(super) struct Publisher<'a> {
 struct Mail {
     /// A look at the bounce under way.
     snapshot: Option<Snapshot>,
+    /// What shots have brought so far, without what is made of it in the end.
+    shot: Option<SolveState>,
     /// Finished bounces to keep somewhere.
     state: Option<SolveState>,
     /// No more will come.
@@ -50,11 +60,43 @@ impl<'a> Publisher<'a> {
             shared,
             keep,
             clock: Instant::now(),
+            first_look: None,
             reader: OnceLock::new(),
+            direct: OnceLock::new(),
             due: AtomicU64::new(FIRST_SNAPSHOT.as_millis() as u64),
             mail: Mutex::default(),
             arrived: Condvar::new(),
         }
+    }
+
+    /// The same after a first look at all light.
+    pub(super) fn after(self, first_look: Option<FirstLook>) -> Self {
+        Self { first_look, ..self }
+    }
+
+    /// Publishes the first look at all light.
+    pub(super) fn publish_first_look(&self) {
+        let Some(first_look) = &self.first_look else { return };
+        let direct = first_look.direct();
+        let current = direct.bounces.first().map(|field| Arc::new(self.baker.carried_at_vertices(field)));
+        let unshot = self.unshot(&direct, 1);
+        self.shared.publish_light(|p| (p.light.current, p.unshot) = (current, unshot));
+    }
+
+    /// What is still to come after so many bounces of a state.
+    fn unshot(&self, state: &SolveState, bounces: usize) -> Option<Arc<Unshot>> {
+        let unshot = Unshot::of(self.baker, state)?;
+        let Some(first_look) = &self.first_look else { return Some(Arc::new(unshot)) };
+        let share = match state.shot {
+            None => Vec3::ONE,
+            // Of what was to come before the first shot.
+            Some(_) => {
+                let direct = SolveState { bounces: state.bounces.clone(), ..SolveState::new() };
+                let share = unshot.ambient / self.baker.ambient(&direct);
+                share.map(|share| if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 })
+            }
+        };
+        Some(Arc::new(first_look.instead(self.baker, unshot, bounces, share)))
     }
 
     /// Publishes the bounces that are there from the start, or the last round.
@@ -63,12 +105,17 @@ impl<'a> Publisher<'a> {
             return self.publish_round(state);
         }
         for_each_prefix(state, |so_far| self.publish_bounce(so_far, 0.0));
+        self.publish_shots(state);
     }
 
     fn publish_bounce(&self, state: &SolveState, seconds: f64) {
         let reader = self.reader.get_or_init(|| self.baker.light_reader(state));
         let Some((values, stats)) = self.last_bounce(reader, state, seconds) else { return };
         let valid = Arc::new(self.baker.flags_at_vertices(&state.valid));
+        if let Some(direct) = state.bounces.first() {
+            self.direct.get_or_init(|| direct.clone());
+        }
+        let unshot = self.unshot(state, state.bounces.len());
         self.shared.publish_light(|p| {
             // Light to look at while the mesh was refined.
             if p.light.sum_only.is_some() {
@@ -77,6 +124,7 @@ impl<'a> Publisher<'a> {
             p.light.bounces.push(values);
             p.light.current = None;
             p.light.valid = valid;
+            p.unshot = unshot;
             p.stats.push(stats);
         });
     }
@@ -132,6 +180,10 @@ impl<'a> Publisher<'a> {
                 drop(mail);
                 self.publish_snapshot(&snapshot);
                 mail = lock(&self.mail);
+            } else if let Some(state) = mail.shot.take() {
+                drop(mail);
+                self.publish_shots(&state);
+                mail = lock(&self.mail);
             } else {
                 mail = self.arrived.wait(mail).unwrap_or_else(PoisonError::into_inner);
             }
@@ -143,30 +195,59 @@ impl<'a> Publisher<'a> {
             Step::Bounce(bounce) => bounce,
             // Direct light of the first replicates, before there is any other.
             Step::Round(0) => 0,
-            Step::Shot(_) => return self.publish_shots(snapshot),
-            Step::Round(_) | Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => {
-                return;
-            }
+            Step::Round(_)
+            | Step::Shot(_)
+            | Step::Validity
+            | Step::FinalGather
+            | Step::ReadDirect
+            | Step::Directional
+            | Step::Layer(_) => return,
         };
-        // A guess for looking at, where nothing is measured yet. It is not read as the nearest function, which would
-        // swing between what is measured and what is not.
-        let mut field = (*snapshot.current).clone();
-        self.baker.basis().adjacency().extrapolate(&mut field, &snapshot.measured);
+        let field = self.completed(bounce, snapshot);
+        // It is not read as the nearest function, which would swing between what is measured and what is not.
         let current = Some(Arc::new(self.baker.carried_at_vertices(&field)));
+        let unshot = self.unshot(&self.with_current(snapshot, field), bounce as usize + 1);
         // The bounce may have been finished meanwhile.
         self.shared.change_light(|p| {
             if p.light.bounces.len() == bounce as usize {
-                p.light.current = current;
+                (p.light.current, p.unshot) = (current, unshot);
             }
         });
         (self.shared.wakes.glimpse)();
     }
 
-    /// What shots have brought so far stands beyond direct light, as a tail does.
-    fn publish_shots(&self, snapshot: &Snapshot) {
-        let Some(reader) = self.reader.get() else { return };
-        let tail = Some(Arc::new(reader.at_vertices(&snapshot.current)));
-        self.shared.change_light(|p| p.light.tail = tail);
+    /// The bounce under way with a guess for looking at where nothing is measured yet.
+    fn completed(&self, bounce: u32, snapshot: &Snapshot) -> Field {
+        let seen =
+            |first_look: &FirstLook| first_look.completing(bounce, &snapshot.current, &snapshot.measured);
+        self.first_look.as_ref().and_then(seen).unwrap_or_else(|| {
+            let mut field = (*snapshot.current).clone();
+            self.baker.basis().adjacency().extrapolate(&mut field, &snapshot.measured);
+            field
+        })
+    }
+
+    /// The bounces that are done, all but the direct light as one, and what is known of the bounce under way as the last.
+    fn with_current(&self, snapshot: &Snapshot, current: Field) -> SolveState {
+        let less = |from: &Field, field: &Field| {
+            Field::from_values(from.values().iter().zip(field.values()).map(|(a, b)| *a - *b).collect())
+        };
+        let mut bounces = Vec::new();
+        if let Some(direct) = self.direct.get() {
+            bounces.push(direct.clone());
+            bounces.push(less(&less(&snapshot.total, &snapshot.current), direct));
+        }
+        bounces.push(current);
+        SolveState { bounces, ..SolveState::new() }
+    }
+
+    /// What shots have brought so far stands beyond direct light, as a tail does. It is looked at as it is carried: reading it as
+    /// the nearest function takes about as long as a shot.
+    fn publish_shots(&self, state: &SolveState) {
+        let Some(shot) = &state.shot else { return };
+        let tail = Some(Arc::new(self.baker.carried_at_vertices(&shot.reflected)));
+        let unshot = self.unshot(state, 1);
+        self.shared.change_light(|p| (p.light.tail, p.unshot) = (tail, unshot));
         (self.shared.wakes.glimpse)();
     }
 
@@ -203,14 +284,19 @@ impl Observer for Publisher<'_> {
     fn step_started(&self, step: Step) {
         self.track(|tracker, now| tracker.step_started(step, now));
         // Before there is any light one waits for it; later the light so far stays in sight.
-        let first =
-            if matches!(step, Step::Bounce(0) | Step::Round(0)) { FIRST_SNAPSHOT } else { SNAPSHOT_PERIOD };
-        self.next_due(first);
+        match step {
+            Step::Bounce(0) | Step::Round(0) => self.next_due(FIRST_SNAPSHOT),
+            Step::Shot(0) => self.next_due(Duration::ZERO),
+            // Many of them may take less time than is between two looks.
+            Step::Shot(_) => {}
+            _ => self.next_due(SNAPSHOT_PERIOD),
+        }
         self.shared.publish_phase(match step {
             Step::Validity => Phase::Probing,
             Step::Bounce(k) => Phase::Bounce(k),
             Step::Shot(shot) => Phase::Shot(shot),
             Step::FinalGather => Phase::FinalGather,
+            Step::ReadDirect => Phase::ReadDirect,
             Step::Directional => Phase::Directional,
             Step::Round(round) => Phase::Round(round),
             Step::Layer(layer) => Phase::Layer(layer),
@@ -221,12 +307,21 @@ impl Observer for Publisher<'_> {
         let remainder = self.baker.remainder(state);
         let accuracy = state.errors.as_ref().map(|errors| errors.accuracy);
         let seconds = self.track(|tracker, now| tracker.step_done(step, remainder, accuracy, now));
+        if let Step::Bounce(_) | Step::Shot(_) = step {
+            let moment = Moment::of(self.baker, state, self.shared.begun.elapsed().as_secs_f64());
+            lock(&self.shared.published).course.extend(moment);
+        }
         match step {
             Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
             Step::Round(_) => self.publish_round(state),
-            // Snapshots show what they have brought.
+            Step::Shot(_) if self.wants_snapshot() => {
+                let (bounces, shot) = (state.bounces.clone(), state.shot.clone());
+                self.hand_over(|mail| mail.shot = Some(SolveState { bounces, shot, ..SolveState::new() }));
+            }
             Step::Shot(_) => {}
-            Step::Validity | Step::FinalGather | Step::Directional | Step::Layer(_) => return,
+            Step::Validity | Step::FinalGather | Step::ReadDirect | Step::Directional | Step::Layer(_) => {
+                return;
+            }
         }
         if self.keep.is_some() {
             self.hand_over(|mail| mail.state = Some(state.clone()));

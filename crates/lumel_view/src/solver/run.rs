@@ -1,5 +1,6 @@
 //! The work of a job.
 
+use super::first_look::FirstLook;
 use super::lumels;
 use super::published::{Ending, Phase, Shared, lock};
 use super::publisher::Publisher;
@@ -7,7 +8,8 @@ use super::refine;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
 use crate::mesh::Mesh;
 use crate::selection::Layer;
-use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker};
+use crate::unshot::Unshot;
+use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker, TransportError};
 use lumel_basis::Field;
 use std::sync::Arc;
 
@@ -55,7 +57,12 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
         published.mesh = known.or(Some(mesh));
     });
     *lock(&shared.tracker) = Some(Tracker::new(&baker, &state));
-    let publisher = Publisher::new(&baker, control, shared, keep);
+    let first_look = match first_look(task, &baker, &state, control, shared) {
+        Ok(first_look) => first_look,
+        Err(ending) => return ending,
+    };
+    let publisher = Publisher::new(&baker, control, shared, keep).after(first_look);
+    publisher.publish_first_look();
     publisher.resumed(&state);
     let result = std::thread::scope(|scope| {
         scope.spawn(|| publisher.serve());
@@ -67,6 +74,28 @@ fn solve(task: &Task, start: SolveStart, control: &Control, shared: &Shared, kee
         Ok(()) => Ending::Done,
         Err(lumel::SolveError::Cancelled) => Ending::Stopped,
         Err(error) => Ending::Failed(error.to_string()),
+    }
+}
+
+/// Scenes of fewer vertices have direct light as soon as they would have a first look.
+const LARGE: usize = 50_000;
+
+/// A first look at all light, where it is wanted and direct light takes its time.
+fn first_look(
+    task: &Task,
+    baker: &Baker,
+    state: &SolveState,
+    control: &Control,
+    shared: &Shared,
+) -> Result<Option<FirstLook>, Ending> {
+    let is_new = state.bounces.is_empty() && lock(&shared.published).light.is_empty();
+    if !(task.first_look && is_new && baker.scene().vertex_count() >= LARGE) {
+        return Ok(None);
+    }
+    match baker.first_look(control) {
+        Ok(bounces) => Ok(Some(FirstLook::new(baker, bounces))),
+        Err(TransportError::Cancelled) => Err(Ending::Stopped),
+        Err(error) => Err(Ending::Failed(error.to_string())),
     }
 }
 
@@ -114,12 +143,14 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let layers = layers(&reader, &state);
     let directional = state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field));
     drop(reader);
+    let unshot = Unshot::of(&baker, &state).map(Arc::new);
     shared.publish_light(|p| {
         p.light.current = None;
         p.light.tail = tail;
         p.light.valid = valid;
         p.light.layers = layers;
         p.light.directional = directional.map(Arc::new);
+        p.unshot = unshot;
     });
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
 }

@@ -16,6 +16,8 @@ pub struct Task {
     pub settings: Settings,
     /// What is refined, where that is to be done.
     pub given: Given,
+    /// Whether all light is wanted at a first look before there is any.
+    pub first_look: bool,
 }
 
 /// What to compute.

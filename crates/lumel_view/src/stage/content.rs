@@ -1,6 +1,6 @@
 //! What the renderer's light buffers hold.
 
-use crate::prefs::ViewMode;
+use crate::prefs::{ViewMode, ViewPrefs};
 use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::values;
@@ -31,6 +31,8 @@ pub(super) struct Content {
     side: Side,
     values: Values,
     selection: Selection,
+    /// Whether the ambient term is added.
+    ambient: bool,
 }
 
 /// Which light the values come from.
@@ -52,8 +54,19 @@ enum Values {
 }
 
 impl Content {
+    /// The picture of a part of the light: what the preferences want to see of it.
+    pub(super) fn new(session: &Session, side: Side, view: &ViewPrefs, selection: Selection) -> Self {
+        // Colours with a legend are numbers: they have what was computed.
+        let ambient = side == Side::Current
+            && view.ambient
+            && view.mode.is_exposed()
+            && selection.contains_tail()
+            && session.to_come().is_some();
+        Self { ambient, ..Self::of_mode(session, side, view.mode, selection) }
+    }
+
     /// What a mode shows of a part of the light.
-    pub(super) fn new(session: &Session, side: Side, mode: ViewMode, selection: Selection) -> Self {
+    pub(super) fn of_mode(session: &Session, side: Side, mode: ViewMode, selection: Selection) -> Self {
         let light = light_of(session, side);
         let unlit = light.as_ref().is_none_or(|light| light.is_empty()) && side == Side::Current;
         let values = match mode {
@@ -71,7 +84,7 @@ impl Content {
         };
         let (document, mesh) = (session.document_generation, session.mesh_generation);
         let paint = session.paint_generation;
-        Self { document, mesh, paint, light: version, side, values, selection }
+        Self { document, mesh, paint, light: version, side, values, selection, ambient: false }
     }
 
     /// Whether it is light, of which there can be two side by side.
@@ -100,8 +113,15 @@ impl Content {
         let light = light_of(session, self.side).unwrap_or_default();
         let light = &*light;
         let values = match self.values {
-            Values::Light => values::of_vertices(ViewMode::Final, scene, light, self.selection),
+            Values::Light => {
+                let mut sum = light.select(self.selection, scene.vertex_count());
+                if let Some(unshot) = session.to_come().filter(|_| self.ambient) {
+                    unshot.add_to(&mut sum);
+                }
+                Some(sum)
+            }
             Values::Preview => Some(values::preview(scene)),
+            Values::Mode(ViewMode::Unshot) => session.unshot().map(|unshot| unshot.radiosity.to_vec()),
             Values::Mode(ViewMode::Bends) => {
                 session.document.as_ref()?.indicator.as_ref().map(|indicator| indicator.to_vec())
             }

@@ -29,12 +29,16 @@ impl LumelContent {
         let layout = session.layout()?.key;
         let generation = session.lumel_generation;
         match mode {
-            ViewMode::Albedo | ViewMode::Normals | ViewMode::TriangleSize | ViewMode::Bends => None,
             ViewMode::Moment(moment) => {
                 let known = session.lumel_light()?.directional();
                 let is_known = selection.is_all() && moment.is_in(known);
                 is_known.then_some(Self { layout, generation, mode, selection })
             }
+            ViewMode::Albedo
+            | ViewMode::Normals
+            | ViewMode::Unshot
+            | ViewMode::TriangleSize
+            | ViewMode::Bends => None,
             ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => {
                 session.lumel_light()?;
                 // They differ in how they show the same.

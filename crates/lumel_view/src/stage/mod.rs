@@ -288,14 +288,14 @@ impl Stage {
     /// What is to be drawn, with the light in its buffers.
     fn wanted(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Drawn, RenderError> {
         let (session, view) = (showing.session, showing.view);
-        let left = Content::new(session, Side::Current, view.mode, view.selection);
+        let left = Content::new(session, Side::Current, view, view.selection);
         self.fill(LEFT, &left, session)?;
         let split = showing.split.filter(|split| match split.right {
             Side::Smooth => left.is_light() || view.mode == ViewMode::Normals,
             Side::Current | Side::Kept(_) => left.is_light(),
         });
         let other = split.filter(|split| split.right != Side::Smooth);
-        let right = other.map(|split| Content::new(session, split.right, view.mode, split.selection));
+        let right = other.map(|split| Content::new(session, split.right, view, split.selection));
         if let Some(right) = &right {
             self.fill(RIGHT, right, session)?;
         }
@@ -374,11 +374,13 @@ impl Stage {
             ViewMode::Bends if showing.session.document.as_ref().is_none_or(|d| d.indicator.is_none()) => {
                 Look::Plain
             }
+            ViewMode::Unshot if showing.session.unshot().is_none() => Look::Plain,
             ViewMode::LumelDensity if lumels.is_none() => Look::Plain,
             ViewMode::Moment(moment) if !left.knows(moment, showing.session) => Look::Plain,
             ViewMode::Moment(Moment::Direction) => Look::Vectors,
             ViewMode::FalseColor
             | ViewMode::StandardError
+            | ViewMode::Unshot
             | ViewMode::TriangleSize
             | ViewMode::Bends
             | ViewMode::LumelDensity

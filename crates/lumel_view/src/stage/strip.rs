@@ -87,10 +87,10 @@ impl Strip {
             return Ok(ShownThumbnail { texture: cell.texture, brighter });
         }
         let selection = wanted.selection.unwrap_or(Selection::NONE);
-        let content = Content::new(session, Side::Current, ViewMode::FalseColor, selection);
+        let content = Content::of_mode(session, Side::Current, ViewMode::FalseColor, selection);
         let lamps = drawn(&session.lights);
         // That of all light, whichever bounces the large picture shows.
-        let all = Content::new(session, Side::Current, ViewMode::FalseColor, Selection::All);
+        let all = Content::of_mode(session, Side::Current, ViewMode::FalseColor, Selection::All);
         if showing.view.auto_exposure {
             self.exposure.read(showing, &all, &lamps, wanted.size);
         }

@@ -1,4 +1,4 @@
-//! Dots and lines over the picture: sample points, and the rays of a picked vertex.
+//! Dots and lines over the picture: sample points, the brightest shooters, and the rays of a picked vertex.
 
 use crate::pick::Pick;
 use crate::prefs::ViewPrefs;
@@ -13,6 +13,9 @@ const MAX_RAYS: usize = 512;
 /// At most this many dots for sample points: more cannot be told apart.
 const MAX_POINTS: usize = 200_000;
 
+/// The colour of what shoots next.
+const SHOOTER: [u8; 4] = [255, 120, 220, 255];
+
 /// What the marks depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct MarksKey {
@@ -20,6 +23,8 @@ struct MarksKey {
     mesh: u64,
     light: u64,
     points: bool,
+    /// The generation of the light that is still to be reflected.
+    unshot: Option<u64>,
     rays_of: Option<usize>,
     spot: Option<[f32; 3]>,
 }
@@ -46,6 +51,7 @@ impl CurrentMarks {
             mesh: session.mesh_generation,
             light: if solved.is_some() { session.light_generation } else { 0 },
             points: view.sample_points,
+            unshot: view.shooters.then_some(session.light_generation),
             rays_of: pick.filter(|_| view.rays).map(|pick| pick.spot.vertex),
             spot: pick.map(|pick| pick.spot.position.to_array()),
         };
@@ -63,6 +69,10 @@ impl MarksKey {
         let mut marks = Marks { generation, ..Marks::default() };
         if let (true, Some(solved)) = (self.points, solved) {
             marks.points = sample_points(solved);
+        }
+        if let (Some(_), Some(unshot)) = (self.unshot, session.unshot()) {
+            let mark = |&position: &_| Mark { position, color: SHOOTER };
+            marks.points.extend(unshot.brightest.iter().map(mark));
         }
         if let (Some(vertex), Some(solved), Some(document)) = (self.rays_of, solved, &session.document) {
             let rays = solved.baker.rays_of_vertex(vertex, 1, 0.2 * document.diagonal());

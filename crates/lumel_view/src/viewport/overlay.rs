@@ -2,6 +2,7 @@
 
 use super::state::{Subject, Viewport};
 use super::{inspector, legend};
+use crate::panels::NO_BOUNCES;
 use crate::prefs::{Known, ViewMode, ViewPrefs};
 use crate::selection::Selection;
 use crate::session::Session;
@@ -119,6 +120,11 @@ fn bounces(session: &Session, selection: &mut Selection, ui: &mut Ui) {
     button(ui, "All", "All light (B)".into(), Selection::All);
     button(ui, "Direct", "Direct light: bounce 0 (G)".into(), Selection::DIRECT);
     button(ui, "Indirect", "All bounces but direct light (J)".into(), Selection::Indirect);
+    if !session.tells_bounces() {
+        let label = egui::Button::selectable(false, "Bounce");
+        ui.add_enabled(false, label).on_disabled_hover_text(NO_BOUNCES);
+        return;
+    }
     if count < 2 {
         return;
     }

@@ -26,7 +26,9 @@ fn light_is_kept_by_key_and_button_under_what_made_it() {
     window.tab("Compare");
     window.click("Keep this solution");
     let names: Vec<_> = window.session().kept.iter().map(|kept| kept.name.clone()).collect();
-    assert_eq!(names, ["sobol 4+8 rays, 2 bounces"; 2]);
+    assert_eq!(names, ["sobol 4+8 rays, 2 bounces, least-squares"; 2]);
+    let first = window.session().kept[0].id;
+    assert_eq!(window.state().comparison.right, Side::Kept(first));
     window.click("Discard");
     assert_eq!(window.session().kept.len(), 1);
 }

@@ -12,9 +12,10 @@ pub(crate) fn differing(a: &Picture, b: &Picture) -> usize {
     1000 * n / a.pixels().len()
 }
 
-/// The light of every finished bounce, bit by bit.
+/// The light of every finished bounce, and what is beyond them, bit by bit.
 pub(crate) fn bits(app: &App) -> Vec<Vec<[u32; 3]>> {
-    app.session.light.bounces.iter().map(|bounce| bits_of(bounce)).collect()
+    let light = &app.session.light;
+    light.bounces.iter().chain(&light.tail).map(|part| bits_of(part)).collect()
 }
 
 fn bits_of(values: &[glam::Vec3]) -> Vec<[u32; 3]> {
@@ -33,5 +34,10 @@ pub(crate) fn reference_of(scene: Arc<Scene>, settings: Settings) -> Vec<Vec<[u3
     let mut state = SolveState::new();
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
     let reader = baker.light_reader(&state);
-    state.bounces.iter().map(|bounce| bits_of(&reader.at_vertices(bounce))).collect()
+    state
+        .bounces
+        .iter()
+        .chain(&state.beyond_bounces())
+        .map(|part| bits_of(&reader.at_vertices(part)))
+        .collect()
 }

@@ -53,7 +53,8 @@ fn reference(app: &App) -> Lightmap {
     let lumels = &session.layout().unwrap().lumels;
     let light = baker.light_at_lumels(&state, lumels, &control).unwrap();
     let Lumels { scene, atlas, coverage } = lumels;
-    Lightmap::finished(scene, atlas, coverage, &light, session.lumels.denoises, None)
+    let known = session.lumels.denoises.then(|| baker.solved_at_lumels(&state, lumels));
+    Lightmap::finished(scene, atlas, coverage, &light, known.as_ref(), None)
 }
 
 #[test]

@@ -116,7 +116,7 @@ fn the_light_follows_the_mouse_that_drags_it() {
                 && app.session.computed().unwrap().inputs.lights == Some(shining(&app.session.lights))
         });
         window.run_steps(1);
-        assert!(window.reads("Live: sobol 8+8 rays, 2 bounces in "), "{}", window.texts());
+        assert!(window.reads("Live: sobol 8+8 rays, 2 bounces, least-squares in "), "{}", window.texts());
         assert!(window.session().out_of_date().is_none());
         let now = bits(window.state());
         assert_eq!(now, coarse_reference(window.state()), "step {step}");
@@ -129,7 +129,7 @@ fn the_light_follows_the_mouse_that_drags_it() {
     window.wait_until("the light to rest", at_rest);
     assert_eq!(bits(window.state()), reference(window.state()));
     window.run_steps(1);
-    assert!(window.reads("Solved: sobol 64+8 rays, 2 bounces in "), "{}", window.texts());
+    assert!(window.reads("Solved: sobol 64+8 rays, 2 bounces, least-squares in "), "{}", window.texts());
 }
 
 #[test]

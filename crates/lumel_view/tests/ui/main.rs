@@ -22,6 +22,7 @@ mod recovery;
 mod saving;
 mod scenes;
 mod settings;
+mod shooting;
 mod snapshots;
 mod solutions;
 mod solve;

@@ -1,0 +1,157 @@
+//! A first look at all light, long before a solve has it.
+
+use crate::{Baker, BounceBasis};
+use glam::{DVec3, Vec3};
+use lumel_basis::{Basis as _, Field, NodeWeights, PointReceivers};
+use lumel_scene::{Barycentrics, SurfacePoint, TriId};
+use lumel_transport::{
+    CachedTransport, Control, CpuTransport, Job, Plan, Source, TransportError, accumulate,
+};
+use std::sync::Arc;
+
+/// Triangles at which direct light is looked at, at most.
+const DIRECT: usize = 64_000;
+
+/// Triangles at which bounces are, fewer: they change more slowly from place to place.
+const INDIRECT: usize = 8_000;
+
+/// Rays from each of them: few are enough, since neighbours are smoothed together.
+const DIRECT_SAMPLES: u32 = 4;
+const INDIRECT_SAMPLES: u32 = 16;
+
+/// Bounces that are looked at.
+const BOUNCES: u32 = 2;
+
+/// The middle of a triangle.
+const MIDDLE: Barycentrics = Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 };
+
+impl Baker {
+    /// A first look at direct light and two bounces, for looking at until a solve has them: the same for any number of threads, and
+    /// for any size of scene at most a million rays, where lights are few.
+    ///
+    /// Measured in the middle of some triangles, with few rays, and spread over the surfaces in between. Biased: what is finer than
+    /// the triangles that are looked at is lost, and places inside geometry are taken for dark ones.
+    ///
+    /// # Errors
+    /// When it is cancelled or tracing fails.
+    pub fn first_look(&self, control: &Control) -> Result<Vec<Field>, TransportError> {
+        let (few, fewest) = (Places::new(self, DIRECT), Places::new(self, INDIRECT));
+        let direct = few.operator()?;
+        let measured = accumulate(&direct, &job(Source::Emitters(None), 0), control, None)?;
+        let mut bounces = vec![few.spread(&measured.field)];
+        // All bounces go along the same rays.
+        let indirect = CachedTransport::new(fewest.operator()?, None);
+        for bounce in 1..=BOUNCES {
+            let source = bounces.last().map_or(Source::Nothing, Source::Field);
+            let measured = accumulate(&indirect, &job(source, bounce), control, None)?;
+            bounces.push(fewest.spread(&measured.field));
+        }
+        Ok(bounces)
+    }
+}
+
+fn job(source: Source<'_>, bounce: u32) -> Job<'_> {
+    Job { source, bounce, pass: 0, active: None }
+}
+
+/// The triangles at which a first look measures: one in so many, in the order of the mesh, in which neighbours follow each other.
+struct Places<'a> {
+    baker: &'a Baker,
+    triangles: Vec<TriId>,
+}
+
+impl<'a> Places<'a> {
+    /// At most so many places; all triangles where there are fewer.
+    fn new(baker: &'a Baker, at_most: usize) -> Self {
+        let n = baker.scene().triangle_count();
+        Self { baker, triangles: (0..n as u32).step_by(n.div_ceil(at_most).max(1)).map(TriId).collect() }
+    }
+
+    /// What measures light at the places, and reads it everywhere.
+    fn operator(&self) -> Result<CpuTransport<BounceBasis, PointReceivers>, TransportError> {
+        let (baker, scene) = (self.baker, self.baker.scene());
+        let at = |&tri: &TriId| {
+            let middle = SurfacePoint { tri, bary: MIDDLE };
+            (middle, scene.shading_normal(middle))
+        };
+        let points = PointReceivers::on_surfaces(scene, self.triangles.iter().map(at)).map_err(|place| {
+            let cause = format!("triangle {} has no direction", self.triangles[place].0);
+            TransportError::Failed { worker: "a first look at all light".to_owned(), cause }
+        })?;
+        let plan = Plan {
+            direct_samples: DIRECT_SAMPLES,
+            indirect_samples: INDIRECT_SAMPLES,
+            ..baker.settings().plan()
+        };
+        let (tracer, basis) = (Arc::clone(baker.tracer()), Arc::clone(baker.basis()));
+        Ok(CpuTransport::new(Arc::clone(scene), tracer, basis, Arc::new(points), plan))
+    }
+
+    /// What was measured at the places, spread over all nodes.
+    fn spread(&self, measured: &Field) -> Field {
+        let basis = self.baker.basis();
+        let (mut sums, mut all_weights) =
+            (vec![DVec3::ZERO; basis.node_count()], vec![0.0; basis.node_count()]);
+        let mut weights = NodeWeights::default();
+        for (&tri, value) in self.triangles.iter().zip(measured.values()) {
+            weights.clear();
+            basis.weights_at(SurfacePoint { tri, bary: MIDDLE }, &mut weights);
+            for (node, weight) in weights.iter() {
+                sums[node.index()] += f64::from(weight) * value.as_dvec3();
+                all_weights[node.index()] += f64::from(weight);
+            }
+        }
+        let known: Vec<bool> = all_weights.iter().map(|weight| *weight > 0.0).collect();
+        let mean = |(sum, &weight): (&DVec3, &f64)| {
+            if weight > 0.0 { (*sum / weight).as_vec3() } else { Vec3::ZERO }
+        };
+        let mut field = Field::from_values(sums.iter().zip(&all_weights).map(mean).collect());
+        let known = basis.adjacency().extrapolate(&mut field, &known);
+        // Parts of the mesh without a place are as bright as those before them in the mesh.
+        let mut last = Vec3::ZERO;
+        for (value, known) in field.values_mut().iter_mut().zip(&known) {
+            if *known {
+                last = *value;
+            } else {
+                *value = last;
+            }
+        }
+        field
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{OpenOptions, Settings, Silent};
+    use lumel_solve::SolveState;
+
+    /// The root mean square of a difference, by that of the second field.
+    fn off(baker: &Baker, found: &Field, exact: &Field) -> f64 {
+        let difference = found.values().iter().zip(exact.values()).map(|(a, b)| *a - *b).collect();
+        baker.root_mean_square(&Field::from_values(difference)) / baker.root_mean_square(exact)
+    }
+
+    #[test]
+    fn a_first_look_has_about_the_light_of_a_solve_on_any_number_of_threads() {
+        for name in ["cornell-box", "atrium"] {
+            let opened = crate::open(name, &OpenOptions::default()).unwrap();
+            let scene = Arc::new(opened.builder.build().unwrap().0);
+            let settings = Settings { direct_samples: 16, indirect_samples: 32, ..Settings::default() };
+            let baker = Baker::new(scene, settings);
+            let mut solved = SolveState::new();
+            baker.run(&mut solved, &Control::default(), &Silent).unwrap();
+            let control = Control::default();
+            let seen = baker.first_look(&control).unwrap();
+            assert!(control.rays() < 1_000_000, "{name}: {}", control.rays());
+            // The noise of sixteen rays in bounces.
+            for (bounce, limit) in [(0, 0.15), (1, 0.5), (2, 0.5)] {
+                let (found, exact) = (&seen[bounce], &solved.bounces[bounce]);
+                let (power, off) = (baker.power(found) / baker.power(exact), off(&baker, found, exact));
+                assert!(off < limit && (power - 1.0).abs() < 0.1, "{name}, bounce {bounce}: {off}, {power}");
+            }
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            assert!(alone.install(|| baker.first_look(&Control::default())).unwrap() == seen, "{name}");
+        }
+    }
+}

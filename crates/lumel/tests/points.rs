@@ -1,0 +1,233 @@
+//! Bakes whose bounces are carried on scattered points, with everything else that a bake can do.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
+
+use glam::{DVec3, Vec3};
+use lumel::{
+    Adaptive, Baker, BounceLimit, Control, Directional, Layers, Light, Lumels, Memory, Method, Observer,
+    PointSpacing, Projection, SamplerKind, Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent,
+    SolveState, SolverKind, Step,
+};
+use lumel_basis::Basis;
+use lumel_testkit::mesh::{Facing, cuboid};
+use lumel_testkit::scene::{bulb, ceiling_light, grey, scene};
+use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
+use std::sync::{Arc, Mutex};
+
+/// A room with a light, a bulb and a box that stands on the floor, its walls in a grid of `cells`.
+fn room(cells: u32) -> Arc<Scene> {
+    let mut objects = cuboid(Vec3::ZERO, Vec3::ONE, cells, Facing::Inward, [0, 1, 0, 0, 0, 0]);
+    let (min, max) = (Vec3::new(0.25, 0.3, -0.1), Vec3::new(0.6, 0.7, 0.4));
+    objects.extend(cuboid(min, max, cells.div_ceil(2), Facing::Outward, [1; 6]));
+    let light = Light::Rect(ceiling_light(Vec3::new(0.5, 0.5, 0.95), 0.4, 0.4, 5.0));
+    let lights = vec![light, bulb(Vec3::new(0.8, 0.8, 0.6), 2.0)];
+    built(scene(objects, vec![grey(0.6, 0.0), grey(0.3, 0.2)], lights))
+}
+
+fn built(builder: SceneBuilder) -> Arc<Scene> {
+    Arc::new(builder.build().unwrap().0)
+}
+
+fn settings() -> Settings {
+    Settings {
+        point_spacing: PointSpacing::Metres(0.06),
+        bounces: BounceLimit::Count(2),
+        direct_samples: 16,
+        indirect_samples: 64,
+        ..Settings::default()
+    }
+}
+
+fn run(baker: &Baker, mut state: SolveState) -> SolveState {
+    baker.run(&mut state, &Control::default(), &Silent).unwrap();
+    state
+}
+
+fn solved(scene: &Arc<Scene>, settings: &Settings) -> (Baker, SolveState) {
+    settings.validate().unwrap();
+    let baker = Baker::new(Arc::clone(scene), settings.clone());
+    let state = run(&baker, SolveState::new());
+    (baker, state)
+}
+
+/// The root mean square of a difference by that of the second.
+fn difference(a: &[Vec3], b: &[Vec3]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let square = |v: DVec3| v.length_squared();
+    let off: f64 = a.iter().zip(b).map(|(a, b)| square(a.as_dvec3() - b.as_dvec3())).sum();
+    (off / b.iter().map(|v| square(v.as_dvec3())).sum::<f64>()).sqrt()
+}
+
+/// Mean irradiance over all surfaces.
+fn mean(baker: &Baker, state: &SolveState) -> f64 {
+    let area: f64 = baker.basis().node_areas().iter().map(|area| f64::from(*area)).sum();
+    baker.power(&state.total()) / area
+}
+
+#[test]
+fn bounces_on_points_are_those_on_vertices_and_direct_light_is_that_at_vertices() {
+    let scene = room(14);
+    for projection in [Projection::Point, Projection::LeastSquares] {
+        let settings = Settings { projection, direct_samples: 64, indirect_samples: 256, ..settings() };
+        let on_vertices = Settings { point_spacing: PointSpacing::Off, ..settings.clone() };
+        let [points, vertices] =
+            [settings, on_vertices].map(|settings| solved(&scene, &settings)).map(|(b, s)| b.solution(&s));
+        // The very samples at the same places; over areas, light of emissive surfaces comes along rays of its own.
+        let off = difference(&points.bounces[0], &vertices.bounces[0]);
+        let bound = if projection == Projection::Point { 1e-6 } else { 0.01 };
+        assert!(off < bound, "{projection:?}, direct: {off}");
+        // Where light is read as the nearest function, vertices overshoot at the rim of the box.
+        for bounce in [1, 2].into_iter().filter(|_| projection == Projection::Point) {
+            let off = difference(&points.bounces[bounce], &vertices.bounces[bounce]);
+            assert!(off < 0.06, "bounce {bounce}: {off}");
+        }
+        let sum = |k: usize| points.bounces.iter().fold(Vec3::ZERO, |sum, bounce| sum + bounce[k]);
+        assert!(
+            (0..scene.vertex_count()).all(|v| (points.irradiance[v] - sum(v)).abs().max_element() < 1e-4)
+        );
+    }
+}
+
+#[test]
+fn every_solver_schedule_and_sampler_carries_light_on_points() {
+    let scene = room(3);
+    let all = Settings { bounces: BounceLimit::All, remainder: 2e-3, ..settings() };
+    let expected =
+        mean(&solved(&scene, &Settings { indirect_samples: 512, ..all.clone() }).0, &solved(&scene, &all).1);
+    let few = Settings { memory: Memory(200_000), indirect_samples: 128, ..all.clone() };
+    let mut ways = vec![
+        ("neumann", Settings { solver: SolverKind::Neumann, ..all.clone() }),
+        ("few stored", few),
+        ("shot", Settings { schedule: ScheduleKind::Shoot, ..all.clone() }),
+        ("target error", Settings { target_error: "20%".parse().unwrap(), ..all.clone() }),
+    ];
+    for sampler in SamplerKind::ALL {
+        ways.push(("sampler", Settings { sampler, ..all.clone() }));
+    }
+    for (way, settings) in ways {
+        let (baker, state) = solved(&scene, &settings);
+        let gathers = matches!(baker.method(), Method::FinalGather { .. });
+        assert_eq!(gathers, way == "few stored", "{}", baker.method());
+        assert_eq!(state.read_direct.is_some(), way != "target error");
+        let off = mean(&baker, &state) / expected - 1.0;
+        // 64 rays at each of a thousand points.
+        assert!(off.abs() < 0.01, "{way}: {off}");
+        let solution = baker.solution(&state);
+        let points = solution.points.as_ref().unwrap();
+        assert_eq!((points.len(), solution.valid.len()), (state.valid.len(), scene.vertex_count()));
+        assert!(
+            points.radii.iter().all(|radius| *radius == 0.12) && points.bounces.len() == state.bounces.len()
+        );
+        assert!(solution.irradiance.iter().all(|e| e.is_finite() && e.min_element() >= 0.0));
+    }
+}
+
+/// Keeps the checkpoint after every bounce.
+struct Keep<'a>(&'a Baker, Mutex<Vec<Saved>>);
+
+impl Observer for Keep<'_> {
+    fn step_done(&self, step: Step, state: &SolveState) {
+        if matches!(step, Step::Bounce(_) | Step::Shot(_)) {
+            self.1.lock().unwrap().push(Saved::Checkpoint(Box::new(self.0.checkpoint(state))));
+        }
+    }
+}
+
+#[test]
+fn a_resumed_bake_has_the_same_bits_on_any_number_of_threads() {
+    let scene = room(3);
+    for schedule in [ScheduleKind::Gather, ScheduleKind::Shoot] {
+        let bounces = if schedule == ScheduleKind::Shoot { BounceLimit::All } else { BounceLimit::Count(2) };
+        let settings = Settings { schedule, bounces, remainder: 0.1, ..settings() };
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let baker = Baker::new(Arc::clone(&scene), settings.clone());
+                let keep = Keep(&baker, Mutex::default());
+                let mut state = SolveState::new();
+                baker.run(&mut state, &Control::default(), &keep).unwrap();
+                (keep.1.into_inner().unwrap(), state, baker)
+            })
+        };
+        let (saved, state, baker) = on(1);
+        assert!(on(3).1 == state, "bits on three threads differ");
+        for checkpoint in &saved[..saved.len().min(4)] {
+            assert!(run(&baker, baker.resume(checkpoint).unwrap()) == state, "bits of a resumed bake differ");
+        }
+        let solution = Saved::Solution(Box::new(baker.solution(&state)));
+        if schedule == ScheduleKind::Gather {
+            assert!(run(&baker, baker.resume(&solution).unwrap()) == state, "bits from a solution differ");
+        }
+        let other = Settings { point_spacing: PointSpacing::Metres(0.07), ..settings.clone() };
+        let error = Baker::new(Arc::clone(&scene), other).resume(&saved[0]).unwrap_err();
+        assert!(error.to_string().contains("another basis"), "{error}");
+    }
+}
+
+#[test]
+fn a_relit_baker_takes_the_points_that_its_settings_ask_for() {
+    let scene = room(3);
+    let baker = Baker::new(Arc::clone(&scene), settings());
+    for point_spacing in [PointSpacing::Metres(0.06), PointSpacing::Points(300), PointSpacing::Off] {
+        let settings = Settings { point_spacing, ..settings() };
+        let relit = baker.relit(Arc::clone(&scene), settings.clone());
+        let new = Baker::new(Arc::clone(&scene), settings);
+        assert_eq!(relit.basis().identity(), new.basis().identity());
+        assert_eq!(Arc::ptr_eq(relit.basis(), baker.basis()), point_spacing == PointSpacing::Metres(0.06));
+        assert!(run(&relit, SolveState::new()) == run(&new, SolveState::new()), "{point_spacing}");
+    }
+}
+
+#[test]
+fn how_surfaces_are_cut_into_triangles_makes_less_than_a_percent() {
+    // A wall of two triangles, and one of 242: the points are others, their light is the same.
+    let settings =
+        Settings { direct_samples: 64, indirect_samples: 256, bounces: BounceLimit::All, ..settings() };
+    let means = [1, 11, 30].map(|cells| {
+        let (baker, state) = solved(&room(cells), &settings);
+        (mean(&baker, &state), baker.power(&state.bounces[1]), baker.basis().node_count())
+    });
+    println!("{means:?}");
+    for (all, first, nodes) in means {
+        assert!(
+            (all / means[0].0 - 1.0).abs() < 0.01 && (first / means[0].1 - 1.0).abs() < 0.01,
+            "{means:?}"
+        );
+        assert!((nodes as f64 / means[0].2 as f64 - 1.0).abs() < 0.05, "{means:?}");
+    }
+}
+
+#[test]
+fn lumels_gather_what_points_have_carried() {
+    let scene = room(4);
+    let unwrapping = UnwrapSettings { density: Density::PerMetre(8.0), ..UnwrapSettings::default() };
+    let atlas = unwrap(&scene, &unwrapping, &|| Pace::Go).unwrap().atlas;
+    let lumels = Lumels::new(Arc::clone(&scene), atlas);
+    let carried = Settings { direct_samples: 32, indirect_samples: 128, ..settings() };
+    let on_vertices = Settings { point_spacing: PointSpacing::Off, ..carried.clone() };
+    let [points, vertices] = [carried, on_vertices].map(|settings| {
+        let (baker, state) = solved(&scene, &settings);
+        let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
+        (0..light.len()).map(|lumel| light.irradiance(lumel)).collect::<Vec<_>>()
+    });
+    let off = difference(&points, &vertices);
+    assert!(off < 0.03, "{off}");
+}
+
+#[test]
+fn what_does_not_go_together_with_points_is_refused_by_name() {
+    for (bad, other) in [
+        (Settings { adaptive: Adaptive::Auto, ..settings() }, "adaptive"),
+        (Settings { layers: Layers::Lights, ..settings() }, "layers"),
+        (Settings { directional: Directional::Sh1, ..settings() }, "directional"),
+    ] {
+        let message = bad.validate().unwrap_err().to_string();
+        assert!(message.contains("point_spacing 0.06 and") && message.contains(other), "{message}");
+    }
+    let scene = room(1);
+    let tiny = PointSpacing::Metres(1e-6).need(&scene).unwrap();
+    let least = tiny.least_spacing.unwrap();
+    assert!(tiny.points > 1_000_000_000_000 && (1e-4..1e-3).contains(&least), "{tiny:?}");
+    assert_eq!(PointSpacing::Metres(1e-6).on(&scene), Some(least));
+    assert_eq!(PointSpacing::Metres(0.1).need(&scene).unwrap().least_spacing, None);
+}

@@ -1,0 +1,173 @@
+//! Points scattered over surfaces, none too near to another, none missing.
+
+use super::cells::{BYTES_PER_CELL, CellTable, Grid};
+use crate::parts::parts;
+use glam::Vec3;
+use lumel_sample::{Dim, Sampler, Stream, StreamKey, uniform_triangle};
+use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use rayon::prelude::*;
+
+/// Random points that are tried per square of the spacing, before the gaps between those taken are filled.
+const CANDIDATES: f64 = 20.0;
+
+/// Points are apart, however near they are, if their normals differ by more than this cosine (60°): so the two sides of a thin wall,
+/// and the walls of a corner, are covered each by itself.
+const SAME_FACING: f32 = 0.5;
+
+/// Points that are taken per square of the spacing: less at large spacings, where surfaces have more border than inside.
+const DENSITY: f64 = 0.66;
+
+/// Candidates that are looked at together.
+const BATCH: std::ops::RangeInclusive<usize> = 1024..=65_536;
+
+/// Triangles whose gaps are looked at together.
+const TRIANGLES_PER_BATCH: u32 = 4096;
+
+/// A place of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceSample {
+    /// Its address.
+    pub at: SurfacePoint,
+    /// Where it is in the coordinates of the scene, metres.
+    pub position: Vec3,
+    /// Which way the surface faces: the interpolated normal, unless the triangle turns away from it.
+    pub normal: Vec3,
+}
+
+impl SurfaceSample {
+    pub(crate) fn new(scene: &Scene, at: SurfacePoint) -> Self {
+        let (shading, geometric) = (scene.shading_normal(at), scene.geometric_normal(at.tri));
+        let normal = if shading.dot(geometric) > 0.0 { shading } else { geometric };
+        Self { at, position: scene.position(at), normal }
+    }
+}
+
+/// The spacing at which about so many points cover an area, m².
+pub(crate) fn spacing_for(count: u64, area: f64) -> f32 {
+    (DENSITY * area / count.max(1) as f64).sqrt() as f32
+}
+
+/// How many points an area has at a spacing, about; surfaces of many small pieces have up to one more for each.
+pub(crate) fn count_for(spacing: f32, area: f64) -> u64 {
+    (DENSITY * area / f64::from(spacing).powi(2)).ceil() as u64
+}
+
+/// The memory that scattering takes beyond its result, for so many points on so many triangles.
+pub(crate) fn bytes_to_scatter(points: u64, triangles: u64) -> u64 {
+    points * (BYTES_PER_CELL + 4) + triangles * size_of::<f64>() as u64
+}
+
+/// Points on the surfaces of a scene that are as even as random ones can be, `spacing` metres apart or more where they face the same
+/// way.
+///
+/// Random points, uniform by area, are taken in turn if they keep their distance from those taken before (dart throwing), and then the
+/// middles of all parts of the triangles. So every place is within 1⅔ spacings of a point that faces about the same way, and where
+/// triangles lie has no influence but on the few that fill gaps. The same on any number of threads.
+pub(crate) fn scattered(scene: &Scene, spacing: f32) -> Vec<SurfaceSample> {
+    let mut taken = Taken::new(scene, spacing);
+    let places = RandomPlaces::new(scene);
+    let count =
+        (CANDIDATES * places.area() / f64::from(spacing).powi(2)).ceil().min(u32::MAX.into()) as usize;
+    let mut first = 0;
+    while first < count {
+        let batch = taken.samples.len().clamp(*BATCH.start(), *BATCH.end()).min(count - first);
+        let candidate = |i: usize| taken.if_free(SurfaceSample::new(scene, places.place(i as u32)));
+        let free: Vec<SurfaceSample> = (first..first + batch).into_par_iter().filter_map(candidate).collect();
+        free.into_iter().for_each(|sample| taken.take(sample));
+        first += batch;
+    }
+    let n_triangles = scene.triangle_count() as u32;
+    for first in (0..n_triangles).step_by(TRIANGLES_PER_BATCH as usize) {
+        let tris = first..n_triangles.min(first + TRIANGLES_PER_BATCH);
+        let free = |tri: u32| {
+            let middles =
+                parts(scene, tri..tri + 1, spacing).map(|part| SurfaceSample::new(scene, part.middle));
+            middles.filter_map(|sample| taken.if_free(sample)).collect::<Vec<_>>()
+        };
+        let free: Vec<Vec<SurfaceSample>> = tris.into_par_iter().map(free).collect();
+        free.into_iter().flatten().for_each(|sample| taken.take(sample));
+    }
+    taken.samples
+}
+
+/// The points that are taken already.
+struct Taken {
+    spacing: f32,
+    grid: Grid,
+    /// The last point taken in each cell.
+    last: CellTable,
+    /// The point taken before each in its cell; itself for the first.
+    before: Vec<u32>,
+    samples: Vec<SurfaceSample>,
+}
+
+impl Taken {
+    fn new(scene: &Scene, spacing: f32) -> Self {
+        let grid = Grid::new(scene.bounds().min, spacing);
+        Self { spacing, grid, last: CellTable::default(), before: Vec::new(), samples: Vec::new() }
+    }
+
+    /// The sample, if it keeps its distance from all points.
+    fn if_free(&self, sample: SurfaceSample) -> Option<SurfaceSample> {
+        let is_near = |other: &SurfaceSample| {
+            other.position.distance_squared(sample.position) < self.spacing * self.spacing
+                && other.normal.dot(sample.normal) > SAME_FACING
+        };
+        let mut around = self.grid.around(sample.position).into_iter().filter_map(|cell| self.last.get(cell));
+        let is_taken = around.any(|last| {
+            let mut point = last as usize;
+            loop {
+                if is_near(&self.samples[point]) {
+                    return true;
+                }
+                let before = self.before[point] as usize;
+                if before == point {
+                    return false;
+                }
+                point = before;
+            }
+        });
+        (!is_taken).then_some(sample)
+    }
+
+    /// Takes a point unless it is too near to one.
+    fn take(&mut self, sample: SurfaceSample) {
+        let Some(sample) = self.if_free(sample) else { return };
+        let number = self.samples.len() as u32;
+        let before = self.last.insert(self.grid.cell(sample.position), number);
+        self.before.push(before.unwrap_or(number));
+        self.samples.push(sample);
+    }
+}
+
+/// Random places on the surfaces of a scene, uniform by area.
+struct RandomPlaces {
+    /// The area of all triangles up to each, m².
+    areas: Vec<f64>,
+    stream: Stream,
+}
+
+impl RandomPlaces {
+    fn new(scene: &Scene) -> Self {
+        let areas = (0..scene.triangle_count() as u32).scan(0.0, |sum, tri| {
+            *sum += f64::from(scene.area(TriId(tri)));
+            Some(*sum)
+        });
+        Self { areas: areas.collect(), stream: Sampler::Sobol.stream(StreamKey::new(0), Dim::Area) }
+    }
+
+    /// Of all surfaces, m².
+    fn area(&self) -> f64 {
+        self.areas.last().copied().unwrap_or_default()
+    }
+
+    fn place(&self, index: u32) -> SurfacePoint {
+        /// The last digit of a number in the unit interval.
+        const DIGIT: f64 = 1.0 / (1u32 << 24) as f64;
+        let [s, t, u, v] = self.stream.sample_4d(index);
+        // More triangles than one number tells apart.
+        let area = (f64::from(s) + DIGIT * f64::from(t)) * self.area();
+        let tri = self.areas.partition_point(|&sum| sum <= area).min(self.areas.len() - 1);
+        SurfacePoint { tri: TriId(tri as u32), bary: Barycentrics::from(uniform_triangle([u, v])) }
+    }
+}

@@ -1,0 +1,197 @@
+//! Points scattered over surfaces, and the functions around them.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use glam::{DVec3, Vec3};
+use lumel_basis::{Basis, Field, MeshlessBasis, NodeWeights, SurfaceSample};
+use lumel_scene::{Barycentrics, ObjectMesh, Scene, SurfacePoint, TriId};
+use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
+use lumel_testkit::scene::{grey, scene, two_sided};
+use lumel_testkit::{Reference, random_surface_points};
+use std::sync::Arc;
+
+fn built(objects: Vec<ObjectMesh>) -> Arc<Scene> {
+    Arc::new(scene(objects, vec![grey(0.5, 0.0)], vec![]).build().unwrap().0)
+}
+
+/// A square of 1 m in the plane y = 0, with its triangles in a grid of `cells` each way.
+fn square(cells: [u32; 2]) -> ObjectMesh {
+    quad([Vec3::ZERO, Vec3::Z, Vec3::X + Vec3::Z, Vec3::X], cells, 0)
+}
+
+fn room(cells: u32) -> Arc<Scene> {
+    built(cuboid(Vec3::ZERO, Vec3::new(1.0, 2.0, 0.5), cells, Facing::Inward, [0; 6]))
+}
+
+/// The distance of the nearest two points of those that face the same way, over the spacing.
+fn least_distance(basis: &MeshlessBasis) -> f32 {
+    let points = basis.points();
+    let pairs = points.iter().enumerate().flat_map(|(i, a)| points[i + 1..].iter().map(move |b| (a, b)));
+    let near = pairs.filter(|(a, b)| a.normal.dot(b.normal) > 0.5);
+    near.map(|(a, b)| a.position.distance(b.position)).fold(f32::INFINITY, f32::min) / basis.spacing()
+}
+
+/// How far the nearest point that faces about the same way is from a place, over the spacing.
+fn distance_to(basis: &MeshlessBasis, at: SurfacePoint) -> f32 {
+    let (position, normal) = (basis.scene().position(at), basis.scene().shading_normal(at));
+    let alike = |point: &&SurfaceSample| point.normal.dot(normal) > 0.1;
+    let distances = basis.points().iter().filter(alike).map(|point| point.position.distance(position));
+    distances.fold(f32::INFINITY, f32::min) / basis.spacing()
+}
+
+fn corners(scene: &Scene) -> impl Iterator<Item = SurfacePoint> {
+    (0..scene.triangle_count() as u32)
+        .flat_map(|tri| Barycentrics::CORNERS.map(|bary| SurfacePoint { tri: TriId(tri), bary }))
+}
+
+/// A square with a strip of slivers beside it, and a thousand crumbs far smaller than the spacing.
+fn slivers_and_crumbs() -> Arc<Scene> {
+    let sliver =
+        quad([Vec3::X, Vec3::X + Vec3::Z, Vec3::new(1.001, 0.0, 1.0), Vec3::new(1.001, 0.0, 0.0)], [7, 1], 0);
+    let crumb = |i: usize| {
+        let at = Vec3::new(i as f32 * 0.6, 3.0, 0.0);
+        quad([at, at + Vec3::Z * 1e-3, at + Vec3::new(1e-3, 0.0, 1e-3), at + Vec3::X * 1e-3], [1, 1], 0)
+    };
+    built((0..1000).map(crumb).chain([square([3, 3]), sliver]).collect())
+}
+
+#[test]
+fn points_keep_their_distance_and_cover_everything() {
+    let ball = || built(vec![sphere(Vec3::ZERO, 1.0, 3, Facing::Outward, 0)]);
+    for (name, scene, spacing) in [
+        ("room", room(2), 0.05),
+        ("room of large triangles", room(1), 0.02),
+        ("coarse in a room", room(3), 0.7),
+        ("ball", ball(), 0.08),
+        ("slivers and crumbs", slivers_and_crumbs(), 0.04),
+    ] {
+        let basis = MeshlessBasis::new(Arc::clone(&scene), spacing);
+        let least = least_distance(&basis);
+        assert!(least >= 0.999, "{name}: points are {least} spacings apart");
+        let places = random_surface_points(&scene, 2000, 7).into_iter().chain(corners(&scene).take(4000));
+        let furthest = places.map(|at| distance_to(&basis, at)).fold(0.0, f32::max);
+        assert!(furthest < 1.67, "{name}: a place is {furthest} spacings from the nearest point");
+    }
+}
+
+#[test]
+fn points_are_as_many_as_their_spacing_allows() {
+    for (scene, spacing) in [(room(1), 0.02), (room(9), 0.02), (built(vec![square([1, 1])]), 0.01)] {
+        let area: f32 = (0..scene.triangle_count() as u32).map(|tri| scene.area(TriId(tri))).sum();
+        let basis = MeshlessBasis::new(Arc::clone(&scene), spacing);
+        let density = basis.node_count() as f32 * spacing * spacing / area;
+        assert!((0.62..0.72).contains(&density), "{density}");
+        let expected = MeshlessBasis::count_for(&scene, spacing);
+        assert!((0.9..1.1).contains(&(basis.node_count() as f32 / expected as f32)));
+        assert!((MeshlessBasis::spacing_for(&scene, expected) / spacing - 1.0).abs() < 0.01);
+    }
+    // One for each crumb.
+    let crumbs = MeshlessBasis::new(slivers_and_crumbs(), 0.5);
+    assert!((1000..1030).contains(&crumbs.node_count()), "{}", crumbs.node_count());
+}
+
+#[test]
+fn points_are_the_same_on_any_number_of_threads() {
+    let scene = room(4);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| MeshlessBasis::new(Arc::clone(&scene), 0.03))
+    };
+    let [one, three] = [1, 3].map(on);
+    assert_eq!(one.points(), three.points());
+    assert_eq!(one.node_areas(), three.node_areas());
+    assert_eq!(one.identity(), three.identity());
+    assert_ne!(one.identity(), MeshlessBasis::new(Arc::clone(&scene), 0.031).identity());
+}
+
+/// A function of position and normal at the nodes.
+fn field(basis: &MeshlessBasis, f: impl Fn(DVec3, DVec3) -> f64) -> Field {
+    let value = |point: &SurfaceSample| f(point.position.as_dvec3(), point.normal.as_dvec3());
+    Field::from_values(basis.points().iter().map(|point| Vec3::splat(value(point) as f32)).collect())
+}
+
+fn wave(p: DVec3, _: DVec3) -> f64 {
+    2.0 + (5.0 * p.x + 1.0).sin() * (4.0 * p.z).cos()
+}
+
+/// Root mean square error over the surfaces of a wave that is read from its values at the points.
+fn error_of_wave(scene: &Arc<Scene>, spacing: f32) -> f64 {
+    let basis = MeshlessBasis::new(Arc::clone(scene), spacing);
+    Reference::known(scene, 4000, 3, wave).error_of_field(&basis, &field(&basis, wave)).rms
+}
+
+#[test]
+fn how_a_surface_is_cut_into_triangles_makes_no_difference() {
+    let errors = [[1, 1], [37, 23], [1, 300]].map(|cells| error_of_wave(&built(vec![square(cells)]), 0.05));
+    let [least, most] = [f64::min, f64::max].map(|pick| errors.into_iter().reduce(pick).unwrap());
+    assert!(most < 1.15 * least, "{errors:?}");
+}
+
+#[test]
+fn the_error_of_smooth_light_falls_with_the_spacing() {
+    let square = built(vec![square([1, 1])]);
+    let errors = [0.1, 0.05, 0.025, 0.0125].map(|spacing| error_of_wave(&square, spacing));
+    for pair in errors.windows(2) {
+        // Kernels that are normalised reproduce constants alone: first order, but symmetric inside.
+        assert!((2.0..3.2).contains(&(pair[0] / pair[1])), "{errors:?}");
+    }
+}
+
+#[test]
+fn weights_sum_to_one_wherever_normals_turn() {
+    // Around a coarse ball and the rim of a cone, interpolated normals differ by more than kernels reach over.
+    for scene in [built(vec![sphere(Vec3::ZERO, 1.0, 0, Facing::Outward, 0)]), slivers_and_crumbs()] {
+        for spacing in [3.0, 0.3] {
+            let basis = MeshlessBasis::new(Arc::clone(&scene), spacing);
+            for at in random_surface_points(&scene, 4000, 1).into_iter().chain(corners(&scene)) {
+                let mut weights = NodeWeights::default();
+                basis.weights_at(at, &mut weights);
+                let sum: f64 = weights.iter().map(|(_, weight)| f64::from(weight)).sum();
+                assert!((sum - 1.0).abs() < 1e-6, "{sum} at {at:?}");
+            }
+        }
+    }
+}
+
+/// The values that are read of a field which is 1 where `is_lit` and 0 elsewhere.
+fn values_of(basis: &MeshlessBasis, is_lit: impl Fn(Vec3, Vec3) -> bool) -> Vec<(f32, f32)> {
+    let at = |at: DVec3, n: DVec3| f64::from(u8::from(is_lit(at.as_vec3(), n.as_vec3())));
+    let (field, mut weights) = (field(basis, at), NodeWeights::default());
+    let mut read = |at: SurfacePoint| {
+        let (position, normal) = (basis.scene().position(at), basis.scene().geometric_normal(at.tri));
+        (field.at(basis, at, &mut weights).0.x, f32::from(u8::from(is_lit(position, normal))))
+    };
+    random_surface_points(basis.scene(), 4000, 5).into_iter().map(&mut read).collect()
+}
+
+#[test]
+fn light_leaks_neither_through_thin_walls_nor_around_corners() {
+    let both_sides = scene(vec![square([2, 2])], vec![two_sided(grey(0.5, 0.0))], vec![]);
+    let slab = cuboid(Vec3::ZERO, Vec3::new(1.0, 0.01, 1.0), 1, Facing::Outward, [0; 6]);
+    for scene in [Arc::new(both_sides.build().unwrap().0), built(slab), room(1)] {
+        let basis = MeshlessBasis::new(scene, 0.1);
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            let values = values_of(&basis, |_, normal| normal.dot(axis) > 0.5);
+            assert!(values.iter().all(|(read, lit)| (read - lit).abs() < 1e-6), "{axis}");
+        }
+    }
+}
+
+#[test]
+fn functions_lie_where_a_scene_is_moved_to() {
+    let moved = |by: Vec3, size: f32| {
+        let mut mesh = square([5, 5]);
+        mesh.positions.iter_mut().for_each(|p| *p = *p * size + by);
+        let scene = built(vec![mesh]);
+        let basis = MeshlessBasis::new(Arc::clone(&scene), 0.04 * size);
+        let least = basis.node_areas().iter().copied().fold(f32::INFINITY, f32::min) / (size * size);
+        (basis.node_count() as f64, least, least_distance(&basis))
+    };
+    let (count, least_area, _) = moved(Vec3::ZERO, 1.0);
+    assert!(least_area > 2e-4, "{least_area}");
+    for (by, size) in [(Vec3::new(3000.0, -70.0, 500.0), 1.0), (Vec3::ZERO, 1e-4), (Vec3::ONE, 1e5)] {
+        let (moved, least, distance) = moved(by, size);
+        assert!((moved / count - 1.0).abs() < 0.05 && least > 2e-4, "{moved} {count} {least}");
+        assert!(distance > 0.99, "{distance}");
+    }
+}

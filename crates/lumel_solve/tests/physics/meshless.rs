@@ -1,0 +1,221 @@
+//! Light at scattered points: known answers that no mesh has a part in.
+
+use glam::{EulerRot, Quat, Vec3};
+use lumel_basis::{Basis, Field, MeshlessBasis, PointReceivers, reflecting_areas};
+use lumel_sample::SamplerKind;
+use lumel_scene::{Light, Scene, SceneBuilder};
+use lumel_solve::{Gather, Integrals, Operator, Schedule, Shoot, Silent, SolveState, Stop, solve};
+use lumel_testkit::mesh::{Facing, cuboid, equal_area_radius, quad, sphere};
+use lumel_testkit::scene::{ceiling_light, cube, grey, placed, scaled, scene, two_sided, varying_sphere};
+use lumel_testkit::{Estimate, ROUNDING, Solver, form_factor, measure, rms, tracer};
+use lumel_transport::{CachedTransport, Control, CpuTransport, EmitterSampling, Plan, Source, Transport};
+use std::sync::Arc;
+
+/// A scene with points on its surfaces, and the operator from these to themselves.
+struct Points {
+    scene: Arc<Scene>,
+    basis: Arc<MeshlessBasis>,
+    transport: Box<dyn Transport>,
+}
+
+impl Points {
+    fn new(builder: SceneBuilder, points: u64, solver: Solver, plan: Plan) -> Self {
+        let scene = Arc::new(builder.build().expect("the test's scene builds").0);
+        let spacing = MeshlessBasis::spacing_for(&scene, points);
+        let basis = Arc::new(MeshlessBasis::new(Arc::clone(&scene), spacing));
+        let receivers = Arc::new(PointReceivers::at_nodes(&basis));
+        let traced =
+            CpuTransport::new(Arc::clone(&scene), tracer(&scene), Arc::clone(&basis), receivers, plan);
+        let transport: Box<dyn Transport> = match solver {
+            Solver::Traced => Box::new(traced),
+            Solver::Stored => Box::new(CachedTransport::new(traced, None)),
+        };
+        Self { scene, basis, transport }
+    }
+
+    fn operator(&self) -> Operator<'_> {
+        Operator { transport: &*self.transport, basis: &*self.basis }
+    }
+
+    fn integrals(&self) -> Integrals {
+        let areas = self.basis.node_areas().to_vec();
+        Integrals::new(areas, reflecting_areas(&self.scene, &*self.basis))
+    }
+
+    fn solved(&self, stop: Stop) -> SolveState {
+        self.solved_by(&Gather { stop })
+    }
+
+    fn solved_by(&self, schedule: &dyn Schedule) -> SolveState {
+        let (mut state, control) = (SolveState::new(), Control::default());
+        solve(self.operator(), &self.integrals(), schedule, &mut state, &control, &Silent)
+            .expect("nobody cancels");
+        state
+    }
+
+    /// All bounces.
+    fn converged(&self) -> Field {
+        let mut state = self.solved(Stop::Remainder { fraction: 0.02, at_most: 60 });
+        state.tail = self.integrals().tail(&state.bounces);
+        state.total()
+    }
+
+    /// The mean of a field by area, where `counts` holds of the place.
+    fn mean(&self, field: &Field, counts: impl Fn(Vec3) -> bool) -> f64 {
+        let nodes = self.basis.points().iter().zip(self.basis.node_areas()).zip(field.values());
+        let counted = nodes.filter(|((point, _), _)| counts(point.position));
+        let (sum, area) = counted.fold((0.0, 0.0), |(sum, all), ((_, &area), e)| {
+            (sum + f64::from(area) * f64::from(e.x), all + f64::from(area))
+        });
+        sum / area
+    }
+}
+
+fn plan(seed: u64, n_rays: u32) -> Plan {
+    Plan {
+        seed,
+        indirect_samples: n_rays,
+        direct_samples: n_rays,
+        emitters: EmitterSampling::Rays,
+        ..Plan::default()
+    }
+}
+
+#[test]
+fn every_point_of_a_furnace_sees_the_same_light() {
+    let column = cuboid(Vec3::splat(0.3), Vec3::new(0.5, 0.4, 0.9), 1, Facing::Outward, [0; 6]);
+    for albedo in [0.2, 0.95] {
+        for solver in Solver::ALL {
+            for sampler in SamplerKind::ALL {
+                let mut builder = cube(1, [(); 6].map(|()| grey(albedo, 1.0)));
+                builder.objects.extend(column.clone());
+                let points = Points::new(builder, 500, solver, Plan { sampler, ..plan(0, 16) });
+                let state = points.solved(Stop::Bounces(3));
+                assert!(state.valid.iter().all(|valid| *valid), "{solver}: a point counts as hidden");
+                for (bounce, field) in state.bounces.iter().enumerate() {
+                    let expected = albedo.powi(bounce as i32);
+                    for e in field.values() {
+                        let off = f64::from(e.x / expected - 1.0).abs();
+                        assert!(off < 2.0 * ROUNDING * (1.0 + bounce as f64), "{solver}, {sampler}: {off:e}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn irradiance_on_the_varying_sphere_is_two() {
+    for (level, solver) in [(2, Solver::Stored), (4, Solver::Traced)] {
+        let points = Points::new(varying_sphere(level), 800, solver, plan(3, 64));
+        let field = points.converged();
+        // What facets leave of the sphere, as at vertices: a quarter for each level.
+        let bound = 0.5 * 0.25f64.powi(level as i32);
+        let error = points.mean(&field, |_| true) - 2.0;
+        assert!(error.abs() < bound + 2e-3, "level {level}: {error}");
+        // 64 rays of light that varies by one half bring 1 %, and facets that face past what they stand for.
+        let all = rms(field.values().iter().map(|e| f64::from(e.x) - 2.0));
+        assert!(all < 0.012 + 2.0 * bound, "level {level}: {all}");
+    }
+}
+
+#[test]
+fn two_concentric_spheres_exchange_what_their_areas_say() {
+    // As at vertices: B = 4/3 and 2/3, exactly so for these polyhedra.
+    let ball = |r, facing, m| sphere(Vec3::ZERO, equal_area_radius(r, 2), 2, facing, m);
+    let objects = vec![ball(0.5, Facing::Outward, 0), ball(1.0, Facing::Inward, 1)];
+    let builder = scene(objects, vec![grey(0.5, 1.0), grey(0.8, 0.0)], vec![]);
+    let means: Vec<[f64; 2]> = (0..8)
+        .map(|seed| {
+            let points = Points::new(builder.clone(), 1000, Solver::Stored, plan(seed, 64));
+            let field = points.converged();
+            [true, false].map(|inner| points.mean(&field, |p| (p.length() < 0.75) == inner))
+        })
+        .collect();
+    let [on_inner, on_outer] = [0, 1].map(|k| Estimate::new(means.iter().map(|m| m[k])));
+    // Points stand for the light around them: a mean of random places, though evenly spread ones.
+    on_inner.assert_near(2.0 / 3.0, 1e-3, "inner");
+    on_outer.assert_near(5.0 / 6.0, 1e-3, "outer");
+}
+
+#[test]
+fn light_between_squares_is_what_their_form_factors_say() {
+    let floor = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
+    let above = [Vec3::Z, Vec3::Z + Vec3::Y, Vec3::ONE, Vec3::Z + Vec3::X];
+    let beside = [Vec3::ZERO, Vec3::Y, Vec3::Y + Vec3::Z, Vec3::Z];
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.3, -1.1, 2.0);
+    for (what, other, factor, bound) in [
+        ("opposed", above, form_factor::parallel_rectangles(1.0, 1.0, 1.0), 1e-3),
+        // Light falls steeply beside the common edge.
+        ("at right angles", beside, form_factor::perpendicular_rectangles(1.0, 1.0, 1.0), 4e-3),
+    ] {
+        let pair = || {
+            let objects = vec![quad(floor, [1, 1], 0), quad(other, [1, 1], 1)];
+            scene(objects, vec![grey(0.5, 0.0), grey(0.5, 0.0)], vec![])
+        };
+        for (place, builder) in [
+            ("turned and moved", placed(pair(), turn, Vec3::new(300.0, -7.0, 40.0))),
+            ("tiny", scaled(pair(), 1e-3)),
+            ("huge", scaled(pair(), 1e4)),
+        ] {
+            for solver in Solver::ALL {
+                let points = Points::new(builder.clone(), 1500, solver, plan(1, 128));
+                // The floor alone is lit.
+                let is_floor = |i: usize| points.scene.material_id(points.basis.points()[i].at.tri).0 == 0;
+                let lit = |i| Vec3::splat(f32::from(u8::from(is_floor(i))));
+                let field = Field::from_values((0..points.basis.node_count()).map(lit).collect());
+                let arrived = measure(&*points.transport, Source::Field(&field), 0).field;
+                let areas = points.basis.node_areas();
+                let on_other = (0..points.basis.node_count()).filter(|&i| !is_floor(i));
+                let (sum, area) = on_other.fold((0.0, 0.0), |(sum, area), i| {
+                    let a = f64::from(areas[i]);
+                    (sum + a * f64::from(arrived.values()[i].x), area + a)
+                });
+                let found = sum / area / 0.5;
+                assert!((found - factor).abs() < bound, "{what}, {place}, {solver}: {found}, not {factor}");
+            }
+        }
+    }
+}
+
+#[test]
+fn light_does_not_pass_a_thin_wall() {
+    // As at vertices: a wall without thickness divides a black room; it reflects on both sides, and only x > 0.5 is lit.
+    let wall = [[-0.1, -0.1], [1.1, -0.1], [1.1, 1.1], [-0.1, 1.1]].map(|[y, z]| Vec3::new(0.5, y, z));
+    let mut objects = cuboid(Vec3::ZERO, Vec3::ONE, 1, Facing::Inward, [0; 6]);
+    objects.push(quad(wall, [1, 1], 1));
+    let light = Light::Rect(ceiling_light(Vec3::new(0.8, 0.5, 0.9), 0.3, 0.5, 10.0));
+    let builder = scene(objects, vec![grey(0.0, 0.0), two_sided(grey(0.9, 0.0))], vec![light]);
+    let points = Points::new(builder, 3000, Solver::Stored, plan(2, 64));
+    let total = points.solved(Stop::Bounces(4)).total();
+    let (mut lit, mut dark) = (0, 0);
+    for (point, e) in points.basis.points().iter().zip(total.values()) {
+        let (position, normal) = (point.position, point.normal);
+        if position.min_element() < 0.0 || position.max_element() > 1.0 {
+            continue;
+        }
+        if position.x > 0.501 || (position.x == 0.5 && normal.x > 0.9) {
+            lit += usize::from(e.x > 0.0);
+        }
+        if position.x < 0.499 || (position.x == 0.5 && normal.x < -0.9) {
+            dark += 1;
+            assert_eq!(*e, Vec3::ZERO, "at {position}, normal {normal}");
+        }
+    }
+    assert!(lit > 1000 && dark > 1000, "{lit} {dark}");
+}
+
+#[test]
+fn shooting_and_gathering_find_the_same_light() {
+    let light = Light::Rect(ceiling_light(Vec3::new(0.5, 0.5, 0.95), 0.3, 0.3, 10.0));
+    let builder = || SceneBuilder { lights: vec![light], ..cube(1, [(); 6].map(|()| grey(0.6, 0.0))) };
+    for solver in Solver::ALL {
+        let points = Points::new(builder(), 200, solver, plan(2, 32));
+        let shot = points.solved_by(&Shoot { remainder: 1e-4 });
+        let [shot, gathered] = [shot.total(), points.solved(Stop::Bounces(40)).total()];
+        let [shot, gathered] = [shot, gathered].map(|field| points.mean(&field, |_| true));
+        // What may be missing; rays of their own for every bounce have noise of their own.
+        let bound = if solver == Solver::Stored { 2e-4 } else { 2e-3 };
+        assert!((shot / gathered - 1.0).abs() < bound, "{solver}: {shot} {gathered}");
+    }
+}
