@@ -82,7 +82,7 @@ impl ReliefPrefs {
 
     /// The waves over a scene once they have run so far, radians.
     pub fn ripple(&self, scene: &Scene, phase: f32) -> Ripple {
-        let length = scene.bounds().diagonal() * self.wave_length / std::f32::consts::TAU;
+        let length = scene.bounds().diagonal() * self.wave_length / 360_f32.to_radians();
         Ripple { length: length.max(f32::MIN_POSITIVE), slope: self.slope, phase }
     }
 }

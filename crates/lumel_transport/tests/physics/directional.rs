@@ -116,7 +116,7 @@ fn a_sun_of_a_small_disk_is_nearly_a_direction() {
 
 /// The mean and the variance of each channel over many measurements of a point above the floor.
 fn spread(stage: &Stage, light_sampling: LightSampling) -> [[f64; 2]; 1 + HARMONICS] {
-    let receivers = PointReceivers::new(stage.scene(), [(Vec3::ZERO, Vec3::Z)]).unwrap();
+    let receivers = PointReceivers::new(stage.scene(), [(Vec3::ZERO, Vec3::Z)]).expect("a normal");
     let plan = Plan { direct_samples: 16, light_sampling, ..Plan::default() };
     let fields =
         replicates(&*stage.directional(receivers, Directional::Sh2, plan), Source::Emitters(None), 64);
