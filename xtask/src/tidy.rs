@@ -37,6 +37,7 @@ const PI_ALLOWED: &[&str] = &[
     "lumel_sample/src/warp",
     "lumel_import/src/gltf/lights.rs",
     "lumel_transport/src/light_cone.rs",
+    "lumel_transport/src/cap.rs",
     "lumel_testkit/",
 ];
 

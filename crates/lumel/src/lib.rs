@@ -76,8 +76,8 @@ pub use light_reader::LightReader;
 pub use lightmap_entry::{LightBasis, LightmapEntry, UvChoice};
 pub use lumel_accel::{Bvh, RayTracer, SeeThrough, tracer_of};
 pub use lumel_basis::{
-    Basis, Coefficients, Directional, Field, FieldLighting, IncidentRadiance, Lighting, PointReceivers,
-    Shading, VertexCountError, VertexLighting,
+    Basis, Coefficients, Directional, Field, FieldLighting, IncidentRadiance, Lighting, Moment,
+    PointReceivers, Shading, VertexCountError, VertexLighting,
 };
 pub use lumel_export::{
     Checkpoint, LightmapSolution, LightmapTarget, LumelState, RadFile, RefinementState, Saved, Solution,

@@ -28,8 +28,8 @@ mod vertex_receivers;
 
 pub use adjacency::Adjacency;
 pub use angular::{
-    Coefficients, Directional, HARMONICS, Harmonics, IncidentRadiance, Shading, UnknownShading, band_of,
-    integrals_of_harmonics, spherical_harmonics,
+    Coefficients, Directional, HARMONICS, Harmonics, IncidentRadiance, Moment, Shading, UnknownShading,
+    band_of, integrals_of_harmonics, spherical_harmonics,
 };
 pub use area_receivers::AreaReceivers;
 pub use at_vertices::{VertexPoints, incident_at_vertices, irradiance_at_vertices};

@@ -5,11 +5,13 @@ use crate::commands::Lightmapped;
 use crate::failure::{hinted, with_hint};
 use crate::picture;
 use anyhow::{Context, bail};
-use lumel::{Baker, FileFormat, LightmapSolution, Solution, SolutionSelection, tracer_of};
+use lumel::{Baker, FileFormat, LightmapSolution, Scene, Solution, SolutionSelection, tracer_of};
 use lumel_export::{
     LightmapTarget, PngDepth, Precision, check_obj, write_lightmap_exr, write_lightmap_glb,
     write_lightmap_png, write_pages,
 };
+use lumel_render_cpu::NormalMaps;
+use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -68,6 +70,16 @@ pub(crate) struct Light<'a> {
     pub(crate) target: LightmapTarget,
     /// What a PNG file with a lightmap holds.
     pub(crate) png: Png,
+    /// Where green of normal maps points.
+    pub(crate) green: NormalMaps,
+}
+
+/// A scene whose normal maps have green up, where that of its files points some way.
+pub(crate) fn with_green_up(scene: &Scene, green: NormalMaps) -> Cow<'_, Scene> {
+    match green {
+        NormalMaps::Down => Cow::Owned(scene.with_green_flipped()),
+        NormalMaps::Up | NormalMaps::Off => Cow::Borrowed(scene),
+    }
 }
 
 impl Output {
@@ -118,13 +130,16 @@ impl Output {
         light: &Light<'_>,
         cancel: &AtomicBool,
     ) -> anyhow::Result<Vec<(PathBuf, u64)>> {
-        let Light { baker, solution, target, png, .. } = light;
+        let Light { baker, solution, target, png, green, .. } = light;
         let mut paths = vec![self.path.clone()];
         match (self.content, light.lightmapped) {
-            (Content::Light(format), _) => format.write(&self.path, baker.scene(), solution)?,
+            (Content::Light(format), _) => {
+                format.write(&self.path, &with_green_up(baker.scene(), *green), solution)?;
+            }
             (Content::Picture, None) => {
-                let lighting = solution.lighting(baker.scene(), &SolutionSelection::Sum)?;
-                picture::write_default(&self.path, baker.scene(), &**baker.tracer(), &lighting, cancel)?;
+                let scene = with_green_up(baker.scene(), *green);
+                let lighting = solution.lighting(&scene, &SolutionSelection::Sum)?;
+                picture::write_default(&self.path, &scene, &**baker.tracer(), &lighting, cancel)?;
             }
             (Content::Picture, Some(Lightmapped { scene, lightmap, .. })) => {
                 let depth = match png {
@@ -138,10 +153,11 @@ impl Output {
                     let paths = write_pages(&self.path, lightmap.atlas.pages().len(), write)?;
                     return paths.into_iter().map(sized).collect();
                 }
-                picture::write_default(&self.path, scene, &*tracer_of(scene), &lightmap.lighting(0), cancel)?;
+                let (scene, light) = (with_green_up(scene, *green), lightmap.by_direction(0));
+                picture::write_default(&self.path, &scene, &*tracer_of(&scene), &light, cancel)?;
             }
             (Content::LightmapGlb, Some(Lightmapped { scene, lightmap, .. })) => {
-                write_lightmap_glb(&self.path, scene, lightmap, *target)?;
+                write_lightmap_glb(&self.path, &with_green_up(scene, *green), lightmap, *target)?;
             }
             (Content::Pages, Some(Lightmapped { lightmap, .. })) => {
                 let settings = solution.meta.settings.to_string();

@@ -1,7 +1,7 @@
 //! Values on the command line. Every number is finite.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lumel::{CameraEntry, LightEntry, LightKind, Shading, spec};
+use lumel::{CameraEntry, LightEntry, LightKind, Moment, Shading, spec};
 use lumel_render_cpu::{MAX_PIXELS, NormalMaps, Show, ToneMapper};
 use std::ops::RangeInclusive;
 
@@ -17,6 +17,8 @@ pub(crate) fn named_show() -> impl TypedValueParser<Value = Show> {
         ("normals", "the directions surfaces face: red is +x, green +y, blue +z"),
         ("false-color", "luminance of the irradiance in false colour, with a legend"),
     ];
+    let moments = Moment::ALL.map(|moment| (moment.name(), moment.text()));
+    let values = values.into_iter().chain(moments);
     PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
         .try_map(|name| name.parse::<Show>())
 }
@@ -30,6 +32,14 @@ pub(crate) fn named_normal_maps() -> impl TypedValueParser<Value = NormalMaps> {
     ];
     PossibleValuesParser::new(values.map(|(name, help)| PossibleValue::new(name).help(help)))
         .try_map(|name| name.parse::<NormalMaps>())
+}
+
+/// Where green of normal maps points.
+pub(crate) fn named_green() -> impl TypedValueParser<Value = NormalMaps> {
+    named_normal_maps().try_map(|maps| match maps {
+        NormalMaps::Off => Err("expected up or down"),
+        NormalMaps::Up | NormalMaps::Down => Ok(maps),
+    })
 }
 
 /// How light on tilted normals is found.

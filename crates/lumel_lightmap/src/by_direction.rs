@@ -2,7 +2,7 @@
 
 use crate::{Lightmap, LumelLighting};
 use glam::Vec3;
-use lumel_basis::{HARMONICS, IncidentRadiance, Lighting};
+use lumel_basis::{Directional, HARMONICS, IncidentRadiance, Lighting};
 use lumel_scene::{Irradiance, SurfacePoint};
 
 /// A layer of a lightmap, and what is known of it by direction.
@@ -26,6 +26,13 @@ impl Lightmap {
         harmonics.sort_unstable_by_key(|(harmonic, _)| *harmonic);
         let harmonics = harmonics.into_iter().map(|(_, values)| values).collect();
         LumelsByDirection { irradiance: self.lighting(layer), harmonics }
+    }
+}
+
+impl LumelsByDirection<'_> {
+    /// What is known of it by direction.
+    pub fn kind(&self) -> Directional {
+        Directional::of_channels(1 + self.harmonics.len()).unwrap_or_default()
     }
 }
 

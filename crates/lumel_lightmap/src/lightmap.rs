@@ -2,7 +2,7 @@
 
 use crate::{Dilation, Filter, LumelLight, LumelLighting, Seams, SolvedLight};
 use glam::Vec3;
-use lumel_basis::HARMONICS;
+use lumel_basis::Moment;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
 use lumel_uv::{Atlas, Coverage};
 use std::borrow::Cow;
@@ -37,13 +37,16 @@ impl LightmapLayer {
     pub const OCCLUSION: &str = "occlusion";
 
     /// The name of the layer of a coefficient of harmonics, W·m⁻², by its place among them; it may be negative.
+    ///
+    /// # Panics
+    /// If there is no such harmonic.
     pub fn of_harmonic(harmonic: usize) -> String {
-        format!("sh{harmonic}")
+        Moment::ALL[1 + harmonic].name().to_owned()
     }
 
     /// The place of a coefficient among harmonics, if this is the layer of one.
     pub fn harmonic(&self) -> Option<usize> {
-        (0..HARMONICS).find(|&harmonic| self.name == Self::of_harmonic(harmonic))
+        Moment::ALL.into_iter().find(|moment| self.name == moment.name())?.harmonic()
     }
 
     /// The name of the layer of light after so many reflections.

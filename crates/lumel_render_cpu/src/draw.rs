@@ -7,6 +7,7 @@ use crate::legend::draw_legend;
 use crate::rect_light::VisibleLight;
 use crate::{Display, Exposure, Legend, Lens, Picture, PictureError, Resolution, Show, View};
 use glam::{DVec3, Vec2, Vec3};
+use lumel_basis::Moment;
 use lumel_sample::{Dim, Sampler, SamplerKind, StreamKey};
 use lumel_scene::{Camera, luminance};
 use rayon::prelude::*;
@@ -53,11 +54,17 @@ pub fn draw(
             finish(pixels).map(|picture: Picture| picture.exposed(stops))
         }
         Show::Albedo => finish(to_pixels(&|mean| albedo_pixel(mean.value))),
-        Show::Normals => finish(to_pixels(&|mean| normal_pixel(mean.value))),
-        Show::FalseColor => {
+        Show::Normals | Show::Moment(Moment::Direction) => {
+            finish(to_pixels(&|mean| normal_pixel(mean.value)))
+        }
+        Show::FalseColor | Show::Moment(_) => {
             let settings = display.false_color;
             let covered_means = means.iter().filter(|mean| mean.coverage > 0.0);
-            let range = settings.range_for(covered_means.map(Mean::luminance_of_covered).collect());
+            let luminances = covered_means.map(Mean::luminance_of_covered).collect();
+            let range = match display.show {
+                Show::Moment(_) => settings.signed_range_for(luminances),
+                _ => settings.range_for(luminances),
+            };
             let pixels = to_pixels(&|mean| {
                 covered(settings.scale.position(mean.luminance_of_covered(), range), mean.coverage)
             });

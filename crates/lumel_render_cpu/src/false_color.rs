@@ -86,6 +86,13 @@ impl FalseColor {
             Scale::Log => [lo.max(hi / MAX_LOG_SPAN), hi],
         }
     }
+
+    /// The same for values of both signs: zero is in the middle.
+    pub fn signed_range_for(&self, mut values: Vec<f32>) -> [f32; 2] {
+        values.iter_mut().for_each(|value| *value = value.abs());
+        let [_, most] = Self { scale: Scale::Linear, ..*self }.range_for(values);
+        self.range.unwrap_or([-most, most])
+    }
 }
 
 impl Scale {
@@ -212,6 +219,16 @@ mod tests {
                 assert_eq!(FalseColor { range, ..false_color }.check(), Ok(()));
             }
         }
+    }
+
+    #[test]
+    fn values_of_both_signs_have_zero_in_the_middle() {
+        let settings = FalseColor::default();
+        let ramp: Vec<f32> = (0..1000).map(|i| -(i as f32)).collect();
+        assert_eq!(settings.signed_range_for(ramp), [-989.0, 989.0]);
+        assert_eq!(settings.signed_range_for(vec![]), [-1.0, 1.0]);
+        let range = Some([-2.0, 3.0]);
+        assert_eq!(FalseColor { range, ..settings }.signed_range_for(vec![7.0]), [-2.0, 3.0]);
     }
 
     #[test]

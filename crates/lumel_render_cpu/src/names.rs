@@ -11,10 +11,10 @@ pub struct UnknownName {
 
 /// Gives the variants of an enum their names: `ALL`, `NAMES`, `name()`, `Display` and `FromStr`.
 macro_rules! named {
-    ($type:ident, $what:literal, $($variant:ident = $name:literal),+ $(,)?) => {
+    ($type:ident, $what:literal, $($variant:ident $(($($of:tt)+))? = $name:expr),+ $(,)?) => {
         impl $type {
             /// All values.
-            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+            pub const ALL: &'static [Self] = &[$(Self::$variant $(($($of)+))?),+];
 
             /// The names of [`ALL`](Self::ALL), in the same order.
             pub const NAMES: &'static [&'static str] = &[$($name),+];
@@ -22,7 +22,7 @@ macro_rules! named {
             /// The name on the command line and in settings.
             pub const fn name(self) -> &'static str {
                 match self {
-                    $(Self::$variant => $name),+
+                    $(Self::$variant $(($($of)+))? => $name),+
                 }
             }
         }

@@ -7,10 +7,12 @@
 
 use cpu_time::ProcessTime;
 use glam::{Vec2, Vec3};
-use lumel_basis::VertexLighting;
-use lumel_render_cpu::{Relief, Scale, ToneMapper};
+use lumel_basis::{Coefficients, Directional, Shading, VertexLighting, spherical_harmonics};
+use lumel_render_cpu::{Relief, Ripple, Rippled, Scale, ToneMapper};
 use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples};
-use lumel_scene::{Camera, Encoding, Material, Radiance, Scene, Texture, TextureId, TextureRef, UvTransform};
+use lumel_scene::{
+    Camera, Encoding, Material, MaterialId, Radiance, Scene, Texture, TextureId, TextureRef, UvTransform,
+};
 use lumel_testkit::mesh::{Facing, quad, sphere};
 use lumel_testkit::scene::scene;
 use std::sync::Arc;
@@ -30,35 +32,53 @@ fn main() {
     let tone = |tone| Look::Radiance { stops: 0.0, tone, white: ToneMapper::DEFAULT_WHITE };
     for (name, room) in [("plain", room(None)), ("textured", room(Some(checks())))] {
         println!("{name} room, {} triangles", room.triangle_count());
-        measure(&renderer, &room, "radiance, agx", tone(ToneMapper::Agx));
-        measure(&renderer, &room, "radiance, aces", tone(ToneMapper::Aces));
-        measure(&renderer, &room, "false colours", Look::FalseColor { range: [0.1, 8.0], scale: Scale::Log });
-        measure(&renderer, &room, "normals", Look::Normals);
-        measure(&renderer, &room, "plain", Look::Plain);
+        let show = |name, look| measure(&renderer, &room, name, (look, None));
+        show("radiance, agx", tone(ToneMapper::Agx));
+        show("radiance, aces", tone(ToneMapper::Aces));
+        show("false colours", Look::FalseColor { range: [0.1, 8.0], scale: Scale::Log });
+        show("normals", Look::Normals);
+        show("plain", Look::Plain);
+    }
+    let cornell = lumel_builtin::scene("cornell-box", 0).unwrap().build().unwrap().0;
+    println!("waves over the Cornell box, {} triangles, radiance, agx", cornell.triangle_count());
+    measure(&renderer, &cornell, "none", (tone(ToneMapper::Agx), None));
+    for shading in Shading::ALL {
+        let name = shading.to_string();
+        measure(&renderer, &cornell, &name, (tone(ToneMapper::Agx), Some(shading)));
     }
 }
 
-fn measure(renderer: &Renderer, scene: &Scene, name: &str, look: Look) {
+/// Where there is a shading, waves run over all surfaces.
+fn measure(renderer: &Renderer, scene: &Scene, name: &str, (look, shading): (Look, Option<Shading>)) {
     let model = renderer.upload(scene).unwrap();
     let light = renderer.light(&model);
     let values: Vec<Vec3> = scene.positions().iter().map(|p| Vec3::splat(1.0 + p.y)).collect();
-    renderer.set_light(&light, scene, &VertexLighting::new(scene, &values).unwrap()).unwrap();
+    let kind = Directional::Sh2;
+    let from_above = |n: &Vec3| spherical_harmonics((*n + 0.7 * Vec3::Y).normalize_or_zero());
+    let harmonics = scene.normals().iter().flat_map(|n| from_above(n).map(Vec3::splat)).collect();
+    let incident = Coefficients::new(kind, harmonics).filter(|_| shading.is_some());
+    let lighting = VertexLighting::new(scene, &values).unwrap();
+    renderer.set_light(&light, scene, &lighting.with_incident(incident.as_ref()).unwrap()).unwrap();
+    let materials: Vec<MaterialId> = (0..scene.materials().len() as u32).map(MaterialId).collect();
+    let length = 0.01 * scene.bounds().diagonal();
     for samples in [Samples::One, Samples::Four] {
         let target = renderer.target(SIZE, samples).unwrap();
         let draw = |frame: u32| {
             let yaw = frame as f32 * 0.01;
             let eye = Vec3::new(0.0, 1.0, 3.6);
             let ahead = Vec3::new(yaw.sin(), 0.0, -yaw.cos());
-            let camera = Camera::looking_at("c", eye, eye + ahead, 45_f32.to_radians());
+            let turning = Camera::looking_at("c", eye, eye + ahead, 45_f32.to_radians());
+            let camera = scene.cameras().first().unwrap_or(&turning);
+            let ripple = Ripple { length, slope: 0.35, phase: yaw };
             let (light, sky) = (Lit::One((&light).into()), Radiance::ZERO);
             let frame = Frame {
                 model: &model,
-                camera: &camera,
+                camera,
                 light,
                 rect_lights: &[],
                 look,
-                relief: Relief::default(),
-                ripple: None,
+                relief: Relief { shading: shading.unwrap_or_default(), ..Relief::default() },
+                ripple: shading.map(|_| Rippled { ripple, materials: &materials }),
                 wireframe: false,
                 grid: false,
                 overlay: None,

@@ -36,5 +36,8 @@ fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
     if (VALUE == 3u) {
         return in_halves(dot(value, LUMINANCE) * view.exposure);
     }
+    if (VALUE == 5u) {
+        return vec4<f32>(0.5 * value + 0.5, 1.0);
+    }
     return under_headlight(value, in.normal, in.from_eye);
 }

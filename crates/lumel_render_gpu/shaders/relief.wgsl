@@ -86,9 +86,11 @@ fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
     if (is_hole(uv, in.clip.xy)) {
         discard;
     }
-    var light = value_at(clamp(in.coordinates.zw, in.chart.xy, in.chart.zw), in.page, in.light);
+    let place = clamp(in.coordinates.zw, in.chart.xy, in.chart.zw);
+    var light = value_at(place, in.page, in.light);
     if (dot(in.normal, in.normal) > 0.0 && dot(tilted, tilted) > 0.0) {
-        let moments = Moments(in.red, in.green, in.blue, in.red_2, in.green_2, in.blue_2, in.last_2);
+        let at_vertices = Moments(in.red, in.green, in.blue, in.red_2, in.green_2, in.blue_2, in.last_2);
+        let moments = moments_at(place, in.page, at_vertices);
         light *= tilted_share(moments, normalize(in.normal), normalize(tilted));
     }
     if (VALUE == 1u) {

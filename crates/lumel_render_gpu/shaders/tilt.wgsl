@@ -18,16 +18,19 @@ fn mapped_normal(uv: vec2<f32>, normal: vec3<f32>, tangent: vec4<f32>) -> vec3<f
     return select(normal, sum, has_frame);
 }
 
+/// The slope of one of the waves.
+fn slope_of(wave: vec4<f32>, position: vec3<f32>) -> vec3<f32> {
+    let along = wave.xyz;
+    let shortness = length(along);
+    let phase = dot(along, position) / view.ripple.x - sqrt(shortness) * view.phase;
+    return along * (view.ripple.y * wave.w / shortness * cos(phase));
+}
+
 /// The unit normal where waves tilt it: `Ripple::tilted`.
 fn rippled_normal(normal: vec3<f32>, position: vec3<f32>) -> vec3<f32> {
-    var waves = WAVES;
-    var slope = vec3<f32>(0.0);
-    for (var i = 0; i < 4; i++) {
-        let along = waves[i].xyz;
-        let shortness = length(along);
-        let phase = dot(along, position) / view.ripple.x - sqrt(shortness) * view.phase;
-        slope += along * (view.ripple.y * waves[i].w / shortness * cos(phase));
-    }
+    // Without a loop: all that depends on a wave alone is a constant then.
+    let slope = slope_of(WAVES[0], position) + slope_of(WAVES[1], position)
+        + slope_of(WAVES[2], position) + slope_of(WAVES[3], position);
     return normalize(normal - slope + normal * dot(slope, normal));
 }
 

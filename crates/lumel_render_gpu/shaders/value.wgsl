@@ -19,6 +19,8 @@ fn vertex(@location(0) position: vec3<f32>, @location(1) light: vec3<f32>) -> In
         out.value = light * INVERSE_PI;
     } else if (VALUE == 2u) {
         out.value = albedo;
+    } else if (VALUE == 5u) {
+        out.value = 0.5 * light + 0.5;
     } else {
         out.value = vec3<f32>(dot(light, LUMINANCE));
     }

@@ -21,7 +21,7 @@ impl Shown {
                 Self::exposed(stops, tone, white)
             }
             Look::Albedo | Look::Plain => Self::as_it_is(Curve::Srgb),
-            Look::Normals => Self::as_it_is(Curve::None),
+            Look::Normals | Look::Vectors => Self::as_it_is(Curve::None),
             Look::FalseColor { range, scale } => Self::false_color(range, scale),
         }
     }

@@ -44,6 +44,20 @@ pub(crate) fn draw(
     gpu.queue().submit([encoder.finish()]);
 }
 
+/// A part of the picture.
+struct Part<'a> {
+    light: Values<'a>,
+    columns: std::ops::Range<u32>,
+    surfaces: Surfaces,
+}
+
+/// Whether normals are tilted as the frame says.
+#[derive(Clone, Copy, PartialEq)]
+enum Surfaces {
+    Tilted,
+    Smooth,
+}
+
 struct Draw<'a> {
     gpu: &'a Gpu,
     pipelines: &'a Pipelines,
@@ -97,12 +111,12 @@ impl Draw<'_> {
         }
         pass.set_bind_group(0, &self.target.view_group, &[]);
         let [width, height] = self.target.size();
-        for (light, columns) in self.parts(width) {
+        for Part { light, columns, surfaces } in self.parts(width) {
             if columns.is_empty() || !self.fits(light) {
                 continue;
             }
             pass.set_scissor_rect(columns.start, 0, columns.end - columns.start, height);
-            self.surfaces(&mut pass, light);
+            self.surfaces(&mut pass, light, surfaces);
         }
         pass.set_scissor_rect(0, 0, width, height);
         if let Look::Radiance { .. } = self.frame.look {
@@ -117,19 +131,24 @@ impl Draw<'_> {
         vertices.fits(model.vertex_count(), model.sources.as_ref())
     }
 
-    /// The light shown in each range of columns.
-    fn parts(&self, width: u32) -> Vec<(Values<'_>, std::ops::Range<u32>)> {
+    /// What is shown in each range of columns.
+    fn parts(&self, width: u32) -> Vec<Part<'_>> {
+        let split = |left, right, at: f32, surfaces| {
+            // Casting NaN gives 0.
+            let divider = ((at.clamp(0.0, 1.0) * width as f32).round() as u32).min(width);
+            vec![
+                Part { light: left, columns: 0..divider, surfaces: Surfaces::Tilted },
+                Part { light: right, columns: divider..width, surfaces },
+            ]
+        };
         match self.frame.light {
-            Lit::One(light) => vec![(light, 0..width)],
-            Lit::Split { left, right, at } => {
-                // Casting NaN gives 0.
-                let divider = (at.clamp(0.0, 1.0) * width as f32).round() as u32;
-                vec![(left, 0..divider.min(width)), (right, divider.min(width)..width)]
-            }
+            Lit::One(light) => vec![Part { light, columns: 0..width, surfaces: Surfaces::Tilted }],
+            Lit::Split { left, right, at } => split(left, right, at, Surfaces::Tilted),
+            Lit::Smooth { light, at } => split(light, light, at, Surfaces::Smooth),
         }
     }
 
-    fn surfaces(&self, pass: &mut wgpu::RenderPass<'_>, values: Values<'_>) {
+    fn surfaces(&self, pass: &mut wgpu::RenderPass<'_>, values: Values<'_>, surfaces: Surfaces) {
         let Model { positions, normals, uvs, places, tints, no_tint, indices, .. } = self.frame.model;
         let samples = self.target.samples();
         let (light, lumels, reading) = match values {
@@ -140,7 +159,11 @@ impl Draw<'_> {
                 (vertices, self.no_lumels, Reading::Vertices)
             }
         };
-        let shade = self.shade(light);
+        let tilt = |batch: &Batch| match surfaces {
+            Surfaces::Tilted => self.tilt(batch),
+            Surfaces::Smooth => Tilt::default(),
+        };
+        let shade = self.shade(light, lumels).filter(|_| surfaces == Surfaces::Tilted);
         pass.set_bind_group(3, &lumels.group, &[]);
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(0, positions.slice(..));
@@ -150,6 +173,7 @@ impl Draw<'_> {
             Look::Albedo => Quantity::Albedo,
             Look::Irradiance { .. } => return self.light(pass, Value::Irradiance, reading, shade),
             Look::FalseColor { .. } => return self.light(pass, Value::Luminance, reading, shade),
+            Look::Vectors => return self.light(pass, Value::Vector, reading, None),
             Look::Plain if reading != Reading::Vertices => {
                 return self.light(pass, Value::Color, reading, None);
             }
@@ -157,7 +181,7 @@ impl Draw<'_> {
                 pass.set_vertex_buffer(2, normals.slice(..));
                 return self.everything(pass, Key::Plain(samples));
             }
-            Look::Normals => return self.normals(pass),
+            Look::Normals => return self.normals(pass, tilt),
         };
         pass.set_vertex_buffer(2, uvs.slice(..));
         let mut last = None;
@@ -166,7 +190,7 @@ impl Draw<'_> {
                 Quantity::Radiance => batch.detail,
                 Quantity::Albedo => Detail { emission_map: false, ..batch.detail },
             };
-            let tilt = self.tilt(batch);
+            let tilt = tilt(batch);
             if let (Some((shade, moments)), Quantity::Radiance) = (&shade, quantity)
                 && tilt != Tilt::default()
             {
@@ -203,10 +227,11 @@ impl Draw<'_> {
     }
 
     /// How light on tilted normals is found, and what is known of it; `None` if there are none or it is not known.
-    fn shade(&self, light: &LightBuffer) -> Option<(Shade, Moments)> {
+    fn shade(&self, light: &LightBuffer, lumels: &LumelBuffer) -> Option<(Shade, Moments)> {
         let is_tilted = self.frame.model.batches.iter().any(|batch| self.tilt(batch) != Tilt::default());
         let moments = light.moments().filter(|_| is_tilted)?;
-        Some((Shade::new(self.frame.relief.shading, moments.kind), moments))
+        let on_lumels = lumels.directional() == moments.kind;
+        Some((Shade::new(self.frame.relief.shading, moments.kind, on_lumels), moments))
     }
 
     /// Light as it arrives, which does not depend on materials but for their normals.
@@ -270,13 +295,13 @@ impl Draw<'_> {
         pass.draw_indexed(self.frame.model.all_indices(), 0, 0..1);
     }
 
-    fn normals(&self, pass: &mut wgpu::RenderPass<'_>) {
+    fn normals(&self, pass: &mut wgpu::RenderPass<'_>, tilt: impl Fn(&Batch) -> Tilt) {
         let model = self.frame.model;
         pass.set_vertex_buffer(1, model.normals.slice(..));
         pass.set_vertex_buffer(2, model.uvs.slice(..));
         pass.set_vertex_buffer(3, model.tangents.slice(..));
         for batch in &model.batches {
-            pass.set_pipeline(&self.pipeline(Key::Normals(self.tilt(batch), self.target.samples())));
+            pass.set_pipeline(&self.pipeline(Key::Normals(tilt(batch), self.target.samples())));
             pass.set_bind_group(1, &model.materials, &[batch.material]);
             pass.set_bind_group(2, &batch.textures, &[]);
             pass.draw_indexed(batch.indices.clone(), 0, 0..1);

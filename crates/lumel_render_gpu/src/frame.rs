@@ -46,6 +46,13 @@ pub enum Lit<'a> {
         /// Position of the divider, 0..=1 of the width; rounded to whole pixels.
         at: f32,
     },
+    /// The same left and right of a divider, right of it on surfaces as smooth as their meshes.
+    Smooth {
+        /// On both sides.
+        light: Values<'a>,
+        /// Position of the divider, as that of [`Lit::Split`].
+        at: f32,
+    },
 }
 
 /// Where the values of a model's surfaces are.
@@ -102,6 +109,8 @@ pub enum Look {
         /// How the range is divided.
         scale: Scale,
     },
+    /// The values as vectors, at most as long as 1, in the colours of [`Look::Normals`].
+    Vectors,
     /// The values as linear colours, shaded by a headlight to reveal shapes.
     ///
     /// With shading normal `n` and unit vector `v` to the camera, a colour is multiplied by `0.35 + 0.65 |n·v|`. There

@@ -85,10 +85,7 @@ impl LightBuffer {
             return;
         };
         let kind = first.kind();
-        let bytes = match kind {
-            Directional::Off | Directional::Sh1 => self.packed(light, two_bands),
-            Directional::Sh2 => self.packed(light, three_bands),
-        };
+        let bytes = self.packed(kind, light);
         match &*moments {
             Some(known) if known.kind == kind => gpu.queue().write_buffer(&known.buffer, 0, &bytes),
             _ => {
@@ -98,19 +95,34 @@ impl LightBuffer {
         }
     }
 
-    fn packed<const N: usize>(
-        &self,
-        light: &[IncidentRadiance],
-        pack: impl Fn(&Harmonics<Vec3>) -> [[f32; 4]; N],
-    ) -> Vec<u8> {
-        let values: Vec<[[f32; 4]; N]> =
-            light.iter().map(|light| pack(light.coefficients()).map(|four| four.map(number))).collect();
-        let values = gathered(self.sources.as_deref(), &values);
-        values.iter().flatten().flatten().flat_map(|number| number.to_le_bytes()).collect()
+    fn packed(&self, kind: Directional, light: &[IncidentRadiance]) -> Vec<u8> {
+        let light: Vec<&IncidentRadiance> = light.iter().collect();
+        let light = gathered(self.sources.as_deref(), &light);
+        let numbers = light.iter().flat_map(|light| packed(kind, light.coefficients())).flatten();
+        numbers.flat_map(f32::to_le_bytes).collect()
     }
 }
 
-fn number(x: f32) -> f32 {
+/// How many texels or vertex attributes of four numbers the coefficients of a place take.
+pub(crate) fn layers_of(kind: Directional) -> u32 {
+    match kind {
+        Directional::Off => 0,
+        Directional::Sh1 => 3,
+        Directional::Sh2 => 7,
+    }
+}
+
+/// The coefficients of a place of a kind, as many times four as [`layers_of`] says.
+pub(crate) fn packed(kind: Directional, c: &Harmonics<Vec3>) -> Vec<[f32; 4]> {
+    let packed = match kind {
+        Directional::Off => vec![],
+        Directional::Sh1 => two_bands(c).to_vec(),
+        Directional::Sh2 => three_bands(c).to_vec(),
+    };
+    packed.into_iter().map(|four| four.map(number)).collect()
+}
+
+pub(crate) fn number(x: f32) -> f32 {
     if x.is_nan() { 0.0 } else { x.clamp(-BRIGHTEST, BRIGHTEST) }
 }
 

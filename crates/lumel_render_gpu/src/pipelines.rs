@@ -2,6 +2,7 @@
 
 use crate::Gpu;
 use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
+use crate::light::layers_of;
 use crate::shaders::{self, Shader};
 use crate::vertices::{self, Attribute};
 use lumel_basis::{Directional, Shading};
@@ -19,6 +20,8 @@ pub(crate) enum Value {
     Luminance = 3,
     /// As colours, of lumels only: see `Key::Plain`.
     Color = 4,
+    /// Vectors, as colours.
+    Vector = 5,
 }
 
 /// Where values are read; the numbers are those of `lumels.wgsl`.
@@ -126,15 +129,26 @@ pub(crate) struct Shade {
     shading: u8,
     /// Whether band 2 is known.
     three_bands: bool,
+    /// Whether lumels know coefficients of their own.
+    on_lumels: bool,
 }
 
 impl Shade {
-    pub(crate) fn new(shading: Shading, kind: Directional) -> Self {
+    pub(crate) fn new(shading: Shading, kind: Directional, on_lumels: bool) -> Self {
         let three_bands = kind == Directional::Sh2;
         // Without band 2, l2 is zh3.
         let shading = if shading == Shading::Quadratic && !three_bands { Shading::Zh3 } else { shading };
         let place = Shading::ALL.iter().position(|s| *s == shading).unwrap_or(0);
-        Self { shading: place as u8, three_bands }
+        Self { shading: place as u8, three_bands, on_lumels }
+    }
+
+    /// Layers of coefficients that each page of lumels has; 0 where those of the vertices are read.
+    fn layers_of_lumels(self) -> u32 {
+        match self {
+            Self { on_lumels: false, .. } => 0,
+            Self { three_bands: false, .. } => layers_of(Directional::Sh1),
+            Self { three_bands: true, .. } => layers_of(Directional::Sh2),
+        }
     }
 }
 
@@ -192,7 +206,7 @@ pub(crate) struct Layouts {
     pub(crate) tone: wgpu::BindGroupLayout,
     /// The overlay.
     pub(crate) composite: wgpu::BindGroupLayout,
-    /// Pages of lumels and their sizes.
+    /// Pages of lumels, their sizes, and coefficients of light by direction.
     pub(crate) lumels: wgpu::BindGroupLayout,
 }
 
@@ -234,7 +248,7 @@ impl Layouts {
             rect_light: layout("rect_light", &image),
             tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
             composite: layout("composite", &[texture(false)]),
-            lumels: layout("lumels", &[layers, uniform(false)]),
+            lumels: layout("lumels", &[layers, uniform(false), layers]),
         }
     }
 }
@@ -356,6 +370,7 @@ impl Pipelines {
                     ("IS_TRANSPARENT", number(detail.transparent)),
                     ("READING", f64::from(reading as u8)),
                     ("SHADING", f64::from(shade.shading)),
+                    ("MOMENT_LAYERS", f64::from(shade.layers_of_lumels())),
                 ]);
                 let groups = vec![view, Some(material), Some(textures), lumels];
                 let recipe = scene(Shader::Relief, samples, groups, vertices, constants);

@@ -7,7 +7,9 @@ use crate::read;
 use crate::texture::{self, Blank};
 use crate::{Frame, Gpu, LightBuffer, LumelBuffer, Model, RenderError, Samples, Target, Tile};
 use glam::Vec3;
-use lumel_basis::{Lighting, VertexCountError, incident_at_vertices, irradiance_at_vertices};
+use lumel_basis::{
+    Directional, IncidentRadiance, Lighting, VertexCountError, incident_at_vertices, irradiance_at_vertices,
+};
 use lumel_render_cpu::{Picture, false_color_map};
 use lumel_scene::Scene;
 use lumel_uv::Atlas;
@@ -94,6 +96,29 @@ impl Renderer {
     /// Replaces the lumels of a part of a page, row by row; NaN becomes zero. A part that is not on the page is left out.
     pub fn set_lumels(&self, lumels: &LumelBuffer, tile: &Tile, values: impl Iterator<Item = Option<Vec3>>) {
         lumels.set(&self.gpu, tile, values);
+    }
+
+    /// Makes room for light by direction on the lumels, zero at first; [`Directional::Off`] frees it. Where there is none,
+    /// light by direction of the vertices is shown.
+    ///
+    /// # Errors
+    /// If it does not fit.
+    pub fn begin_lumel_moments(
+        &self,
+        lumels: &mut LumelBuffer,
+        kind: Directional,
+    ) -> Result<(), RenderError> {
+        lumels.begin_moments(&self.gpu, &self.pipelines.layouts, kind)
+    }
+
+    /// Replaces light by direction on a part of a page, row by row. A part that is not on the page is left out.
+    pub fn set_lumel_moments(
+        &self,
+        lumels: &LumelBuffer,
+        tile: &Tile,
+        light: impl Iterator<Item = IncidentRadiance>,
+    ) {
+        lumels.set_moments(&self.gpu, tile, light);
     }
 
     /// A picture to draw on.

@@ -60,6 +60,7 @@ pub(crate) fn source(shader: Shader) -> String {
             LUMELS,
             TILT,
             include_str!("../shaders/shading.wgsl"),
+            include_str!("../shaders/lumel_moments.wgsl"),
             include_str!("../shaders/relief.wgsl"),
         ],
         Shader::Normals => &[VIEW, MATERIAL, TEXTURES, TILT, include_str!("../shaders/normals.wgsl")],

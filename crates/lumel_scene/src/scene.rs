@@ -121,6 +121,16 @@ impl Scene {
         Self { unlit: Arc::new(unlit), lights, light_names, hash: OnceLock::new() }
     }
 
+    /// The same scene with green of all normal maps the other way: that of files whose green points down is up then.
+    #[must_use]
+    pub fn with_green_flipped(&self) -> Self {
+        let mut unlit = Unlit { surfaces_hash: OnceLock::new(), ..(*self.unlit).clone() };
+        for map in unlit.materials.iter_mut().filter_map(|material| material.normal_texture.as_mut()) {
+            *map = map.flipped();
+        }
+        Self { unlit: Arc::new(unlit), hash: OnceLock::new(), ..self.clone() }
+    }
+
     /// The same scene with these triangles in place of those that they are parts of.
     pub(crate) fn with_refined(&self, faces: FaceList, refinement: Refinement) -> Self {
         self.with_faces(Arc::new(faces), Some(Arc::new(refinement)))

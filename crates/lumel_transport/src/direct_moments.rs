@@ -170,7 +170,7 @@ impl Direct<'_> {
         let mut betas = vec![0.0; sites.elements()];
         let mut n_rays = 0;
         let has_closed_form =
-            self.plan.light_sampling == LightSampling::Analytic && self.lights.is_even_polygon(l);
+            self.plan.light_sampling == LightSampling::Analytic && self.lights.has_unblocked_moments(l);
         if has_closed_form {
             let pilot = self.pilot_samples(sites.samples());
             let sampler = self.plan.sampler.for_count(pilot);

@@ -201,11 +201,9 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
             arrived.extend((0..area.pattern.len() as usize).map(|slot| {
                 end(slot * lanes + i).map_or(Arrived::LEFT_OUT, |end| reader.arrived(slot, &end))
             }));
-            for (channel, sums) in found.by_rays.iter_mut().enumerate() {
-                measure::add_samples::<1, _, _>(op, area, &[i], sums, |_, slot| {
-                    arrived[slot as usize].in_channel(channel)
-                });
-            }
+            measure::add_channels(op, area, i, &mut found.by_rays, |slot, channel| {
+                arrived[slot as usize].in_channel(channel)
+            });
         }
     }
 
@@ -234,13 +232,11 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
         let scratch = (&mut LightPoints::default(), &mut Batch::default());
         measure::direct(op, mask, control).moments(&LitSites::Areas(&lit), scratch, &mut moments)?;
         for (k, &i) in elements.iter().enumerate() {
-            for (channel, sums) in found.by_lights.iter_mut().enumerate() {
-                measure::add_samples::<1, _, _>(op, area, &[i], sums, |_, slot| {
-                    let at = lit.at(k, slot);
-                    let value = || moments.of(at)[channel].as_vec3().extend(1.0);
-                    sites[at].as_ref().map_or(Vec4::ZERO, |_| value())
-                });
-            }
+            measure::add_channels(op, area, i, &mut found.by_lights, |slot, channel| {
+                let at = lit.at(k, slot);
+                let value = || moments.of(at)[channel].as_vec3().extend(1.0);
+                sites[at].as_ref().map_or(Vec4::ZERO, |_| value())
+            });
         }
         Ok(())
     }

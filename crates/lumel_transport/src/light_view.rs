@@ -161,14 +161,23 @@ impl<'a> LightView<'a> {
         Irradiance(radiance.0 * per_radiance as f32)
     }
 
-    /// The radiance of a polygon that shines evenly, and what would arrive per unit of it in all channels of light by direction if
+    /// The radiance of a polygon that shines evenly, of a sphere or a sun, and what would arrive per unit of it in all channels of light by direction if
     /// nothing were in the way.
     pub(crate) fn unblocked_moments(&self) -> Option<(DVec3, [f64; 1 + HARMONICS])> {
         let Site { origin, frame, .. } = self.site;
         let of = |corners: &[Vec3]| polygon::unit_moments(corners, *origin, frame.normal);
+        let of_cap = |axis, sin_squared| cap::unit_moments(axis, sin_squared, frame.normal.as_dvec3());
         let (radiance, moments) = match self.light {
             AreaLight::Rect(rect) => (rect.radiance, of(&rect.corners())),
             AreaLight::Triangle(tri, radiance) => (*radiance, of(&self.scene.triangle_positions(*tri))),
+            AreaLight::Sphere(sphere) => {
+                let (axis, sin_squared) = cone_of_sphere(sphere, *origin)?;
+                (sphere.radiance, of_cap(axis, sin_squared))
+            }
+            AreaLight::Sun(sun) => {
+                let (axis, sin_squared) = cone_of_sun(sun);
+                (sun.radiance(), of_cap(axis, sin_squared))
+            }
             _ => return None,
         };
         Some((radiance.0.as_dvec3(), moments))
@@ -330,22 +339,19 @@ impl Density {
     }
 
     fn of_sun(sun: &SunLight, site: &Site) -> Option<Self> {
-        let axis = -sun.parallel.direction;
-        let sin_squared = f64::from(sun.sin_half_angle).powi(2);
-        let cos = site.frame.normal.as_dvec3().dot(axis.as_dvec3());
-        Self::of_cap(SphericalCap::new(axis, sin_squared), None, cap::unit_irradiance(cos, sin_squared))
+        let (axis, sin_squared) = cone_of_sun(sun);
+        let cos = site.frame.normal.as_dvec3().dot(axis);
+        let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
+        Self::of_cap(cap, None, cap::unit_irradiance(cos, sin_squared))
     }
 
     fn of_sphere(sphere: &SphereLight, site: &Site) -> Option<Self> {
-        let to_center = sphere.center.as_dvec3() - site.origin.as_dvec3();
-        let (squared, radius_squared) = (to_center.length_squared(), f64::from(sphere.radius).powi(2));
-        if squared <= radius_squared {
-            return None;
-        }
-        let (axis, sin_squared) = (to_center / squared.sqrt(), radius_squared / squared);
+        let (axis, sin_squared) = cone_of_sphere(sphere, site.origin)?;
+        let (distance, radius) =
+            (sphere.center.as_dvec3().distance(site.origin.as_dvec3()), f64::from(sphere.radius));
         let cos = site.frame.normal.as_dvec3().dot(axis);
         let cap = SphericalCap::new(axis.as_vec3(), sin_squared);
-        Self::of_cap(cap, Some([squared.sqrt(), radius_squared]), cap::unit_irradiance(cos, sin_squared))
+        Self::of_cap(cap, Some([distance, radius.powi(2)]), cap::unit_irradiance(cos, sin_squared))
     }
 
     /// `None` if nothing of the cone is above the horizon.
@@ -366,6 +372,18 @@ impl Density {
             _ => Self::Area,
         }
     }
+}
+
+/// The axis of the cone of directions to a sun, and the square of the sine of its half-angle.
+fn cone_of_sun(sun: &SunLight) -> (DVec3, f64) {
+    (-sun.parallel.direction.as_dvec3(), f64::from(sun.sin_half_angle).powi(2))
+}
+
+/// The same to a sphere; `None` from inside.
+fn cone_of_sphere(sphere: &SphereLight, from: Vec3) -> Option<(DVec3, f64)> {
+    let to_center = sphere.center.as_dvec3() - from.as_dvec3();
+    let (squared, radius_squared) = (to_center.length_squared(), f64::from(sphere.radius).powi(2));
+    (squared > radius_squared).then(|| (to_center / squared.sqrt(), radius_squared / squared))
 }
 
 /// The radiance that a surface sends, of which a share alone may be there.

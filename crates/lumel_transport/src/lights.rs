@@ -141,9 +141,13 @@ impl LightSet {
         LightView::new(scene, (&self.area[l].1, &self.fronts[l]), site, sampling)
     }
 
-    /// Whether an area light is a polygon that shines evenly.
-    pub(crate) fn is_even_polygon(&self, l: usize) -> bool {
-        matches!(self.area[l].1, AreaLight::Rect(_) | AreaLight::Triangle(..))
+    /// Whether an area light has closed forms for [all moments](LightView::unblocked_moments).
+    pub(crate) fn has_unblocked_moments(&self, l: usize) -> bool {
+        let light = &self.area[l].1;
+        matches!(
+            light,
+            AreaLight::Rect(_) | AreaLight::Triangle(..) | AreaLight::Sphere(_) | AreaLight::Sun(_)
+        )
     }
 
     /// Whether anything is sampled by shadow rays.

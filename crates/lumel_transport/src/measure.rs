@@ -22,7 +22,7 @@ use crate::sums::ElementSums;
 use crate::trace::{self, Rays};
 use crate::{AmbientOcclusion, EmitterMask, Sums};
 use glam::{DVec3, DVec4, Vec3, Vec4};
-use lumel_basis::{Basis, ElementId, NodeWeights, Receivers, Sampling, Site};
+use lumel_basis::{Basis, ElementId, HARMONICS, NodeWeights, Receivers, Sampling, Site};
 use lumel_sample::{Dim, StreamKey};
 use smallvec::SmallVec;
 
@@ -320,6 +320,45 @@ pub(crate) fn add_samples<const N: usize, B: Basis, R: Receivers>(
     }
     for (&(i, (nodes, area)), all) in triangles.iter().zip(all) {
         let share = chunk.share * f64::from(area);
+        for (k, sum) in all.into_iter().enumerate().filter(|(_, sum)| sum.w > 0.0) {
+            sums[i].add(k, nodes[k], share * sum.w, sum.truncate() / sum.w);
+        }
+    }
+}
+
+/// Adds the samples of element `i` of a chunk to its sums in all channels: `value` of slot and channel, as [`add_samples`] adds those
+/// of one.
+pub(crate) fn add_channels<B: Basis, R: Receivers>(
+    op: &CpuTransport<B, R>,
+    chunk: &AreaChunk<'_>,
+    i: usize,
+    sums: &mut [Vec<ElementSums>],
+    value: impl Fn(u32, usize) -> Vec4,
+) {
+    let Some((nodes, area)) = op.receivers.corners(chunk.elements[i]) else {
+        for (channel, sums) in sums.iter_mut().enumerate() {
+            add_to_nodes(op, chunk, i, &mut sums[i], |slot| value(slot, channel));
+        }
+        return;
+    };
+    let (pattern, turn, samples) = (chunk.pattern, chunk.keys[i].1, chunk.pattern.len());
+    let mut all = [[DVec4::ZERO; 3]; 1 + HARMONICS];
+    for first in (0..samples).step_by(BLOCK as usize) {
+        let mut blocks = [[Vec4::ZERO; 3]; 1 + HARMONICS];
+        for slot in first..samples.min(first + BLOCK) {
+            // They are the same for all channels.
+            let weights = pattern.corner_weights(slot, turn).to_array();
+            for (channel, block) in blocks[..sums.len()].iter_mut().enumerate() {
+                let value = value(slot, channel);
+                block.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += value * weight);
+            }
+        }
+        for (all, block) in all.iter_mut().zip(blocks) {
+            all.iter_mut().zip(block).for_each(|(all, block)| *all += block.as_dvec4());
+        }
+    }
+    let share = chunk.share * f64::from(area);
+    for (sums, all) in sums.iter_mut().zip(all) {
         for (k, sum) in all.into_iter().enumerate().filter(|(_, sum)| sum.w > 0.0) {
             sums[i].add(k, nodes[k], share * sum.w, sum.truncate() / sum.w);
         }

@@ -77,11 +77,12 @@ impl Sums {
     /// An entry for each node of each element, of sums by channel of the same measurements.
     pub(crate) fn of_channels(channels: &[Vec<ElementSums>]) -> Self {
         let mut all = Self::of_elements(&channels[0], false);
-        let others: Vec<Self> = channels[1..].iter().map(|sums| Self::of_elements(sums, false)).collect();
-        let of_entry = |(i, first): (usize, &DVec3)| {
-            [*first].into_iter().chain(others.iter().map(|sums| sums.values[i])).collect::<Vec<_>>()
-        };
-        all.values = all.values.iter().enumerate().flat_map(of_entry).collect();
+        all.values = Vec::with_capacity(channels.len() * all.len());
+        for (element, sums) in channels[0].iter().enumerate() {
+            for entry in 0..sums.0.len() {
+                all.values.extend(channels.iter().map(|sums| sums[element].0[entry].2));
+            }
+        }
         all
     }
 }

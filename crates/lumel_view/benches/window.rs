@@ -1,7 +1,7 @@
-//! What the window costs: processor time per frame, frames per second while a light changes that all bounces follow, and
-//! how much an open, idle window slows a solve.
+//! What the window costs: processor time per frame, frames per second while a light changes that all bounces follow and while
+//! waves run over all surfaces, and how much an open, idle window slows a solve.
 //!
-//! `cargo x bench window`; Linux only: needs Xvfb, xdotool and `/proc`. Solves with and without the window alternate, so that other work
+//! `cargo x bench window`, with `--ripple` for the waves alone; Linux only: needs Xvfb, xdotool and `/proc`. Solves with and without the window alternate, so that other work
 //! on the machine falls on both.
 
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
@@ -33,8 +33,12 @@ struct Window {
 
 impl Window {
     fn open(screen: &Screen, home: &Path, samples: u32) -> Self {
+        Self::with_settings(screen, home, &format!("indirect_samples = {samples}"))
+    }
+
+    fn with_settings(screen: &Screen, home: &Path, settings: &str) -> Self {
         let project = home.join("bench.lumel.toml");
-        let text = format!("builtin = \"{SCENE}\"\n[bake]\nindirect_samples = {samples}\n");
+        let text = format!("builtin = \"{SCENE}\"\n[bake]\n{settings}\n");
         std::fs::write(&project, text).unwrap();
         let address = peer::free_address();
         let program = Command::new(env!("CARGO_BIN_EXE_lumel-view"))
@@ -179,6 +183,45 @@ fn following(screen: &Screen) {
     println!("while a light is dragged: at least {per_second:.1} frames per second; {status}");
 }
 
+/// Frames per second while waves run over all surfaces of the solved box, counted as those of [`following`].
+fn rippling(screen: &Screen) {
+    const PERIOD: Duration = Duration::from_secs(10);
+    let home = tempfile::tempdir().unwrap();
+    let mut window = Window::with_settings(screen, home.path(), "directional = \"sh1\"");
+    screen.xdotool(&["key", "Return"]);
+    window.wait_for("Solved:");
+    let click = |[x, y]: [f64; 2]| {
+        let [x, y] = [x, y].map(|at| format!("{at:.0}"));
+        screen.xdotool(&["mousemove", &x, &y, "click", "1"]);
+    };
+    // The tab is above the picture, which has the same name.
+    let scenes = window.peer.nodes().into_iter().filter(|node| node.text == "Scene").map(|node| node.center);
+    let tab = scenes.min_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    click(tab);
+    let [x, y] = [tab[0], tab[1] + 100.0].map(|at| format!("{at:.0}"));
+    screen.xdotool(&["mousemove", &x, &y, "click", "--repeat", "20", "5"]);
+    std::thread::sleep(Duration::from_secs(2));
+    for material in ["white", "red", "green"] {
+        let name = format!("Ripple of {material}");
+        let node =
+            |window: &mut Window| window.peer.nodes().into_iter().find(|node| node.text == name).unwrap();
+        click(node(&mut window).center);
+        assert!(node(&mut window).is_on, "{name}");
+    }
+    screen.hover_picture();
+    let (ticks, begun, mut frames) = (window.ticks(), Instant::now(), 0);
+    while begun.elapsed() < PERIOD {
+        frames += 1;
+        window.peer.nodes();
+    }
+    let (seconds, ticks) = (begun.elapsed().as_secs_f64(), window.ticks() - ticks);
+    println!(
+        "while waves run: at least {:.1} frames per second, {:.0} ms of processor time each",
+        f64::from(frames) / seconds,
+        10.0 * ticks as f64 / f64::from(frames)
+    );
+}
+
 fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
@@ -190,7 +233,11 @@ fn main() {
         return;
     }
     let Some(screen) = tools_or_skip() else { return };
+    if std::env::args().any(|argument| argument == "--ripple") {
+        return rippling(&screen);
+    }
     frames(&screen);
+    rippling(&screen);
     following(&screen);
     let (mut without, mut with, mut ratios, mut drawn) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for round in 0..ROUNDS {

@@ -11,6 +11,7 @@ use crate::notice::Level;
 use crate::panels::Panels;
 use crate::pick::Pick;
 use crate::prefs::{Prefs, ViewMode, ViewPrefs};
+use crate::relief::UNKNOWN;
 use crate::rhythm::{AT_ONCE, Rhythm};
 use crate::screenshot;
 use crate::selection::Selection;
@@ -22,7 +23,7 @@ use crate::wake::{Wake, Wakes};
 use crate::widgets::Toasts;
 use eframe::egui::{self, ViewportCommand};
 use egui_tiles::Tree;
-use lumel::SamplerKind;
+use lumel::{Directional, SamplerKind};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -210,6 +211,14 @@ impl App {
             Command::Show(mode) => {
                 let shown = &mut self.prefs.view.mode;
                 *shown = if *shown == mode { ViewMode::default() } else { mode };
+            }
+            Command::Relief | Command::SplitRelief if self.session.directional() == Directional::Off => {
+                self.session.notices.push(Level::Warning, UNKNOWN);
+            }
+            Command::Relief => self.prefs.view.relief.on = !self.prefs.view.relief.on,
+            Command::SplitRelief => {
+                self.prefs.view.relief.on = true;
+                self.comparison.toggle_smooth();
             }
             Command::Shooters => self.prefs.view.shooters = !self.prefs.view.shooters,
             Command::Ambient => self.prefs.view.ambient = !self.prefs.view.ambient,

@@ -55,6 +55,19 @@ impl Comparison {
         }
     }
 
+    /// Shows the same light without normal maps and ripples right of the divider, or no longer.
+    pub fn toggle_smooth(&mut self) {
+        self.on = !self.is_smooth();
+        if self.on {
+            self.choose(Side::Smooth, Selection::All);
+        }
+    }
+
+    /// Whether the same light without normal maps and ripples is right of the divider.
+    pub fn is_smooth(&self) -> bool {
+        self.on && self.right == Side::Smooth
+    }
+
     /// Keeps the light as it is now, and compares with it where nothing else was chosen.
     pub fn keep(&mut self, session: &mut Session) {
         session.keep_light();
@@ -97,7 +110,7 @@ impl Comparison {
         let scene = &session.document.as_ref()?.scene;
         let n = scene.vertex_count();
         let right = match self.right {
-            Side::Current => Cow::Borrowed(&session.light),
+            Side::Current | Side::Smooth => Cow::Borrowed(&session.light),
             Side::Kept(id) => session.kept.iter().find(|kept| kept.id == id)?.light_on(scene),
         };
         if session.light.is_empty() || right.is_empty() {

@@ -74,6 +74,10 @@ pub enum Command {
     Shooters,
     /// Add what is still to come on average.
     Ambient,
+    /// Show normal maps and ripples, or not.
+    Relief,
+    /// Show the same light with and without them side by side.
+    SplitRelief,
     /// Keep the light to compare with.
     KeepLight,
     /// Show two lights side by side.
@@ -226,6 +230,11 @@ pub const BINDINGS: &[Binding] = &[
     bind(Command::Show(ViewMode::Unshot), Key::F6, "Show what is still to be reflected", Group::View),
     bind(Command::Shooters, Key::F7, "Mark the brightest shooters", Group::View),
     bind(Command::Ambient, Key::F8, "Ambient term while a solve is not finished", Group::View),
+    bind(Command::Relief, Key::Z, "Light normal maps by direction, or not", Group::View),
+    with(
+        Modifiers::SHIFT,
+        bind(Command::SplitRelief, Key::Z, "Compare with and without normal maps", Group::View),
+    ),
     bind(Command::KeepLight, Key::P, "Keep this solution for comparison", Group::View),
     bind(Command::Split, Key::C, "Compare side by side", Group::View),
     bind(Command::Help, Key::F1, "Show all keys", Group::View),

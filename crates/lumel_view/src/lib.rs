@@ -29,6 +29,7 @@ mod panels;
 pub mod pick;
 pub mod prefs;
 pub mod recovery;
+pub mod relief;
 mod rhythm;
 pub mod screenshot;
 pub mod selection;

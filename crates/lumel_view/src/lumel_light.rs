@@ -3,7 +3,8 @@
 use crate::layout::Layout;
 use crate::selection::Selection;
 use glam::Vec3;
-use lumel::{Lightmap, LumelLight};
+use lumel::{Directional, IncidentRadiance, Lightmap, LumelLight};
+use lumel_basis::HARMONICS;
 use lumel_lightmap::{Filter, LumelLighting};
 use lumel_scene::{Irradiance, SurfacePoint};
 use std::sync::Arc;
@@ -63,6 +64,29 @@ impl LumelIllumination {
                 (0..lightmap.valid.len()).map(|lumel| Some(sum(lumel))).collect()
             }
         }
+    }
+
+    /// The chosen part by direction by lumel of all pages: known of all light, once the lightmap is finished.
+    pub fn by_direction(&self, selection: Selection) -> Option<Vec<IncidentRadiance>> {
+        let layers = &self.lightmap().filter(|_| selection.is_all())?.layers;
+        let layer = |k: usize| layers.iter().find(|layer| layer.harmonic() == Some(k));
+        let harmonics: Vec<&[Vec3]> = (0..HARMONICS).map_while(layer).map(|layer| &*layer.values).collect();
+        let mut of_lumel = vec![Vec3::ZERO; harmonics.len()];
+        let lumels = 0..harmonics.first()?.len();
+        lumels
+            .map(|lumel| {
+                of_lumel.iter_mut().zip(&harmonics).for_each(|(c, values)| *c = values[lumel]);
+                IncidentRadiance::new(&of_lumel)
+            })
+            .collect()
+    }
+
+    /// What is known of all light by direction, by lumel.
+    pub fn directional(&self) -> Directional {
+        let harmonics = self
+            .lightmap()
+            .map_or(0, |lightmap| lightmap.layers.iter().filter(|layer| layer.harmonic().is_some()).count());
+        Directional::of_channels(1 + harmonics).unwrap_or_default()
     }
 
     /// All light at a point of the open scene, read bilinearly, once the lightmap is finished.

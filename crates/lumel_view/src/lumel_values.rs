@@ -27,6 +27,10 @@ pub fn of_lumels(session: &Session, mode: ViewMode, selection: Selection) -> Opt
             session.lumel_light().map(|light| light.select(selection))
         }
         ViewMode::StandardError => session.lumel_light()?.errors(),
+        ViewMode::Moment(moment) => {
+            let light = session.lumel_light()?.by_direction(selection)?;
+            Some(light.iter().map(|light| Some(moment.of(light))).collect())
+        }
         ViewMode::Albedo
         | ViewMode::Normals
         | ViewMode::Unshot

@@ -1,8 +1,9 @@
 //! Preferences, kept between runs.
 
 use crate::layout::LumelSettings;
+use crate::relief::ReliefPrefs;
 use crate::selection::Selection;
-use lumel::Settings;
+use lumel::{Directional, Moment, Settings};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Scale, ToneMapper};
 use serde::{Deserialize, Serialize};
@@ -39,11 +40,22 @@ pub enum ViewMode {
     Charts,
     /// Lumels along the seams of charts.
     Seams,
+    /// What is known of light by direction.
+    Moment(Moment),
+}
+
+/// What there is to be looked at besides light and surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Known {
+    /// Whether there is a lightmap.
+    pub lumels: bool,
+    /// What is known of light by direction.
+    pub directional: Directional,
 }
 
 impl ViewMode {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 24] = [
         Self::Final,
         Self::Irradiance,
         Self::Albedo,
@@ -58,6 +70,16 @@ impl ViewMode {
         Self::Chequerboard,
         Self::Charts,
         Self::Seams,
+        Self::Moment(Moment::Direction),
+        Self::Moment(Moment::Sh0),
+        Self::Moment(Moment::Sh1),
+        Self::Moment(Moment::Sh2),
+        Self::Moment(Moment::Sh3),
+        Self::Moment(Moment::Sh4),
+        Self::Moment(Moment::Sh5),
+        Self::Moment(Moment::Sh6),
+        Self::Moment(Moment::Sh7),
+        Self::Moment(Moment::Sh8),
     ];
 
     /// Its name.
@@ -77,6 +99,8 @@ impl ViewMode {
             Self::Chequerboard => "Chequerboard",
             Self::Charts => "Charts",
             Self::Seams => "Seams",
+            Self::Moment(Moment::Direction) => "Light direction",
+            Self::Moment(coefficient) => coefficient.name(),
         }
     }
 
@@ -109,25 +133,35 @@ impl ViewMode {
             }
             Self::Charts => "Parts of the surface that lie together on a page of the lightmap",
             Self::Seams => "Lumels along smooth edges that the lightmap cuts",
+            Self::Moment(moment) => moment.text(),
         }
     }
 
     /// Whether a legend explains its colours.
     pub fn has_legend(self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::FalseColor
-                | Self::StandardError
-                | Self::Unshot
-                | Self::TriangleSize
-                | Self::Bends
-                | Self::LumelDensity
-        )
+            | Self::StandardError
+            | Self::Unshot
+            | Self::TriangleSize
+            | Self::Bends
+            | Self::LumelDensity => true,
+            Self::Moment(moment) => moment.harmonic().is_some(),
+            _ => false,
+        }
     }
 
-    /// Those that show something, with or without a lightmap.
-    pub fn offered(has_lumels: bool) -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(move |mode| has_lumels || !mode.needs_lumels())
+    /// Those that show something of what is known.
+    pub fn offered(known: Known) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |mode| match mode {
+            Self::Moment(moment) => moment.is_in(known.directional),
+            mode => known.lumels || !mode.needs_lumels(),
+        })
+    }
+
+    /// Whether it shows light, which normal maps and ripples tilt.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Final | Self::Irradiance | Self::FalseColor)
     }
 
     /// Whether it shows nothing without a lightmap.
@@ -259,6 +293,8 @@ pub struct ViewPrefs {
     pub logarithmic: bool,
     /// What the plot of convergence shows.
     pub plot: PlotKind,
+    /// How normal maps and ripples are shown.
+    pub relief: ReliefPrefs,
 }
 
 impl Default for ViewPrefs {
@@ -286,6 +322,7 @@ impl Default for ViewPrefs {
             range: [0.0, 1.0],
             logarithmic: false,
             plot: PlotKind::default(),
+            relief: ReliefPrefs::default(),
         }
     }
 }
@@ -299,8 +336,13 @@ impl ViewPrefs {
     /// How the range of false colours is divided.
     pub fn scale(&self) -> Scale {
         // Half and twice a density are as far from it.
-        let is_log = self.logarithmic || matches!(self.mode, ViewMode::LumelDensity | ViewMode::Bends);
-        if is_log { Scale::Log } else { Scale::Linear }
+        match self.mode {
+            ViewMode::LumelDensity | ViewMode::Bends => Scale::Log,
+            // Coefficients have both signs.
+            ViewMode::Moment(_) => Scale::Linear,
+            _ if self.logarithmic => Scale::Log,
+            _ => Scale::Linear,
+        }
     }
 }
 
@@ -365,6 +407,7 @@ impl Prefs {
         if !self.view.range.iter().all(|x| x.is_finite()) || self.view.range[0] >= self.view.range[1] {
             self.view.range = default.view.range;
         }
+        self.view.relief = self.view.relief.mended();
         self.settings = self.settings.mended();
         self.lumels = self.lumels.mended();
         self

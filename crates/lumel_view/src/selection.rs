@@ -87,6 +87,8 @@ pub struct Illumination {
     pub layers: Vec<Layer>,
     /// All light by direction, where a solve has measured it.
     pub directional: Option<Arc<Coefficients>>,
+    /// That of the light before, while a solve runs that has not measured its own yet: it is shown, but part of no file.
+    pub directional_before: Option<Arc<Coefficients>>,
 }
 
 /// The light of one light, or of all that share its name.
@@ -159,8 +161,13 @@ impl Illumination {
 
     /// The chosen part by direction at all of `n` vertices: known of all light, as it was solved.
     pub fn select_directional(&self, selection: Selection, n: usize) -> Option<&Arc<Coefficients>> {
-        let known = self.directional.as_ref().filter(|coefficients| coefficients.len() == n)?;
-        (selection.is_all() && !self.is_mixed()).then_some(known)
+        self.directions(n).filter(|_| selection.is_all() && !self.is_mixed())
+    }
+
+    /// All light by direction at all of `n` vertices, or that of the light before.
+    pub fn directions(&self, n: usize) -> Option<&Arc<Coefficients>> {
+        let known = self.directional.as_ref().or(self.directional_before.as_ref());
+        known.filter(|coefficients| coefficients.len() == n)
     }
 }
 
@@ -235,6 +242,8 @@ mod tests {
         let values = Arc::new(vec![Vec3::ONE; 2]);
         light.layers = vec![Layer { name, values, directional: None, share: 0.5 }];
         assert_eq!(light.select_directional(Selection::All, 2), None);
+        let running = Illumination { directional_before: coefficients.clone(), ..Illumination::default() };
+        assert_eq!(running.select_directional(Selection::All, 2), coefficients.as_ref());
     }
 
     #[test]

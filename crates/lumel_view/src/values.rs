@@ -3,7 +3,7 @@
 use crate::prefs::{Unit, ViewMode};
 use crate::selection::{Illumination, Selection};
 use glam::Vec3;
-use lumel::Scene;
+use lumel::{Coefficients, IncidentRadiance, Moment, Scene};
 use lumel_render_cpu::{FalseColor, Legend, Scale};
 use lumel_scene::{Radiance, luminance};
 
@@ -30,6 +30,7 @@ pub fn of_vertices(
         ViewMode::StandardError => light.standard_error.as_ref().map(|e| e.to_vec()),
         ViewMode::Validity => Some(validity(n, &light.valid)),
         ViewMode::TriangleSize => Some(edge_lengths(scene).into_iter().map(Vec3::splat).collect()),
+        ViewMode::Moment(moment) => moments(moment, light.select_directional(selection, n)?),
         // Those are known to the solve, the mesh and the lightmap.
         ViewMode::Unshot
         | ViewMode::Bends
@@ -44,6 +45,12 @@ pub fn of_vertices(
 pub fn preview(scene: &Scene) -> Vec<Vec3> {
     let from = |n: Vec3| Radiance::splat(0.55 + 0.25 * n.y + 0.12 * n.x + 0.08 * n.z);
     scene.normals().iter().map(|&n| from(n).cosine_sample().0).collect()
+}
+
+/// A moment of the light at every vertex; `None` where it is not known.
+fn moments(moment: Moment, light: &Coefficients) -> Option<Vec<Vec3>> {
+    let of_vertex = |vertex| Some(moment.of(&IncidentRadiance::new(light.of(vertex))?));
+    (0..light.len()).map(of_vertex).collect::<Option<_>>().filter(|_| moment.is_in(light.kind()))
 }
 
 fn validity(n: usize, valid: &[bool]) -> Vec<Vec3> {
@@ -71,6 +78,12 @@ pub fn edge_lengths(scene: &Scene) -> Vec<f32> {
 pub fn automatic_range(values: &[Vec3], scale: Scale) -> [f32; 2] {
     let settings = FalseColor { range: None, scale, legend: Legend::Hidden };
     settings.range_for(values.iter().map(|v| luminance(*v)).collect())
+}
+
+/// The range that shows most of some values of both signs as colours: zero is in the middle.
+pub fn signed_range(values: &[Vec3]) -> [f32; 2] {
+    let settings = FalseColor { legend: Legend::Hidden, ..FalseColor::default() };
+    settings.signed_range_for(values.iter().map(|v| luminance(*v)).collect())
 }
 
 /// A luminance in W/m² as text in a unit.
@@ -135,8 +148,10 @@ mod tests {
             let values = of_vertices(mode, &scene, &Illumination::default(), Selection::All);
             assert_eq!(
                 values.map(|v| v.len()),
-                (!matches!(mode, ViewMode::StandardError | ViewMode::Unshot | ViewMode::Bends)
-                    && !mode.needs_lumels())
+                (!matches!(
+                    mode,
+                    ViewMode::StandardError | ViewMode::Unshot | ViewMode::Bends | ViewMode::Moment(_)
+                ) && !mode.needs_lumels())
                 .then(|| scene.vertex_count()),
                 "{mode:?}"
             );

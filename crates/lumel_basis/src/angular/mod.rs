@@ -3,6 +3,7 @@
 mod coefficients;
 mod harmonics;
 mod incident;
+mod moment;
 mod shading;
 
 pub use coefficients::Coefficients;
@@ -10,4 +11,5 @@ pub use harmonics::{
     Directional, HARMONICS, Harmonics, band_of, integrals_of_harmonics, spherical_harmonics,
 };
 pub use incident::IncidentRadiance;
+pub use moment::Moment;
 pub use shading::{Shading, UnknownShading};

@@ -110,6 +110,11 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_enum, value_name = "BASIS")]
     pub(crate) basis: Option<Basis>,
 
+    /// Where green of the scene's normal maps points: up or down. It is up in the .glb files and .png images that are written.
+    #[arg(long, value_name = "WAY", default_value = "up", value_parser = parse::named_green())]
+    #[arg(hide_possible_values = true, help_heading = "Normal maps")]
+    pub(crate) normal_maps: NormalMaps,
+
     /// What a .glb file with a lightmap is made for. [default: any]
     #[arg(long, value_enum, value_name = "TARGET", help_heading = "Atlas")]
     pub(crate) target: Option<Target>,

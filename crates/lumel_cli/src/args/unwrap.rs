@@ -1,7 +1,9 @@
 //! Options of `lumel unwrap`.
 
 use super::{AtlasArgs, SceneArgs, ThreadArgs};
+use crate::parse;
 use clap::Args;
+use lumel_render_cpu::NormalMaps;
 use std::path::PathBuf;
 
 /// Lay out a scene for a lightmap.
@@ -27,6 +29,11 @@ pub(crate) struct UnwrapArgs {
     /// atlas; of several pages, NAME-0.png, NAME-1.png and so on. Without -o only the summary is printed.
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) outputs: Vec<PathBuf>,
+
+    /// Where green of the scene's normal maps points: up or down. It is up in the .glb files and .png images that are written.
+    #[arg(long, value_name = "WAY", default_value = "up", value_parser = parse::named_green())]
+    #[arg(hide_possible_values = true, help_heading = "Normal maps")]
+    pub(crate) normal_maps: NormalMaps,
 
     #[command(flatten)]
     pub(crate) atlas: AtlasArgs,

@@ -188,6 +188,7 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
             lightmapped: lightmapped.as_ref(),
             target: wanted.lightmap.target.unwrap_or_default(),
             png: args.png,
+            green: args.normal_maps,
         };
         write(&wanted.outputs, &light, kept, run)
     });

@@ -13,8 +13,8 @@ use crate::report;
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
-    Camera, Coefficients, LightFile, Lighting, LightmapSolution, RayTracer, Scene, SolutionSelection,
-    VertexLighting, tracer_of,
+    Camera, Coefficients, Directional, LightFile, Lighting, LightmapSolution, RayTracer, Scene,
+    SolutionSelection, VertexLighting, tracer_of,
 };
 use lumel_render_cpu::{
     Display, Exposure, FalseColor, Picture, Relief, Resolution, Show, ToneMapper, camera_for,
@@ -46,8 +46,8 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
     let unused = |option: &str, of: &str| {
         hinted(format!("{option} has no effect with --show {show}"), format!("use it with --show {of}"))
     };
-    if args.range.is_some() && show != Show::FalseColor {
-        return Err(unused("--range", "false-color"));
+    if args.range.is_some() && !show.is_in_false_color() {
+        return Err(unused("--range", "false-color or a coefficient"));
     }
     if args.exposure != Exposure::Auto && !show.is_exposed() {
         return Err(unused("--exposure", "radiance or irradiance"));
@@ -69,13 +69,28 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
         let Loaded { scene, warnings, .. } = load::load_whole(&args.scene)?;
         load::warn(&warnings, &args.scene, &run.console);
         let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
-        return draw(args, display, &scene, &solution.lightmap.by_direction(layer), run);
+        let light = solution.lightmap.by_direction(layer);
+        check_directions(args, light.kind())?;
+        return draw(args, display, &scene, &light, run);
     }
     let tessellation = args.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, &tessellation, Meshes::Split, &run.console)?;
     let (light, directional) = light(args, &scene, &run.console)?;
+    check_directions(args, directional.as_ref().map_or(Directional::Off, Coefficients::kind))?;
     let lighting = VertexLighting::new(&scene, &light)?.with_incident(directional.as_ref())?;
     draw(args, display, &scene, &lighting, run)
+}
+
+/// Whether light by direction of a kind has what is to be shown.
+fn check_directions(args: &RenderArgs, kind: Directional) -> anyhow::Result<()> {
+    match args.show {
+        Show::Moment(moment) if !moment.is_in(kind) => {
+            let bands = if moment.is_in(Directional::Sh1) { "sh1" } else { "sh2" };
+            let message = format!("--show {} needs light that is known by direction", args.show);
+            Err(hinted(message, format!("bake all light with --directional {bands}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Draws and writes the image of a lit scene. `None` if cancelled.

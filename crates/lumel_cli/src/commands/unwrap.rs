@@ -8,7 +8,7 @@ use crate::console::{self, Console};
 use crate::failure::hinted;
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
-use crate::outputs::{self, sized};
+use crate::outputs::{self, sized, with_green_up};
 use crate::report::{bytes, counted, duration, percent, significant};
 use lumel::Scene;
 use lumel_export::{write_atlas_png, write_pages, write_unwrapped_glb};
@@ -48,8 +48,9 @@ pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<O
     };
     let seconds = run.clock.seconds() - begun;
     let mut written = Vec::new();
+    let shown = with_green_up(&scene, args.normal_maps);
     for (path, format) in paths.iter().zip(formats) {
-        written.extend(write(path, format, &scene, &unwrapped)?);
+        written.extend(write(path, format, &shown, &unwrapped)?);
     }
     if args.json {
         console::print(&(report(&scene, &unwrapped, seconds, &written).to_string() + "\n"))?;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use lumel::Bvh;
-use lumel_basis::{Lighting, VertexLighting};
+use lumel_basis::{Lighting, Moment, VertexLighting};
 use lumel_render_cpu::{
     Display, FalseColor, Legend, Picture, Relief, Resolution, Rippled, Scale, Show, ToneMapper, View,
 };
@@ -141,6 +141,7 @@ fn display(look: Look) -> Display {
             false_color: FalseColor { range: Some(range), scale, legend: Legend::Hidden },
             ..Display::of(Show::FalseColor)
         },
+        Look::Vectors => Display::of(Show::Moment(Moment::Direction)),
         Look::Plain => panic!("the CPU has no plain look"),
     }
 }

@@ -4,9 +4,11 @@ use crate::agreement::assert_same;
 use crate::common::{Subject, Uploaded, differences, irradiance, looks, renderer, share_beyond};
 use crate::scenes;
 use glam::Vec3;
-use lumel_lightmap::{Filter, LumelLighting};
-use lumel_render_cpu::Scale;
+use lumel_basis::{Coefficients, Directional, IncidentRadiance, spherical_harmonics};
+use lumel_lightmap::{Filter, Lightmap, LightmapLayer, LumelLighting};
+use lumel_render_cpu::{Relief, Scale, ToneMapper};
 use lumel_render_gpu::{Frame, Lit, Look, LumelBuffer, Samples, Tile, Values};
+use lumel_scene::Scene;
 use lumel_uv::{Atlas, Coverage, Density, Pace, UnwrapSettings, unwrap};
 
 const SIZE: [u32; 2] = [173, 120];
@@ -185,4 +187,68 @@ fn pixels_that_a_triangle_covers_in_part_read_lumels_of_its_chart() {
         // The ball's charts are no rectangles.
         assert!(n_bright <= 1, "{filter:?}: {n_bright} pixels");
     }
+}
+
+#[test]
+fn normal_maps_are_lit_by_the_directions_of_lumels() {
+    let subject = scenes::everything();
+    let mut map = Lumels::new(&subject);
+    map.values.fill(Vec3::ONE);
+    let Some((uploaded, mut lumels)) = map.on(&subject, |_| true) else { return };
+    let renderer = uploaded.renderer;
+    // At the vertices it comes from everywhere, on the lumels from directions of their own.
+    let even = |scene: &Scene, kind: Directional| {
+        let mut of_one = vec![Vec3::ZERO; kind.harmonics()];
+        of_one[0] = Vec3::ONE;
+        Coefficients::new(kind, of_one.repeat(scene.vertex_count())).unwrap()
+    };
+    let beam = |lumel: usize| {
+        let [x, y] = map.atlas.column_and_row(lumel).1.map(|place| (0.3 * place as f32).sin());
+        spherical_harmonics(Vec3::new(x, y, -1.5).normalize())
+    };
+    let relief = Relief::default();
+    for kind in [Directional::Sh1, Directional::Sh2] {
+        let coefficients = even(&subject.scene, kind);
+        let at_vertices = subject.lighting().with_incident(Some(&coefficients)).unwrap();
+        renderer.set_light(&uploaded.light, &subject.scene, &at_vertices).unwrap();
+        renderer.begin_lumel_moments(&mut lumels, kind).unwrap();
+        assert!(lumels.directional() == kind && lumels.bytes_of_moments(kind) > 0);
+        for (page, &size) in map.atlas.pages().iter().enumerate() {
+            let first = map.atlas.first_lumel(page);
+            let light = (0..(size[0] * size[1]) as usize)
+                .filter_map(|i| IncidentRadiance::new(&beam(first + i).map(Vec3::splat)[..kind.harmonics()]));
+            renderer.set_lumel_moments(&lumels, &Tile { page, min: [0, 0], size }, light);
+        }
+        let count = map.atlas.lumel_count();
+        let layer = |name: String, values| LightmapLayer { name, values };
+        let harmonics = (0..kind.harmonics()).map(|k| {
+            let values = (0..count).map(|lumel| Vec3::splat(beam(lumel)[k])).collect();
+            layer(LightmapLayer::of_harmonic(k), values)
+        });
+        let all = layer("irradiance".to_owned(), map.values.clone());
+        let layers = std::iter::once(all).chain(harmonics).collect();
+        let lightmap = Lightmap { atlas: map.atlas.clone().into(), valid: vec![true; count], layers };
+        for look in [irradiance(0.0), crate::common::radiance(0.5, ToneMapper::Agx)] {
+            let of_lumels = frame(&uploaded, &lumels, Filter::Bilinear, look);
+            let device = uploaded.draw(SIZE, Samples::One, &of_lumels);
+            let cpu = subject.traced_with(&lightmap.by_direction(0), (relief, None), SIZE, look);
+            assert_same(&device, &cpu, &format!("{kind:?} {look:?}"));
+            let none = renderer.lumels(&map.atlas).unwrap();
+            let of_vertices = uploaded.draw(
+                SIZE,
+                Samples::One,
+                &Frame {
+                    light: Lit::One(Values::Lumels {
+                        lumels: &none,
+                        filter: Filter::Bilinear,
+                        vertices: &uploaded.light,
+                    }),
+                    ..of_lumels
+                },
+            );
+            assert!(share_beyond(&device, &of_vertices, 8) > 0.02, "{kind:?}: it is that of the lumels");
+        }
+    }
+    renderer.begin_lumel_moments(&mut lumels, Directional::Off).unwrap();
+    assert_eq!(lumels.bytes_of_moments(Directional::Off), 0);
 }

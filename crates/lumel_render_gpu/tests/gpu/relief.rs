@@ -4,9 +4,11 @@ use crate::agreement::assert_same;
 use crate::common::{Subject, irradiance, radiance, renderer, share_beyond};
 use crate::scenes;
 use glam::Vec3;
-use lumel_basis::{Coefficients, Directional, Shading, VertexLighting, spherical_harmonics};
-use lumel_render_cpu::{NormalMaps, Relief, Ripple, Rippled, Scale, ToneMapper};
-use lumel_render_gpu::{Frame, Look, Samples};
+use lumel_basis::{
+    Coefficients, Directional, IncidentRadiance, Shading, VertexLighting, spherical_harmonics,
+};
+use lumel_render_cpu::{NormalMaps, Picture, Relief, Ripple, Rippled, Scale, ToneMapper};
+use lumel_render_gpu::{Frame, Lit, Look, Samples};
 use lumel_scene::{MaterialId, Scene};
 
 const SIZE: [u32; 2] = [173, 120];
@@ -103,4 +105,54 @@ fn normal_maps_show_only_where_light_is_known_by_direction() {
     assert!(share_beyond(&flat, &bumpy, 8) > 0.3);
     assert_eq!(show(NormalMaps::Off, &directional), flat);
     assert_eq!(show(NormalMaps::Up, &scalar), flat, "what was known before is forgotten");
+}
+
+#[test]
+fn vectors_look_as_the_dominant_direction_does_on_the_cpu() {
+    let Some(renderer) = renderer() else { return };
+    let subject = scenes::everything();
+    let (values, coefficients) = directions(&subject.scene, Directional::Sh1);
+    let lighting = VertexLighting::new(&subject.scene, &values).unwrap();
+    let lighting = lighting.with_incident(Some(&coefficients)).unwrap();
+    let uploaded = subject.on(renderer);
+    let places = 0..coefficients.len();
+    let vectors: Vec<Vec3> =
+        places.map(|v| IncidentRadiance::new(coefficients.of(v)).unwrap().dominant()).collect();
+    let shown = VertexLighting::new(&subject.scene, &vectors).unwrap();
+    renderer.set_light(&uploaded.light, &subject.scene, &shown).unwrap();
+    let device = uploaded.show(SIZE, Samples::One, Look::Vectors);
+    // Between vertices, vectors are interpolated here and coefficients there.
+    let cpu = subject.traced_under(&lighting, SIZE, Look::Vectors);
+    let share = share_beyond(&device, &cpu, 12);
+    assert!(
+        share < 0.02 && share_beyond(&device, &uploaded.show(SIZE, Samples::One, Look::Normals), 30) > 0.2,
+        "{share}"
+    );
+}
+
+#[test]
+fn right_of_a_divider_surfaces_are_smooth() {
+    let Some(renderer) = renderer() else { return };
+    let subject = scenes::leather();
+    let (values, coefficients) = directions(&subject.scene, Directional::Sh1);
+    let lighting = VertexLighting::new(&subject.scene, &values).unwrap();
+    let lighting = lighting.with_incident(Some(&coefficients)).unwrap();
+    let uploaded = subject.on(renderer);
+    renderer.set_light(&uploaded.light, &subject.scene, &lighting).unwrap();
+    for look in [irradiance(0.0), Look::Normals] {
+        let show = |light, maps| {
+            let relief = relief(maps, Shading::default());
+            uploaded.draw(SIZE, Samples::One, &Frame { light, relief, ..uploaded.frame(look) })
+        };
+        let light = (&uploaded.light).into();
+        let [tilted, smooth] = [NormalMaps::Up, NormalMaps::Off].map(|maps| show(Lit::One(light), maps));
+        let both = show(Lit::Smooth { light, at: 0.5 }, NormalMaps::Up);
+        let middle = (0.5 * SIZE[0] as f32).round() as u32;
+        let all = |columns: std::ops::Range<u32>, other: &Picture| {
+            columns
+                .flat_map(|x| (0..SIZE[1]).map(move |y| (x, y)))
+                .all(|(x, y)| both.pixel(x, y) == other.pixel(x, y))
+        };
+        assert!(all(0..middle, &tilted) && all(middle..SIZE[0], &smooth) && tilted != smooth);
+    }
 }

@@ -4,13 +4,13 @@ use glam::{DVec3, Vec3};
 use lumel_basis::{AreaReceivers, Directional, HARMONICS, NodeId, PointReceivers, spherical_harmonics};
 use lumel_sample::{Frame, SamplerKind};
 use lumel_scene::{
-    DirectionalLight, Light, PointLight, Radiance, SceneBuilder, Sky, SkyGradient, SkyImage, SpotLight,
-    SunLight, Texture,
+    DirectionalLight, Light, PointLight, Radiance, SceneBuilder, Sky, SkyGradient, SkyImage, SphereLight,
+    SpotLight, SunLight, Texture,
 };
 use lumel_testkit::mesh::quad;
 use lumel_testkit::scene::{ceiling_light, cube, grey, lights_only, scene};
 use lumel_testkit::{Estimate, Estimator, ROUNDING, Stage, measure, replicates};
-use lumel_transport::{Emitter, EmitterMask, EmitterSampling, Plan, Source};
+use lumel_transport::{Emitter, EmitterMask, EmitterSampling, LightSampling, Plan, Source};
 use std::f64::consts::{PI, TAU};
 
 type Channels = [f64; 1 + HARMONICS];
@@ -112,6 +112,73 @@ fn a_sun_of_a_small_disk_is_nearly_a_direction() {
     for estimator in Estimator::all() {
         assert_moments(&stage, (Vec3::ZERO, TILTED), estimator.plan(16, 16), &truth, 3e-4, "sun");
     }
+}
+
+/// The mean and the variance of each channel over many measurements of a point above the floor.
+fn spread(stage: &Stage, light_sampling: LightSampling) -> [[f64; 2]; 1 + HARMONICS] {
+    let receivers = PointReceivers::new(stage.scene(), [(Vec3::ZERO, Vec3::Z)]).expect("a normal");
+    let plan = Plan { direct_samples: 16, light_sampling, ..Plan::default() };
+    let fields =
+        replicates(&*stage.directional(receivers, Directional::Sh2, plan), Source::Emitters(None), 64);
+    std::array::from_fn(|channel| {
+        let estimate = Estimate::of_channel(&fields, 0, channel);
+        [estimate.mean, 64.0 * estimate.error.powi(2)]
+    })
+}
+
+#[test]
+fn spheres_and_suns_have_closed_forms_that_take_noise_off() {
+    let direction = Vec3::new(0.6, 0.48, 0.64);
+    let sphere = |center| Light::Sphere(SphereLight { center, radius: 0.5, radiance: Radiance::splat(2.0) });
+    let parallel = DirectionalLight { direction: -direction, irradiance: Vec3::splat(0.5) };
+    let lights = [
+        sphere(direction),
+        // The horizon cuts it.
+        sphere(Vec3::new(0.8, 0.6, 0.2)),
+        Light::Sun(SunLight { parallel, sin_half_angle: 0.4 }),
+    ];
+    for light in lights {
+        let stage = |is_hidden: bool| {
+            let wall = [[-9.0, 0.0], [9.0, 0.0], [9.0, 9.0], [-9.0, 9.0]];
+            // It hides what is lower than about the middle of the light.
+            let wall = wall.map(|[across, up]| {
+                let along = Vec3::new(-0.6, 0.8, 0.0) * across + Vec3::Z * (0.1 * light_height(&light) - up);
+                0.1 * Vec3::new(0.8, 0.6, 0.0) + along
+            });
+            let walls = if is_hidden { vec![quad(wall, [1, 1], 0)] } else { vec![] };
+            let mut scene = lights_only(vec![light]);
+            scene.objects.extend(walls);
+            Stage::new(scene)
+        };
+        for is_hidden in [false, true] {
+            let stage = stage(is_hidden);
+            let [closed, sampled] =
+                [LightSampling::Analytic, LightSampling::Area].map(|by| spread(&stage, by));
+            let total = |spread: &[[f64; 2]]| spread[1..].iter().map(|[_, variance]| variance).sum::<f64>();
+            println!(
+                "{light:?}, hidden {is_hidden}: variance {:.3e}, without {:.3e}",
+                total(&closed),
+                total(&sampled)
+            );
+            for (channel, ([a, of_a], [b, of_b])) in closed.into_iter().zip(sampled).enumerate() {
+                let noise = 5.0 * ((of_a + of_b) / 64.0).sqrt();
+                assert!((a - b).abs() < noise + 1e-5, "{light:?} {is_hidden} {channel}: {a} {b}");
+            }
+            // Half hidden, a few samples of the pilot guess the share that is seen badly.
+            let most = if is_hidden { 2.0 } else { 1e-8 };
+            assert!(total(&closed) < most * total(&sampled), "{light:?} {is_hidden}");
+        }
+    }
+}
+
+/// How high the middle of a light stands per horizontal distance.
+fn light_height(light: &Light) -> f32 {
+    let towards = match light {
+        Light::Sphere(sphere) => sphere.center,
+        Light::Sun(sun) => -sun.parallel.direction,
+        _ => Vec3::Z,
+    };
+    towards.z / towards.truncate().length()
 }
 
 #[test]

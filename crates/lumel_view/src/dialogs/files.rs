@@ -282,7 +282,7 @@ fn act(
             request.options.max_edge = dialog.max_edge;
             actions.push(Action::Open(request));
         }
-        FilePurpose::SaveMesh => session.save_mesh(path, prefs.view.selection)?,
+        FilePurpose::SaveMesh => session.save_mesh(path, &prefs.view)?,
         FilePurpose::SaveProject => session.save_project(path)?,
         FilePurpose::SaveSolution => session.save_solution(path)?,
         FilePurpose::SaveLightmap => session.save_lightmap(path, &prefs.view)?,

@@ -3,12 +3,14 @@
 use crate::actions::Actions;
 use crate::compare::Comparison;
 use crate::input::Command;
+use crate::relief::UNKNOWN;
 use crate::selection::Selection;
 use crate::session::Session;
 use crate::stage::Side;
 use crate::theme;
 use crate::widgets::{check, choice, heading, hint, value};
 use eframe::egui::{RichText, Ui};
+use lumel::Directional;
 
 pub(super) fn show(
     session: &mut Session,
@@ -34,7 +36,10 @@ pub(super) fn show(
     if check(ui, "Split view", "Drag the divider in the picture (C)", &mut on).changed() {
         comparison.toggle(session);
     }
+    let tilts = session.directional() != Directional::Off;
+    let smooth = (Side::Smooth, "Without normal maps".to_owned());
     let names: Vec<(Side, String)> = std::iter::once((Side::Current, "Current solution".to_owned()))
+        .chain(Some(smooth).filter(|_| tilts || comparison.right == Side::Smooth))
         .chain(session.kept.iter().map(|kept| (Side::Kept(kept.id), kept.name.clone())))
         .collect();
     let name =
@@ -45,8 +50,12 @@ pub(super) fn show(
     selection(ui, "Left shows", shown, bounces);
     heading(ui, "Right");
     choice(ui, "Light", "The solution right of the divider", &mut comparison.right, &sides, name);
+    if comparison.right == Side::Smooth {
+        hint(ui, if tilts { "The same light on surfaces as smooth as their meshes." } else { UNKNOWN });
+        return list(session, ui);
+    }
     let kept = match comparison.right {
-        Side::Current => bounces,
+        Side::Current | Side::Smooth => bounces,
         Side::Kept(id) => session.kept.iter().find(|k| k.id == id).map_or(0, |k| k.light.bounce_count()),
     };
     selection(ui, "Right shows", &mut comparison.selection, kept);

@@ -1,6 +1,7 @@
 //! How the picture is drawn.
 
 use crate::prefs::{LumelFilter, Unit, ViewMode, ViewPrefs};
+use crate::relief::UNKNOWN;
 use crate::session::Session;
 use crate::stage::Stage;
 use crate::values::significant;
@@ -13,7 +14,7 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
     let wireframes = stage.is_some_and(|stage| stage.gpu().draws_wireframes());
     let known = session.light.standard_error.is_some();
     let has_lumels = session.layout().is_some();
-    let modes: Vec<ViewMode> = ViewMode::offered(has_lumels).collect();
+    let modes: Vec<ViewMode> = ViewMode::offered(session.known()).collect();
     choice(ui, "Surfaces show", view.mode.hint(), &mut view.mode, &modes, |mode| mode.name().to_owned());
     if view.mode == ViewMode::StandardError && !known {
         hint(ui, "Not measured yet: solve, then press \"Measure standard error\" under Solve.");
@@ -31,6 +32,11 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
     if view.mode.needs_lumels() && !has_lumels {
         hint(ui, "There is no lightmap yet: choose it as the basis under Solve.");
     }
+    if let ViewMode::Moment(moment) = view.mode
+        && !moment.is_in(session.directional())
+    {
+        hint(ui, UNKNOWN);
+    }
     if view.mode.is_exposed() {
         let hint = "Adds, until a solve is finished, what light that is still to come would bring on average. For looking at: \
                     it is never saved (F8)";
@@ -40,6 +46,8 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
     if view.mode.has_legend() {
         colors(ui, view, range);
     }
+    let on_lumels = stage.and_then(Stage::bytes_of_directions);
+    super::relief::show(session, &mut view.relief, on_lumels, ui);
     heading(ui, "Overlays");
     check(ui, "Antialiasing", "Four samples per pixel", &mut view.antialias);
     let response = ui.add_enabled_ui(wireframes, |ui| {
@@ -98,7 +106,7 @@ fn exposure(ui: &mut Ui, view: &mut ViewPrefs, metered: f32) {
 }
 
 fn colors(ui: &mut Ui, view: &mut ViewPrefs, range: Option<[f32; 2]>) {
-    if !matches!(view.mode, ViewMode::LumelDensity | ViewMode::Bends) {
+    if !matches!(view.mode, ViewMode::LumelDensity | ViewMode::Bends | ViewMode::Moment(_)) {
         check(ui, "Logarithmic", "Equal ratios have equal steps", &mut view.logarithmic);
     }
     if view.mode != ViewMode::FalseColor {

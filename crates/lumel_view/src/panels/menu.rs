@@ -8,6 +8,7 @@ use crate::prefs::ViewMode;
 use crate::session::Session;
 use crate::theme;
 use eframe::egui::{self, Button, MenuBar, RichText, Ui};
+use lumel::Directional;
 
 pub(super) fn show(session: &mut Session, recent: &[String], actions: &mut Actions, ui: &mut Ui) {
     MenuBar::new().ui(ui, |ui| {
@@ -51,6 +52,7 @@ pub(super) fn show(session: &mut Session, recent: &[String], actions: &mut Actio
             items(session, actions, ui, &modes.map(Command::Show));
             ui.separator();
             items(session, actions, ui, &[Command::Wireframe, Command::LumelGrid, Command::Split]);
+            items(session, actions, ui, &[Command::Relief, Command::SplitRelief]);
             ui.separator();
             items(session, actions, ui, &[Command::Panels, Command::FullScreen]);
             if ui.button("Reset panel layout").clicked() {
@@ -81,6 +83,7 @@ fn items(session: &Session, actions: &mut Actions, ui: &mut Ui, commands: &[Comm
                 session.document.is_some()
             }
             Command::Show(mode) => !mode.needs_lumels() || session.layout().is_some(),
+            Command::Relief | Command::SplitRelief => session.directional() != Directional::Off,
             Command::LumelGrid => session.layout().is_some(),
             Command::SaveLightmap => session.has_whole_lightmap(),
             Command::Stop => session.phase().is_some(),

@@ -12,6 +12,7 @@ mod lumels;
 mod menu;
 mod operator;
 mod order;
+mod relief;
 mod scene;
 mod settings;
 mod solve;

@@ -79,7 +79,7 @@ fn one(quality: Quality, subject: &mut Subject<'_>, ui: &mut Ui, term: &Term, si
     let scale = ui.ctx().pixels_per_point();
     let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
     let (session, view) = (&*subject.session, &subject.prefs.view);
-    let showing = Showing { session, view, split: None, marks: None, quality };
+    let showing = Showing { session, view, split: None, marks: None, quality, ripple: None };
     let finished = session.light.bounces.len() as u32;
     let selection = match term.selection {
         // What is being measured changes all the time.

@@ -4,8 +4,9 @@ use crate::session::Session;
 use crate::theme;
 use crate::values::{grouped, significant};
 use crate::widgets::{albedo_button, heading, hint, value};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Align, Layout, RichText, Ui};
 use glam::Vec3;
+use lumel::Directional;
 use lumel_basis::Basis as _;
 
 /// More materials than this are only counted.
@@ -45,7 +46,11 @@ pub(super) fn show(session: &mut Session, ui: &mut Ui) {
     }
     value(ui, "Warnings", format!("{} (see the log)", document.warnings.len()));
     heading(ui, "Materials");
-    let mut repainted = None;
+    let (mut repainted, mut rippled) = (None, None);
+    let is_directional = session.directional() != Directional::Off;
+    if !is_directional {
+        hint(ui, "They can have a ripple where light is known by direction: L1 or L2 under Solve.");
+    }
     for material in scene.materials().iter().take(MAX_MATERIALS) {
         ui.horizontal(|ui| {
             let mut rgb = material.albedo.to_array();
@@ -61,13 +66,35 @@ pub(super) fn show(session: &mut Session, ui: &mut Ui) {
             if material.emits() {
                 text += "  (emits)";
             }
-            ui.add(egui::Label::new(RichText::new(text).color(theme::TEXT)).truncate());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if is_directional {
+                    let mut on = session.rippled.contains(&material.name);
+                    if ripple_box(ui, &material.name, &mut on) {
+                        rippled = Some((material.name.clone(), on));
+                    }
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    ui.add(egui::Label::new(RichText::new(text).color(theme::TEXT)).truncate());
+                });
+            });
         });
     }
     if scene.materials().len() > MAX_MATERIALS {
         hint(ui, &format!("and {} more", scene.materials().len() - MAX_MATERIALS));
     }
+    if let Some((material, on)) = rippled {
+        session.set_ripple(&material, on);
+    }
     if let Some((material, albedo)) = repainted {
         session.repaint(&material, albedo);
     }
+}
+
+/// Whether a material has waves over it; true when that has changed.
+fn ripple_box(ui: &mut Ui, material: &str, on: &mut bool) -> bool {
+    let name = format!("Ripple of {material}");
+    let response = ui.checkbox(on, RichText::new("Ripple").color(theme::WEAK));
+    let is_on = *on;
+    response.widget_info(|| egui::WidgetInfo::selected(egui::accesskit::Role::CheckBox, true, is_on, &name));
+    response.on_hover_text("Waves that run over it, while one looks at light or normals").changed()
 }

@@ -5,8 +5,8 @@ use crate::theme;
 use crate::widgets::{check, choice, number, row, slider};
 use eframe::egui::{DragValue, RichText, Slider, Ui};
 use lumel::setting::{
-    self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, INDIRECT_SAMPLES, LEVELS, MAX_VERTICES,
-    REMAINDER, SAMPLER, SCHEDULE, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
+    self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, DIRECTIONAL, INDIRECT_SAMPLES, LEVELS,
+    MAX_VERTICES, REMAINDER, SAMPLER, SCHEDULE, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
 };
 use lumel::{Adaptive, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
 use std::ops::RangeInclusive;
@@ -21,7 +21,7 @@ const DEFAULT_ERROR: f32 = 0.02;
 const PRESETS_WIDTH: f32 = 240.0;
 
 /// The settings with a place of their own, in that order; all others are under "More".
-static PLACED: [&dyn Setting; 11] = [
+static PLACED: [&dyn Setting; 12] = [
     &DIRECT_SAMPLES,
     &INDIRECT_SAMPLES,
     &SAMPLER,
@@ -29,6 +29,7 @@ static PLACED: [&dyn Setting; 11] = [
     &BOUNCES,
     &REMAINDER,
     &TAIL,
+    &DIRECTIONAL,
     &ADAPTIVE,
     &MAX_VERTICES,
     &TARGET_ERROR,

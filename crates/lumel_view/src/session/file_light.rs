@@ -58,5 +58,6 @@ fn light_of_solution(solution: &Solution) -> Illumination {
         standard_error: solution.standard_error.clone().map(Arc::new),
         layers: solution.layers.iter().map(layer).collect(),
         directional: solution.directional.clone().map(Arc::new),
+        directional_before: None,
     }
 }

@@ -7,7 +7,7 @@ use crate::inputs::Inputs;
 use crate::lights::shining;
 use crate::mesh::{Given, Mesh};
 use crate::notice::Level;
-use crate::selection::Selection;
+use crate::prefs::ViewPrefs;
 use crate::task::Background;
 use lumel::{
     Baker, CameraEntry, LightFile, Project, Saved, Scene, SettingsPatch, SolutionSelection, VertexLighting,
@@ -83,17 +83,19 @@ impl Session {
     ///
     /// # Errors
     /// When nothing is open, the name says no format, or the file is the scene itself.
-    pub fn save_mesh(&mut self, path: &Path, selection: Selection) -> Result<(), String> {
+    pub fn save_mesh(&mut self, path: &Path, view: &ViewPrefs) -> Result<(), String> {
         let format = extension_of(path, &MESH_FORMATS)?;
         let document = self.document.as_ref().ok_or("open a scene first")?;
         self.refuse_sources(path)?;
-        let scene = Arc::clone(&document.scene);
+        let (scene, selection) = (view.relief.with_green_up(&document.scene), view.selection);
         let light = self.selected_light(selection);
+        let directions = self.light.select_directional(selection, scene.vertex_count()).cloned();
         let lit = !self.light.is_empty();
         let what =
             if lit { format!("the mesh with {selection}") } else { "the mesh without light".to_owned() };
         self.write(path, &what, None, move |path| {
             let lighting = VertexLighting::new(&scene, &light).map_err(|e| error_text(&e))?;
+            let lighting = lighting.with_incident(directions.as_deref()).map_err(|e| error_text(&e))?;
             match format.as_str() {
                 "glb" => write_glb(path, &scene, &lighting, ColorScale::Auto),
                 "ply" => write_ply(path, &scene, &lighting, ColorScale::Auto),

@@ -30,7 +30,7 @@ impl Session {
             return Err("there is no lightmap yet: choose it as the basis under Solve, and solve".to_owned());
         };
         let lightmap = Arc::clone(lightmap);
-        let scene = light.layout.scene_like(document);
+        let scene = view.relief.with_green_up(&light.layout.scene_like(document).into());
         let settings = self.computed().and_then(|computed| serde_json::to_string(computed.settings()?).ok());
         let settings = settings.unwrap_or_default();
         match format.as_str() {

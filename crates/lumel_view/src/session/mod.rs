@@ -5,6 +5,7 @@
 
 mod computed;
 mod courses;
+mod directions;
 mod edit;
 mod editing;
 mod file_light;
@@ -48,6 +49,7 @@ use lumel::Settings;
 use lumels::Lightmapping;
 use rayon::ThreadPool;
 use running::Running;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -84,6 +86,8 @@ pub struct Session {
     pub lumel_generation: u64,
     /// Whether the light follows changes of the lights at once, where all rays are stored.
     pub live: bool,
+    /// The names of the materials with waves over them.
+    pub rippled: BTreeSet<String>,
     /// Numbered states.
     pub slots: Slots,
     /// The view.
@@ -160,6 +164,7 @@ impl Session {
             lumels: LumelSettings::default(),
             lumel_generation: 0,
             live: true,
+            rippled: BTreeSet::new(),
             slots: Slots::default(),
             camera: FlyCamera::default(),
             light: Illumination::default(),

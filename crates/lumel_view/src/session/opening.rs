@@ -66,6 +66,7 @@ impl Session {
         self.notices.push(Level::Info, format!("Opened {}{more}", document.request.title()));
         if !reloaded {
             self.camera = document.home;
+            self.rippled.clear();
         }
         if let Some(settings) = contents.settings {
             self.settings = settings;

@@ -6,7 +6,7 @@ use crate::lumel_light::LumelIllumination;
 use crate::mesh::{Given, Mesh};
 use crate::notice::Level;
 use crate::solver::{Ending, Phase};
-use lumel::{Control, TargetError};
+use lumel::{Control, Directional, TargetError};
 use std::sync::Arc;
 
 impl Session {
@@ -24,7 +24,10 @@ impl Session {
                     taken = false
                 }
                 Errand::Solve | Errand::Follow | Errand::Read { .. } => {
+                    let before = self.light.directional.take().or(self.light.directional_before.take());
+                    let measures = running.settings().directional != Directional::Off;
                     self.light = published.light;
+                    self.light.directional_before = before.filter(|_| measures);
                     self.stats = published.stats;
                     self.unshot = published.unshot;
                     if running.errand == Errand::Solve {
@@ -94,6 +97,7 @@ impl Session {
     fn finish(&mut self, ending: Ending) {
         let Some(mut running) = self.running.take() else { return };
         running.job.join();
+        self.light.directional_before = None;
         let problem = running.job.published().checkpoint_problem;
         if let Some(problem) = problem {
             let text = format!("The checkpoint could not be written; save the solution: {problem}");

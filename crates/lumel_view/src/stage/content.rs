@@ -5,6 +5,7 @@ use crate::selection::{Illumination, Selection};
 use crate::session::Session;
 use crate::values;
 use glam::Vec3;
+use lumel::Moment;
 use lumel_basis::Coefficients;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -16,6 +17,8 @@ pub enum Side {
     Current,
     /// One that was kept, by its id.
     Kept(u64),
+    /// That of the session, on surfaces as smooth as their meshes.
+    Smooth,
 }
 
 /// What the values in a buffer are: equal ones need no new upload.
@@ -68,7 +71,7 @@ impl Content {
         let unlit = light.as_ref().is_none_or(|light| light.is_empty()) && side == Side::Current;
         let values = match mode {
             ViewMode::Final | ViewMode::Irradiance if unlit => Values::Preview,
-            ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor => Values::Light,
+            mode if mode.is_light() => Values::Light,
             mode => Values::Mode(mode),
         };
         let is_done = |last: u32| light.as_ref().is_some_and(|l| (last as usize) < l.bounces.len());
@@ -77,7 +80,7 @@ impl Content {
             (Side::Current, Selection::Range(_, last)) if is_done(last) && values == Values::Light => {
                 Version::Finished(session.light.id)
             }
-            (Side::Current, _) => Version::Generation(session.light_generation),
+            (Side::Current | Side::Smooth, _) => Version::Generation(session.light_generation),
         };
         let (document, mesh) = (session.document_generation, session.mesh_generation);
         let paint = session.paint_generation;
@@ -128,6 +131,15 @@ impl Content {
         Some(values.unwrap_or_else(|| vec![Vec3::splat(0.05); scene.vertex_count()]))
     }
 
+    /// Whether a moment of the light is known at the vertices.
+    pub(super) fn knows(&self, moment: Moment, session: &Session) -> bool {
+        let n = session.document.as_ref().map_or(0, |document| document.scene.vertex_count());
+        let light = light_of(session, self.side);
+        light.is_some_and(|light| {
+            light.select_directional(self.selection, n).is_some_and(|known| moment.is_in(known.kind()))
+        })
+    }
+
     /// The light by direction, where light is shown and that is known: it lights normal maps.
     pub(super) fn directional(&self, session: &Session) -> Option<Arc<Coefficients>> {
         let n = session.document.as_ref()?.scene.vertex_count();
@@ -138,7 +150,7 @@ impl Content {
 
 fn light_of(session: &Session, side: Side) -> Option<Cow<'_, Illumination>> {
     match side {
-        Side::Current => Some(Cow::Borrowed(&session.light)),
+        Side::Current | Side::Smooth => Some(Cow::Borrowed(&session.light)),
         Side::Kept(id) => {
             let kept = session.kept.iter().find(|kept| kept.id == id)?;
             Some(kept.light_on(&session.document.as_ref()?.scene))

@@ -1,11 +1,15 @@
 //! What the renderer's lumels hold.
 
+use crate::document::Document;
 use crate::layout::{Layout, LayoutKey};
+use crate::lumel_light::LumelIllumination;
 use crate::lumel_values::of_lumels;
 use crate::prefs::ViewMode;
+use crate::relief::has_normal_maps;
 use crate::selection::Selection;
 use crate::session::Session;
 use glam::Vec3;
+use lumel::Directional;
 use lumel_render_gpu::{LumelBuffer, RenderError, Renderer, Tile};
 use std::sync::Arc;
 
@@ -25,6 +29,11 @@ impl LumelContent {
         let layout = session.layout()?.key;
         let generation = session.lumel_generation;
         match mode {
+            ViewMode::Moment(moment) => {
+                let known = session.lumel_light()?.directional();
+                let is_known = selection.is_all() && moment.is_in(known);
+                is_known.then_some(Self { layout, generation, mode, selection })
+            }
             ViewMode::Albedo
             | ViewMode::Normals
             | ViewMode::Unshot
@@ -48,7 +57,7 @@ impl LumelContent {
 
     /// Whether it is light, or an error of it, which changes smoothly from lumel to lumel.
     pub(super) fn is_smooth(&self) -> bool {
-        matches!(self.mode, ViewMode::Final | ViewMode::StandardError)
+        matches!(self.mode, ViewMode::Final | ViewMode::StandardError | ViewMode::Moment(_))
     }
 }
 
@@ -59,6 +68,8 @@ pub(super) struct ShownLumels {
     content: Option<LumelContent>,
     /// By lumel of all pages.
     values: Vec<Option<Vec3>>,
+    /// The generation of the lumels whose light by direction the buffer has, if it was asked for.
+    directions: Option<u64>,
 }
 
 /// Columns and rows of the tiles that are uploaded at once.
@@ -69,7 +80,7 @@ impl ShownLumels {
         let atlas = &layout.lumels.atlas;
         let buffer = renderer.lumels(atlas)?;
         let values = vec![None; atlas.lumel_count()];
-        Ok(Self { layout: Arc::clone(layout), buffer, content: None, values })
+        Ok(Self { layout: Arc::clone(layout), buffer, content: None, values, directions: None })
     }
 
     /// Where its lumels lie.
@@ -96,6 +107,47 @@ impl ShownLumels {
         }
         self.values = values;
         tiles.len() as u64
+    }
+}
+
+impl ShownLumels {
+    /// Uploads light by direction where it lights something, once the lumels know it. Where the device has no room for
+    /// it, that of the vertices is shown.
+    pub(super) fn fill_directions(
+        &mut self,
+        renderer: &Renderer,
+        session: &Session,
+        content: &LumelContent,
+        is_on: bool,
+    ) {
+        let is_tilted = |document: &Document| has_normal_maps(&document.scene) || !session.rippled.is_empty();
+        let is_wanted = is_on && content.mode.is_light() && session.document.as_ref().is_some_and(is_tilted);
+        let wanted = is_wanted.then_some(content.generation);
+        // Away from light, what is there stays for when one comes back.
+        if self.directions == wanted || !content.mode.is_light() {
+            return;
+        }
+        self.directions = wanted;
+        let light = session.lumel_light().filter(|_| is_wanted);
+        let kind = light.map_or(Directional::Off, LumelIllumination::directional);
+        if kind != self.buffer.directional() && renderer.begin_lumel_moments(&mut self.buffer, kind).is_err()
+        {
+            return;
+        }
+        let Some(values) = light.and_then(|light| light.by_direction(Selection::All)) else { return };
+        let mut first = 0;
+        for (page, &size) in self.layout.lumels.atlas.pages().iter().enumerate() {
+            let count = size[0] as usize * size[1] as usize;
+            let tile = Tile { page, min: [0, 0], size };
+            renderer.set_lumel_moments(&self.buffer, &tile, values[first..first + count].iter().copied());
+            first += count;
+        }
+    }
+
+    /// Bytes that light by direction takes on the device, if it is there.
+    pub(super) fn bytes_of_directions(&self) -> Option<u64> {
+        let kind = self.buffer.directional();
+        (kind != Directional::Off).then(|| self.buffer.bytes_of_moments(kind))
     }
 }
 

@@ -22,9 +22,9 @@ use crate::values;
 use blit::Blit;
 use content::Content;
 use eframe::egui_wgpu::RenderState;
-use lumel::{RectLight, Scene, VertexLighting};
+use lumel::{MaterialId, Moment, RectLight, Scene, VertexLighting};
 use lumel_lightmap::Filter;
-use lumel_render_cpu::{Relief, Scale};
+use lumel_render_cpu::{Relief, Ripple, Rippled, Scale};
 use lumel_render_gpu::{
     Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
     Values,
@@ -55,7 +55,9 @@ struct Drawn {
     wireframe: bool,
     grid: bool,
     marks: Option<u64>,
-    split: Option<f32>,
+    split: Option<(Side, f32)>,
+    relief: Relief,
+    ripple: Option<(Ripple, Vec<MaterialId>)>,
 }
 
 impl Drawn {
@@ -172,6 +174,11 @@ impl Stage {
         }
     }
 
+    /// Bytes that the directions of light on lumels take on the device, if those are shown.
+    pub fn bytes_of_directions(&self) -> Option<u64> {
+        self.lumels.as_ref().and_then(ShownLumels::bytes_of_directions)
+    }
+
     /// Draws the picture if anything has changed. Returns the picture to show, once there is one.
     ///
     /// # Errors
@@ -202,7 +209,8 @@ impl Stage {
             None => Values::Vertices(vertices),
         };
         let light = match drawn.split {
-            Some(at) => Lit::Split { left, right: Values::Vertices(&self.buffers[RIGHT]), at },
+            Some((Side::Smooth, at)) => Lit::Smooth { light: left, at },
+            Some((_, at)) => Lit::Split { left, right: Values::Vertices(&self.buffers[RIGHT]), at },
             None => Lit::One(left),
         };
         let frame = Frame {
@@ -211,8 +219,8 @@ impl Stage {
             light,
             rect_lights: &drawn.lamps,
             look: drawn.look,
-            relief: Relief::default(),
-            ripple: None,
+            relief: drawn.relief,
+            ripple: drawn.ripple.as_ref().map(|(ripple, materials)| Rippled { ripple: *ripple, materials }),
             wireframe: drawn.wireframe,
             grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
@@ -291,14 +299,19 @@ impl Stage {
         let (session, view) = (showing.session, showing.view);
         let left = Content::new(session, Side::Current, view, view.selection);
         self.fill(LEFT, &left, session)?;
-        let split = showing.split.filter(|_| left.is_light());
-        let right = split.map(|split| Content::new(session, split.right, view, split.selection));
+        let split = showing.split.filter(|split| match split.right {
+            Side::Smooth => left.is_light() || view.mode == ViewMode::Normals,
+            Side::Current | Side::Kept(_) => left.is_light(),
+        });
+        let other = split.filter(|split| split.right != Side::Smooth);
+        let right = other.map(|split| Content::new(session, split.right, view, split.selection));
         if let Some(right) = &right {
             self.fill(RIGHT, right, session)?;
         }
         let lumels = LumelContent::new(session, view.mode, view.selection);
         if let (Some(content), Some(shown)) = (&lumels, &mut self.lumels) {
             self.tiles += shown.fill(&self.renderer, session, content);
+            shown.fill_directions(&self.renderer, session, content, view.relief.on);
         }
         let is_smooth = lumels.as_ref().is_some_and(LumelContent::is_smooth);
         let lamps = drawn(&session.lights);
@@ -316,7 +329,9 @@ impl Stage {
             wireframe: view.wireframe,
             grid: view.grid && session.layout().is_some(),
             marks: showing.marks.map(|marks| marks.generation),
-            split: split.map(|split| split.at),
+            split: split.map(|split| (split.right, split.at)),
+            relief: view.relief.relief(),
+            ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
         })
     }
 
@@ -370,12 +385,15 @@ impl Stage {
             }
             ViewMode::Unshot if showing.session.unshot().is_none() => Look::Plain,
             ViewMode::LumelDensity if lumels.is_none() => Look::Plain,
+            ViewMode::Moment(moment) if !left.knows(moment, showing.session) => Look::Plain,
+            ViewMode::Moment(Moment::Direction) => Look::Vectors,
             ViewMode::FalseColor
             | ViewMode::StandardError
             | ViewMode::Unshot
             | ViewMode::TriangleSize
             | ViewMode::Bends
-            | ViewMode::LumelDensity => {
+            | ViewMode::LumelDensity
+            | ViewMode::Moment(_) => {
                 // That of light is the same, wherever it is stored.
                 let lumels = lumels.filter(|_| view.mode != ViewMode::FalseColor);
                 Look::FalseColor { range: self.range_of(showing, left, lumels), scale: view.scale() }
@@ -406,7 +424,10 @@ impl Stage {
             Some(shown) => shown.known(),
             None => left.values(showing.session).unwrap_or_default(),
         };
-        let range = values::automatic_range(&values, scale);
+        let range = match view.mode {
+            ViewMode::Moment(_) => values::signed_range(&values),
+            _ => values::automatic_range(&values, scale),
+        };
         self.range = Some(AutomaticRange { of: *left, lumels, scale, range });
         range
     }

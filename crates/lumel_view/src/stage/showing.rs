@@ -4,6 +4,7 @@ use super::content::Side;
 use crate::prefs::ViewPrefs;
 use crate::selection::Selection;
 use crate::session::Session;
+use lumel_render_cpu::Ripple;
 use lumel_render_gpu::Mark;
 
 /// What the stage is to show.
@@ -18,6 +19,8 @@ pub struct Showing<'a> {
     pub marks: Option<&'a Marks>,
     /// How good.
     pub quality: Quality,
+    /// Waves over the materials that have them.
+    pub ripple: Option<Ripple>,
 }
 
 /// Two solutions side by side.

@@ -6,6 +6,7 @@ mod inspector;
 mod legend;
 mod marks;
 mod overlay;
+mod ripple;
 mod state;
 
 pub use state::{Subject, Viewport};
@@ -50,6 +51,7 @@ impl Viewport {
     fn picture(&mut self, subject: &mut Subject<'_>, ui: &Ui, rect: Rect) {
         let scale = ui.ctx().pixels_per_point();
         let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
+        let ripple = ripple::waves(self, subject, ui);
         let quality = self.quality(subject.session);
         let showing = Showing {
             session: &*subject.session,
@@ -57,6 +59,7 @@ impl Viewport {
             split: subject.comparison.split(),
             marks: self.marks.update(subject.session, &subject.prefs.view, subject.pick.as_ref()),
             quality,
+            ripple,
         };
         let Some(stage) = &mut subject.stage else {
             let text = "No graphics device.\nInstall a Vulkan driver; on Debian: mesa-vulkan-drivers";

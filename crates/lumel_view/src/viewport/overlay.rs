@@ -3,7 +3,7 @@
 use super::state::{Subject, Viewport};
 use super::{inspector, legend};
 use crate::panels::NO_BOUNCES;
-use crate::prefs::{ViewMode, ViewPrefs};
+use crate::prefs::{Known, ViewMode, ViewPrefs};
 use crate::selection::Selection;
 use crate::session::Session;
 use crate::stage::Side;
@@ -52,6 +52,7 @@ fn captions(subject: &Subject<'_>, ui: &Ui, rect: Rect) {
     let right = match split.right {
         Side::Current if subject.session.lumel_light().is_some() => "current solution at vertices".to_owned(),
         Side::Current => "current solution".to_owned(),
+        Side::Smooth => "without normal maps".to_owned(),
         Side::Kept(id) => {
             subject.session.kept.iter().find(|k| k.id == id).map_or_else(String::new, |k| k.name.clone())
         }
@@ -70,7 +71,11 @@ fn captions(subject: &Subject<'_>, ui: &Ui, rect: Rect) {
         pos2(x - 14.0, y),
         Align2::RIGHT_TOP,
     );
-    write(format!("{right}: {}", split.selection), pos2(x + 14.0, y), Align2::LEFT_TOP);
+    let selection = match split.right {
+        Side::Smooth => subject.prefs.view.selection,
+        Side::Current | Side::Kept(_) => split.selection,
+    };
+    write(format!("{right}: {selection}"), pos2(x + 14.0, y), Align2::LEFT_TOP);
 }
 
 /// What is shown, at the top of the picture.
@@ -84,18 +89,18 @@ fn bar(session: &Session, view: &mut ViewPrefs, ui: &mut Ui, rect: Rect) {
         .show(&mut ui, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                mode(view, session.layout().is_some(), ui);
+                mode(view, session.known(), ui);
                 ui.add_space(6.0);
                 bounces(session, &mut view.selection, ui);
             });
         });
 }
 
-fn mode(view: &mut ViewPrefs, has_lumels: bool, ui: &mut Ui) {
+fn mode(view: &mut ViewPrefs, known: Known, ui: &mut Ui) {
     let shown = &mut view.mode;
-    let combo = ComboBox::from_id_salt("surfaces").width(112.0).height(400.0).selected_text(shown.name());
+    let combo = ComboBox::from_id_salt("surfaces").width(112.0).height(600.0).selected_text(shown.name());
     let response = combo.show_ui(ui, |ui| {
-        for mode in ViewMode::offered(has_lumels) {
+        for mode in ViewMode::offered(known) {
             ui.selectable_value(shown, mode, mode.name()).on_hover_text(mode.hint());
         }
     });

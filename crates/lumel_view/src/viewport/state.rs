@@ -1,6 +1,7 @@
 //! What the viewport remembers, and what it shows and changes.
 
 use super::marks::CurrentMarks;
+use super::ripple::Waves;
 use crate::compare::Comparison;
 use crate::gizmo::Gizmo;
 use crate::pick::Pick;
@@ -26,6 +27,7 @@ pub struct Viewport {
     pub(super) dividing: bool,
     pub(super) marks: CurrentMarks,
     pub(super) problem: Option<String>,
+    pub(super) waves: Waves,
     /// Keys that ran a command: they do not fly while they stay down.
     pub(super) spent_keys: HashSet<Key>,
 }
@@ -85,7 +87,8 @@ impl Viewport {
 
     /// How much a picture may cost now.
     pub fn quality(&self, session: &Session) -> Quality {
-        let live = self.is_moving() || session.is_solving() || session.is_light_in_motion();
+        let live =
+            self.is_moving() || self.waves.are_seen || session.is_solving() || session.is_light_in_motion();
         if live { Quality::Live } else { Quality::Still }
     }
 }

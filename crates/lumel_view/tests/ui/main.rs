@@ -6,6 +6,7 @@ mod adaptive;
 mod camera;
 mod changes;
 mod compare;
+mod directions;
 mod expected;
 mod files;
 mod hands;

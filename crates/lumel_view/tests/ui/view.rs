@@ -5,7 +5,7 @@ use crate::harness::Window;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Rect, pos2, vec2};
 use lumel_render_cpu::Picture;
-use lumel_view::prefs::{Unit, ViewMode};
+use lumel_view::prefs::{Known, Unit, ViewMode};
 use lumel_view::selection::Selection;
 
 fn shown(window: &Window) -> Selection {
@@ -89,7 +89,7 @@ fn every_view_mode_draws_another_picture() {
     let Some(mut window) = Window::solved_room() else { return };
     let mut pictures: Vec<(ViewMode, Picture)> = Vec::new();
     // Bends are known once a mesh was refined.
-    for mode in ViewMode::offered(false).filter(|mode| *mode != ViewMode::Bends) {
+    for mode in ViewMode::offered(Known::default()).filter(|mode| *mode != ViewMode::Bends) {
         window.choose("View mode", mode.name());
         assert_eq!(window.state().view().mode, mode);
         let picture = window.picture();
