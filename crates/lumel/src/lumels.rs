@@ -6,7 +6,7 @@ use crate::assembly::directional_plan;
 use crate::settings::Memory;
 use crate::target::target;
 use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers};
-use lumel_lightmap::{LumelLight, PartLight, SolvedLight};
+use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
 use lumel_scene::Scene;
 use lumel_solve::{SolveState, Target};
@@ -86,15 +86,15 @@ pub struct LumelAccuracy {
     pub share: Option<f64>,
 }
 
-/// How lumels are measured: in which parts, with which rays, and for what. Parts and rays do not change a bit of their light.
+/// How lumels are measured: in which parts, and with which rays.
+///
+/// Neither changes a bit of their light.
 pub struct LumelParts {
     /// Lumels that are measured together at most.
     pub most: usize,
     /// Bytes of rays of the first round that may be kept, so that under other lights they need not be traced again. Later
     /// rounds measure other lumels then.
     pub kept_bytes: u64,
-    /// What the solve says of the light, if noise is to be taken off by it: then more samples go to the lumels where noise is left.
-    pub solved: Option<Arc<SolvedLight>>,
     /// By the first lumel of a part and the half of the samples.
     kept: BTreeMap<(usize, usize), Stored>,
 }
@@ -102,17 +102,16 @@ pub struct LumelParts {
 impl Default for LumelParts {
     /// Large parts, of which no rays are kept.
     fn default() -> Self {
-        Self { most: PART, kept_bytes: 0, solved: None, kept: BTreeMap::new() }
+        Self { most: PART, kept_bytes: 0, kept: BTreeMap::new() }
     }
 }
 
 impl fmt::Debug for LumelParts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { most, kept_bytes, solved, .. } = self;
+        let Self { most, kept_bytes, .. } = self;
         f.debug_struct("LumelParts")
             .field("most", most)
             .field("kept_bytes", kept_bytes)
-            .field("solved", &solved.is_some())
             .finish_non_exhaustive()
     }
 }
@@ -164,8 +163,7 @@ impl Baker {
     ///
     /// Samples go where light is noisy: all lumels get half as many as that, then the noisier half of them twice as many, then the
     /// noisiest quarter four times as many. With a target error, lumels get more until enough of them are below it, or
-    /// have 64 times as many as in the beginning. Without one, noise that is taken off by what the solve says does not count if the
-    /// [parts](LumelParts) have that. Which lumels are measured again is decided by the differences of two halves of
+    /// have 64 times as many as in the beginning. Which lumels are measured again is decided by the differences of two halves of
     /// the samples and by the light, of each lumel and its neighbours together. What looks noisy by chance is measured again: the
     /// bias that this brings is far below the noise.
     ///
@@ -204,7 +202,7 @@ impl Baker {
         let (operator, sources) = (self.cached_at_lumels(lumels), sources(state));
         loop {
             self.finish_round((&operator, &sources), light, parts, control, part_done)?;
-            let Some(active) = self.next_round(lumels, light, parts.solved.as_deref()) else { break };
+            let Some(active) = self.next_round(lumels, light) else { break };
             light.begin_round(active);
         }
         self.measure_by_direction(state, lumels, light, parts.most, control, part_done)
@@ -362,24 +360,17 @@ impl Baker {
     }
 
     /// The lumels that are to have more samples; `None` if there are enough.
-    fn next_round(
-        &self,
-        lumels: &Lumels,
-        light: &LumelLight,
-        solved: Option<&SolvedLight>,
-    ) -> Option<Vec<bool>> {
-        let Lumels { atlas, coverage, .. } = lumels;
+    fn next_round(&self, lumels: &Lumels, light: &LumelLight) -> Option<Vec<bool>> {
+        let errors = |floor| light.relative_errors(&lumels.atlas, &lumels.coverage, floor);
         let (errors, least) = match target(self.settings()) {
             Some(Target { error, share, rounds, .. }) => {
-                let errors = |floor| light.relative_errors(atlas, coverage, floor);
                 let errors = (light.round + 1 < rounds).then(|| errors(DARK))?;
                 let enough = self.accuracy_of(light, &errors).share.is_some_and(|below| below >= share);
                 (!enough).then_some((errors, error as f32 / CONFIDENCE))?
             }
             None => {
                 let share = SHARES.get(light.round as usize)?;
-                let left = solved.map(|solved| light.shrunk(atlas, coverage, solved));
-                let errors = left.as_ref().unwrap_or(light).relative_errors(atlas, coverage, DIM);
+                let errors = errors(DIM);
                 let mut sorted = errors.clone();
                 let place = ((1.0 - share) * errors.len() as f64) as usize;
                 let least =

@@ -28,7 +28,7 @@ impl LumelLight {
     /// chance allows, such as along a contact shadow, and where few lumels tell.
     ///
     /// With more samples, v falls and light becomes what was measured. Bounces keep their proportions.
-    pub fn shrunk(&self, atlas: &Atlas, coverage: &Coverage, solved: &SolvedLight) -> Self {
+    pub(crate) fn shrunk(&self, atlas: &Atlas, coverage: &Coverage, solved: &SolvedLight) -> Self {
         let mut shrunk = self.clone();
         let is_known = |place: usize| self.halves.iter().all(|half| half.samples[place] > 0.0);
         let surface = Surface::new(atlas, coverage, is_known);

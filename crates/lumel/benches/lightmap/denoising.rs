@@ -2,7 +2,7 @@
 
 use crate::{Case, lumels_of, settings, solved};
 use glam::Vec3;
-use lumel::{Control, Lightmap, LumelParts, Lumels, MaxEdge, Preset, Settings};
+use lumel::{Control, Lightmap, Lumels, MaxEdge, Preset, Settings};
 use lumel_scene::luminance;
 use lumel_uv::Density;
 use std::sync::Arc;
@@ -28,18 +28,13 @@ pub(crate) fn measure(case: &Case) -> Result<(), String> {
         indirect_samples: MANY * medium.indirect_samples,
         ..medium
     };
-    let solved = Arc::new(baker.solved_at_lumels(&state, &lumels));
+    let solved = baker.solved_at_lumels(&state, &lumels);
     let bake = |samples: &Settings, seed| {
         let baker = baker.relit(Arc::clone(&fine), Settings { seed, ..samples.clone() });
+        let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
         let Lumels { scene, atlas, coverage } = &lumels;
         [None, Some(&solved)].map(|solved| {
-            let (mut parts, mut light) = (LumelParts::default(), baker.no_light_at_lumels(&state, &lumels));
-            parts.solved = solved.cloned();
-            let control = Control::default();
-            baker
-                .continue_lumel_parts(&state, &lumels, &mut light, &mut parts, &control, &mut |_| {})
-                .unwrap();
-            let map = Lightmap::finished(scene, atlas, coverage, &light, solved.map(|s| &**s), None);
+            let map = Lightmap::finished(scene, atlas, coverage, &light, solved, None);
             let value = |(place, &lumel): (usize, &u32)| {
                 if light.is_valid(place) { map.layers[0].values[lumel as usize] } else { Vec3::NAN }
             };

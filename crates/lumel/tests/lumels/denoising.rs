@@ -3,8 +3,8 @@
 use crate::{Placed, built, lumels, room, settings, solved, tessellated};
 use glam::Vec3;
 use lumel::{
-    AmbientOcclusion, Baker, BounceLimit, Control, Lightmap, LightmapLayer, LumelLight, LumelParts, Lumels,
-    Settings, SolvedLight,
+    AmbientOcclusion, Baker, BounceLimit, Control, Lightmap, LightmapLayer, LumelLight, Lumels, Settings,
+    SolvedLight,
 };
 use lumel_scene::luminance;
 use lumel_testkit::mesh::{Facing, sphere};
@@ -47,39 +47,6 @@ fn less_noise_is_left_of_few_samples_and_many_hardly_change() {
     changes.sort_by(f64::total_cmp);
     println!("many: {}", changes[changes.len() / 2]);
     assert!(changes[changes.len() / 2] < 0.002);
-}
-
-#[test]
-fn more_samples_go_where_noise_is_left_once_it_is_taken_off() {
-    let placed = Placed::as_given(room());
-    let (lumels, fine) = (placed.lumels(12.0), tessellated(&placed.builder, 0.2));
-    let of = |direct_samples, indirect_samples, seed| {
-        let bounces = BounceLimit::Count(1);
-        Settings { bounces, direct_samples, indirect_samples, seed, ..settings() }
-    };
-    let (baker, state) = solved(&fine, of(64, 256, 0));
-    let solved = Arc::new(baker.solved_at_lumels(&state, &lumels));
-    let bake = |settings, knows: bool| {
-        let (baker, mut parts) = (baker.relit(fine.clone(), settings), LumelParts::default());
-        parts.solved = knows.then(|| Arc::clone(&solved));
-        let (mut light, control) = (baker.no_light_at_lumels(&state, &lumels), Control::default());
-        baker.continue_lumel_parts(&state, &lumels, &mut light, &mut parts, &control, &mut |_| {}).unwrap();
-        light
-    };
-    let known = bake(of(128, 512, 9), false);
-    let [without, with] = [false, true].map(|knows| {
-        let errors = (1..4).map(|seed| {
-            let light = bake(of(16, 64, seed), knows);
-            let Lumels { scene, atlas, coverage } = &lumels;
-            let map = Lightmap::finished(scene, atlas, coverage, &light, Some(&solved), None);
-            let found = coverage.lumels().iter().map(|&lumel| map.layers[0].values[lumel as usize]);
-            let known = (0..light.len()).map(|place| known.irradiance(place));
-            rms(found.zip(known).map(|(found, known)| f64::from(luminance(found - known))))
-        });
-        rms(errors)
-    });
-    println!("an error of {with:.4}, by the noise of what was measured {without:.4}");
-    assert!(with < without, "{with} {without}");
 }
 
 #[test]

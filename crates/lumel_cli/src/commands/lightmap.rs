@@ -7,8 +7,8 @@ use crate::checkpoint::Checkpoint;
 use crate::command_run::{CHECKPOINT_SHARE, CommandRun, unless_stopped};
 use crate::report;
 use lumel::{
-    AmbientOcclusion, Baker, Lightmap, LightmapEntry, LumelAccuracy, LumelLight, LumelParts, LumelState,
-    Lumels, Preset, Scene, Settings, SolveState,
+    AmbientOcclusion, Baker, Lightmap, LightmapEntry, LumelAccuracy, LumelLight, LumelState, Lumels, Preset,
+    Scene, Settings, SolveState,
 };
 use lumel_uv::{Report, Unwrapped};
 use std::path::Path;
@@ -71,11 +71,7 @@ pub(crate) fn measure(
     run: &CommandRun,
 ) -> anyhow::Result<Option<Lightmapped>> {
     let baker = solved.baker.relit(Arc::clone(solved.baker.scene()), solved.settings.clone());
-    let known = wanted.denoises.then(|| Arc::new(baker.solved_at_lumels(solved.state, &lumels)));
-    let mut parts = LumelParts::default();
-    parts.solved.clone_from(&known);
-    let (measured, seconds) =
-        run.timed("lumels", || measured((&lumels, &mut parts), &baker, &solved, wanted.resumed, run));
+    let (measured, seconds) = run.timed("lumels", || measured(&lumels, &baker, &solved, wanted.resumed, run));
     let Some(light) = measured? else { return Ok(None) };
     let openness = wanted.occlusion.map(|occlusion| {
         let _heeding = run.interrupt.heed();
@@ -91,7 +87,10 @@ pub(crate) fn measure(
     let Lumels { scene, atlas, coverage } = &lumels;
     let accuracy = baker.accuracy_at_lumels(&lumels, &light);
     warn_of_error(&accuracy, &solved.settings, run);
-    let finished = || Lightmap::finished(scene, atlas, coverage, &light, known.as_deref(), openness.as_ref());
+    let finished = || {
+        let known = wanted.denoises.then(|| baker.solved_at_lumels(solved.state, &lumels));
+        Lightmap::finished(scene, atlas, coverage, &light, known.as_ref(), openness.as_ref())
+    };
     let (lightmap, finish_seconds) = run.timed("finish", finished);
     let report = LightmapReport {
         pages: lumels.atlas.pages().to_vec(),
@@ -125,7 +124,7 @@ fn warn_of_error(accuracy: &LumelAccuracy, settings: &Settings, run: &CommandRun
 
 /// The light in all lumels. After each part, it is written to the checkpoint. `None` if it was stopped.
 fn measured(
-    (lumels, parts): (&Lumels, &mut LumelParts),
+    lumels: &Lumels,
     baker: &Baker,
     Solved { baker: solver, state, checkpoint, .. }: &Solved<'_>,
     resumed: Option<&Path>,
@@ -156,7 +155,7 @@ fn measured(
     };
     let measured = {
         let _heeding = run.interrupt.heed();
-        baker.continue_lumel_parts(state, lumels, &mut light, parts, run.interrupt.control(), &mut keep)
+        baker.continue_lumels(state, lumels, &mut light, run.interrupt.control(), &mut keep)
     };
     if measured.is_err() && !checkpoint.is_current() {
         save(&light);

@@ -34,10 +34,8 @@ pub(super) fn measure(
             next = Instant::now() + PERIOD;
         }
     };
-    let known = denoises.then(|| Arc::new(baker.solved_at_lumels(state, &layout.lumels)));
     let measured = {
         let mut parts = lock(&layout.parts);
-        parts.solved.clone_from(&known);
         // The solve keeps rays too.
         parts.kept_bytes = baker.settings().memory.0 / 2;
         baker.continue_lumel_parts(state, &layout.lumels, &mut light, &mut parts, control, &mut publish)
@@ -48,7 +46,8 @@ pub(super) fn measure(
         Err(error) => return Ending::Failed(error.to_string()),
     }
     shared.publish_phase(Phase::Finishing);
-    let lightmap = Lightmap::finished(scene, atlas, coverage, &light, known.as_deref(), None);
+    let known = denoises.then(|| baker.solved_at_lumels(state, &layout.lumels));
+    let lightmap = Lightmap::finished(scene, atlas, coverage, &light, known.as_ref(), None);
     let all = LumelIllumination::finished(Arc::clone(layout), lightmap);
     shared.publish_light(|published| published.lumels = Some(all));
     Ending::Done

@@ -5,7 +5,7 @@ use crate::harness::Window;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use glam::Vec3;
-use lumel::{Baker, Control, Lightmap, LumelParts, Lumels, Silent, SolveState};
+use lumel::{Baker, Control, Lightmap, Lumels, Silent, SolveState};
 use lumel_render_cpu::{Display, Exposure, Picture, Resolution, Show, View, draw};
 use lumel_view::app::App;
 use lumel_view::layout::LumelCount;
@@ -51,12 +51,10 @@ fn reference(app: &App) -> Lightmap {
     let (mut state, control) = (SolveState::new(), Control::default());
     baker.run(&mut state, &control, &Silent).unwrap();
     let lumels = &session.layout().unwrap().lumels;
+    let light = baker.light_at_lumels(&state, lumels, &control).unwrap();
     let Lumels { scene, atlas, coverage } = lumels;
-    let known = session.lumels.denoises.then(|| Arc::new(baker.solved_at_lumels(&state, lumels)));
-    let (mut parts, mut light) = (LumelParts::default(), baker.no_light_at_lumels(&state, lumels));
-    parts.solved.clone_from(&known);
-    baker.continue_lumel_parts(&state, lumels, &mut light, &mut parts, &control, &mut |_| {}).unwrap();
-    Lightmap::finished(scene, atlas, coverage, &light, known.as_deref(), None)
+    let known = session.lumels.denoises.then(|| baker.solved_at_lumels(&state, lumels));
+    Lightmap::finished(scene, atlas, coverage, &light, known.as_ref(), None)
 }
 
 #[test]
