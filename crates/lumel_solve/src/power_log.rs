@@ -48,7 +48,7 @@ impl<'a> PowerLog<'a> {
 
     /// Share of all light, by luminance of the incident power, that bounces after the last one would bring.
     ///
-    /// Assumes that each goes on shrinking by one [ratio](Self::ratio_after). `None` after direct light, unless nothing is
+    /// Assumes that each goes on shrinking by one ratio. `None` after direct light, unless nothing is
     /// reflected, and while bounces do not shrink.
     pub fn remainder(&self) -> Option<f64> {
         self.remainder_after(self.powers.len(), self.powers.iter().sum())
