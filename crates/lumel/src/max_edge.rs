@@ -118,7 +118,8 @@ mod tests {
             let json = serde_json::to_string(&value).unwrap();
             assert_eq!(serde_json::from_str::<MaxEdge>(&json).unwrap(), value, "{json}");
         }
-        for wrong in ["", "Auto", "0", "-1", "nan", "inf", "1 m"] {
+        assert_eq!("25 cm".parse(), Ok(MaxEdge::Length(0.25)));
+        for wrong in ["", "Auto", "0", "-1", "nan", "inf", "0 m", "1 yd"] {
             assert!(wrong.parse::<MaxEdge>().is_err(), "{wrong}");
         }
         for wrong in ["\"fine\"", "\"0.1\"", "true"] {

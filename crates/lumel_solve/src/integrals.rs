@@ -134,7 +134,8 @@ impl Integrals {
     /// The bounces after the last one, as a geometric series of the last one: `λ/(1 − λ)` of it per channel.
     ///
     /// Consistent in shape only: the last bounce's pattern stands for all later ones, whose differences from it are
-    /// of second order once light is well mixed. `None` when there is no ratio below 0.98 in any channel.
+    /// of second order once light is well mixed. λ is the ratio of the last two, or the share that is reflected of the first one.
+    /// `None` when there is no ratio below 0.98 in any channel.
     pub fn tail(&self, bounces: &[Field]) -> Option<Field> {
         let factors = self.tail_factors(bounces)?;
         Some(scaled(bounces.last()?, factors))
@@ -151,10 +152,14 @@ impl Integrals {
 
     /// What the last bounce is multiplied by to give its [`tail`](Self::tail), per colour channel.
     pub(crate) fn tail_factors(&self, bounces: &[Field]) -> Option<Vec3> {
-        let [.., before, last] = bounces else { return None };
-        let (before, last) = (self.incident(before), self.incident(last));
+        let ratios = match bounces {
+            [] | [_] => return None,
+            // How the first bounce compares to direct light, of which much may leave at once, says nothing of later ones.
+            [_, first] => self.reflected(first) / self.incident(first),
+            [.., before, last] => self.incident(last) / self.incident(before),
+        };
         let factor = |k: usize| {
-            let ratio = last[k] / before[k];
+            let ratio = ratios[k];
             if ratio > 0.0 && ratio < MAX_RATIO { (ratio / (1.0 - ratio)) as f32 } else { 0.0 }
         };
         let factors = Vec3::new(factor(0), factor(1), factor(2));
