@@ -14,6 +14,9 @@ const EDGE: f64 = 0.2;
 /// the rest.
 const WORST: f64 = 0.02;
 
+/// With less than this share of the light on all surfaces, the darker half of them counts as unlit: nobody looks at it.
+const DARKEST: f64 = 1e-3;
+
 /// What remains of noise changes its sign from vertex to vertex: its correlation with that of the neighbours is -0.24 on a
 /// regular mesh. What remains of light that bends is the same for neighbours.
 const BENT: f64 = 0.2;
@@ -24,7 +27,7 @@ pub struct ErrorEstimate {
     /// Root mean square over the surfaces but for the worst 2 % of them, relative to that of the light there.
     pub error: f64,
     /// The same over the darker half of those surfaces alone. Much larger where most light never comes to where people look:
-    /// on the outside of a house under a sky. `None` if no light comes there at all.
+    /// on the outside of a house under a sky. `None` if next to no light comes there.
     pub in_darker_half: Option<f64>,
     /// What most of the error comes from.
     pub cause: ErrorCause,
@@ -91,7 +94,9 @@ impl Baker {
             products > BENT * squares
         };
         let cause = if 2.0 * at_edges > squares[k] || is_bent() { ErrorCause::CoarseMesh } else { noise };
-        let in_darker_half = relative(darker_half(&kept));
+        let is_lit = mean_square(darker_half(&kept))
+            > DARKEST.powi(2) * mean_square(kept.iter().map(|at| (at, at.area)));
+        let in_darker_half = if is_lit { relative(darker_half(&kept)) } else { None };
         Some(ErrorEstimate { error, in_darker_half, cause })
     }
 }
@@ -141,6 +146,13 @@ fn darker_half(found: &[Found]) -> impl Iterator<Item = (&Found, f64)> {
         left -= area;
         (area > 0.0).then_some((at, area))
     })
+}
+
+/// The mean square of the light.
+fn mean_square<'a>(found: impl Iterator<Item = (&'a Found, f64)>) -> f64 {
+    let (square, whole) = found
+        .fold((0.0, 0.0), |(square, whole), (at, area)| (square + area * at.light * at.light, whole + area));
+    if whole > 0.0 { square / whole } else { 0.0 }
 }
 
 /// The root mean square of residuals over that of the light, if there is light.
