@@ -185,19 +185,17 @@ impl<R: Receivers + 'static> Parts<'_, R> {
     /// Measures direct light at the vertices, as the projection says, where points carry the bounces. With a target error, all light is
     /// that of the points, whose errors are known.
     fn direct(&self) -> Option<Box<dyn Transport>> {
-        let Surfaces { tracer, basis, .. } = self.surfaces;
-        let is_read = basis.points().is_some() && self.settings.target_error == TargetError::Off;
-        let (scene, tracer, basis) = (Arc::clone(self.scene), Arc::clone(tracer), Arc::clone(basis));
-        let plan = self.settings.plan();
+        let Self { scene, surfaces, settings, .. } = *self;
+        let is_read = surfaces.basis.points().is_some() && settings.target_error == TargetError::Off;
         is_read.then(|| -> Box<dyn Transport> {
-            match self.settings.projection.sampling() {
+            match settings.projection.sampling() {
                 Sampling::Point => {
-                    let Ordered { receivers, order } = self.surfaces.at_vertices().clone();
-                    Box::new(CpuTransport::in_order(scene, tracer, basis, (receivers, order), plan))
+                    let measured = surfaces.at_vertices();
+                    Box::new(Parts { scene, surfaces, measured, settings }.traced(settings.plan()))
                 }
                 Sampling::Area => {
-                    let Ordered { receivers, order } = self.surfaces.over_areas().clone();
-                    Box::new(CpuTransport::in_order(scene, tracer, basis, (receivers, order), plan))
+                    let measured = surfaces.over_areas();
+                    Box::new(Parts { scene, surfaces, measured, settings }.traced(settings.plan()))
                 }
             }
         })

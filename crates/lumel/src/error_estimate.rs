@@ -74,7 +74,8 @@ impl Baker {
         let kept = without_worst(nodes.filter_map(found).collect());
         let integral = |value: &dyn Fn(&Found) -> f64| kept.iter().map(|at| at.area * value(at)).sum::<f64>();
         let squares = [0, 1].map(|k| integral(&|at| at.residuals[k].value.powi(2)));
-        let error = relative(kept.iter().map(|at| (at, at.area)))?;
+        let everywhere = Squares::of(kept.iter().map(|at| (at, at.area)));
+        let error = everywhere.error()?;
         let (k, noise) = match squares[0] > squares[1] {
             true => (0, ErrorCause::DirectNoise),
             false => (1, ErrorCause::IndirectNoise),
@@ -94,9 +95,9 @@ impl Baker {
             products > BENT * squares
         };
         let cause = if 2.0 * at_edges > squares[k] || is_bent() { ErrorCause::CoarseMesh } else { noise };
-        let is_lit = mean_square(darker_half(&kept))
-            > DARKEST.powi(2) * mean_square(kept.iter().map(|at| (at, at.area)));
-        let in_darker_half = if is_lit { relative(darker_half(&kept)) } else { None };
+        let darker = Squares::of(darker_half(&kept));
+        let is_lit = darker.mean_light() > DARKEST.powi(2) * everywhere.mean_light();
+        let in_darker_half = darker.error().filter(|_| is_lit);
         Some(ErrorEstimate { error, in_darker_half, cause })
     }
 }
@@ -148,19 +149,32 @@ fn darker_half(found: &[Found]) -> impl Iterator<Item = (&Found, f64)> {
     })
 }
 
-/// The mean square of the light.
-fn mean_square<'a>(found: impl Iterator<Item = (&'a Found, f64)>) -> f64 {
-    let (square, whole) = found
-        .fold((0.0, 0.0), |(square, whole), (at, area)| (square + area * at.light * at.light, whole + area));
-    if whole > 0.0 { square / whole } else { 0.0 }
+/// Integrals of squares over some of the surfaces.
+struct Squares {
+    area: f64,
+    light: f64,
+    residual: f64,
 }
 
-/// The root mean square of residuals over that of the light, if there is light.
-fn relative<'a>(found: impl Iterator<Item = (&'a Found, f64)>) -> Option<f64> {
-    let (square, light) = found.fold((0.0, 0.0), |(square, light), (at, area)| {
-        (square + area * at.square(), light + area * at.light * at.light)
-    });
-    (light > 0.0).then(|| (square / light).sqrt())
+impl Squares {
+    /// Over what was found, each with the area that counts.
+    fn of<'a>(found: impl Iterator<Item = (&'a Found, f64)>) -> Self {
+        let none = Self { area: 0.0, light: 0.0, residual: 0.0 };
+        found.fold(none, |sum, (at, area)| Self {
+            area: sum.area + area,
+            light: sum.light + area * at.light * at.light,
+            residual: sum.residual + area * at.square(),
+        })
+    }
+
+    fn mean_light(&self) -> f64 {
+        self.light / self.area
+    }
+
+    /// The root mean square of residuals over that of the light, if there is light.
+    fn error(&self) -> Option<f64> {
+        (self.light > 0.0).then(|| (self.residual / self.light).sqrt())
+    }
 }
 
 /// What a linear function through the neighbours of a node has to be multiplied with to be compared with the node.

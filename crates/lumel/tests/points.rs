@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
+mod keep;
+
 use glam::{DVec3, Vec3};
+use keep::Keep;
 use lumel::{
-    Adaptive, Baker, BounceLimit, Control, Directional, Layers, Light, Lumels, Memory, Method, Observer,
-    PointSpacing, Projection, SamplerKind, Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent,
-    SolveState, SolverKind, Step,
+    Adaptive, Baker, BounceLimit, Control, Directional, Layers, Light, Lumels, Memory, Method, PointSpacing,
+    Projection, SamplerKind, Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent, SolveState,
+    SolverKind,
 };
 use lumel_basis::Basis;
 use lumel_testkit::mesh::{Facing, cuboid};
@@ -120,17 +123,6 @@ fn every_solver_schedule_and_sampler_carries_light_on_points() {
         assert!(points.radii.iter().zip(&points.levels).all(|(found, level)| *found == radius(*level)));
         assert_eq!(points.bounces.len(), state.bounces.len());
         assert!(solution.irradiance.iter().all(|e| e.is_finite() && e.min_element() >= 0.0));
-    }
-}
-
-/// Keeps the checkpoint after every bounce.
-struct Keep<'a>(&'a Baker, Mutex<Vec<Saved>>);
-
-impl Observer for Keep<'_> {
-    fn step_done(&self, step: Step, state: &SolveState) {
-        if matches!(step, Step::Bounce(_) | Step::Shot(_)) {
-            self.1.lock().unwrap().push(Saved::Checkpoint(Box::new(self.0.checkpoint(state))));
-        }
     }
 }
 

@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests are tests")]
 
+mod keep;
+
 use glam::{DVec3, Vec3};
+use keep::Keep;
 use lumel::{
     Baker, Control, Layers, Light, Lumels, Memory, Method, Observer, Projection, Saved, Scene, SceneBuilder,
     ScheduleKind, Settings, Silent, SolveState, SolverKind, Step,
@@ -66,17 +69,6 @@ fn difference(a: &Field, b: &Field) -> f64 {
     let pairs = a.values().iter().zip(b.values());
     let off: f64 = pairs.map(|(a, b)| square(a.as_dvec3() - b.as_dvec3())).sum();
     (off / b.values().iter().map(|v| square(v.as_dvec3())).sum::<f64>()).sqrt()
-}
-
-/// Keeps the checkpoint after every shot.
-struct Keep<'a>(&'a Baker, Mutex<Vec<Saved>>);
-
-impl Observer for Keep<'_> {
-    fn step_done(&self, step: Step, state: &SolveState) {
-        if matches!(step, Step::Shot(_) | Step::Bounce(_)) {
-            self.1.lock().unwrap().push(Saved::Checkpoint(Box::new(self.0.checkpoint(state))));
-        }
-    }
 }
 
 #[test]

@@ -2,10 +2,9 @@
 
 use crate::edge_length::EdgeLength;
 use crate::mesh::{Face, ObjectMesh};
-use crate::triangle::{area, least_height, longest_edge};
+use crate::triangle::{area, length_squared, longest, middle, widest_corner};
 use crate::{Material, SceneBuilder, SceneError, Warnings, normals, tangents};
 use glam::Vec3;
-use std::cmp::Ordering;
 use std::collections::HashMap;
 
 /// The most triangles that tessellation makes: a solve of them takes about 20 GB without stored rays.
@@ -206,46 +205,10 @@ impl Rule {
     }
 }
 
-/// The longest of some edges of a triangle, each by the corner that it begins at; of equally long ones that opposite the
-/// smallest position, so that the order of the corners does not matter.
-pub(crate) fn longest(corners: [Vec3; 3], edges: impl Iterator<Item = usize>) -> Option<usize> {
-    let edge = |k: usize| (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-    edges.max_by(|&i, &j| {
-        let ((a, b, opposite), (p, q, other)) = (edge(i), edge(j));
-        let by_position = || other.to_array().partial_cmp(&opposite.to_array());
-        length_squared(a, b)
-            .total_cmp(&length_squared(p, q))
-            .then_with(|| by_position().unwrap_or(Ordering::Equal))
-    })
-}
-
-/// Squared length; the same bits from both ends. In f64, where squares of f32 neither overflow nor vanish.
-pub(crate) fn length_squared(a: Vec3, b: Vec3) -> f64 {
-    (b.as_dvec3() - a.as_dvec3()).length_squared()
-}
-
-/// The midpoint; the same bits from both ends.
-pub(crate) fn middle(a: Vec3, b: Vec3) -> Vec3 {
-    (0.5 * (a.as_dvec3() + b.as_dvec3())).as_vec3()
-}
-
-/// A needle is this many times as long as it is wide.
-const NEEDLE: f64 = 8.0;
-
 /// The vertices of a needle beginning with the corner between its shorter edges. Other triangles stay as they are.
 fn from_widest_corner(mut vertices: [u32; 3], corners: [Vec3; 3]) -> [u32; 3] {
     vertices.rotate_left(widest_corner(corners));
     vertices
-}
-
-/// The corner of a needle between its shorter edges, from which its plane is known best: the cross product of two long edges
-/// that are nearly parallel is mostly rounding. The first corner of other triangles.
-pub(crate) fn widest_corner(corners: [Vec3; 3]) -> usize {
-    if longest_edge(corners) < NEEDLE * least_height(corners) {
-        return 0;
-    }
-    let opposite = |k: usize| length_squared(corners[(k + 1) % 3], corners[(k + 2) % 3]);
-    (1..3).fold(0, |widest, k| if opposite(k) > opposite(widest) { k } else { widest })
 }
 
 /// Adds the vertex in the middle of two others.

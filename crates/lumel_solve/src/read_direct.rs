@@ -2,9 +2,9 @@
 
 use crate::SolveState;
 use crate::observer::{Observer, Step};
-use crate::solver::{Operator, SolveError, measured_step};
+use crate::solver::{Operator, SolveError, measured_step, visible_points};
 use lumel_basis::Sampling;
-use lumel_transport::{Control, Job, Measured, Source, accumulate};
+use lumel_transport::{Control, Job, Source};
 
 /// Measures the direct light of a finished solve once more, by an operator towards the basis in which light is read.
 ///
@@ -20,18 +20,13 @@ pub fn read_direct(
     observer: &dyn Observer,
 ) -> Result<(), SolveError> {
     observer.step_started(Step::ReadDirect);
-    let job = |source| Job { source, bounce: 0, pass: 0, active: None };
-    let Measured { field, .. } = match operator.transport.shape().sampling {
-        // Over areas, what is hidden is left out as it is measured.
-        Sampling::Area => measured_step(operator, &job(Source::Emitters(None)), control, None)?,
-        Sampling::Point => {
-            let hidden = accumulate(operator.transport, &job(Source::Nothing), control, None)?;
-            let visible: Vec<bool> = hidden.visible().collect();
-            let active = Some(visible.as_slice());
-            measured_step(operator, &Job { active, ..job(Source::Emitters(None)) }, control, None)?
-        }
+    let visible = match operator.transport.shape().sampling {
+        // What is hidden is left out as it is measured.
+        Sampling::Area => None,
+        Sampling::Point => Some(visible_points(operator.transport, control)?),
     };
-    state.read_direct = Some(field);
+    let job = Job { source: Source::Emitters(None), bounce: 0, pass: 0, active: visible.as_deref() };
+    state.read_direct = Some(measured_step(operator, &job, control, None)?.field);
     observer.step_done(Step::ReadDirect, state);
     Ok(())
 }

@@ -227,10 +227,18 @@ pub(crate) fn find_valid(
         return Ok(vec![true; shape.nodes]);
     }
     observer.step_started(Step::Validity);
-    let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };
-    let measured = accumulate(transport, &job, control, None)?;
+    let visible = visible_points(transport, control)?;
     observer.step_done(Step::Validity, state);
-    Ok(measured.visible().collect())
+    Ok(visible)
+}
+
+/// Which nodes that are measured at points lie outside geometry.
+pub(crate) fn visible_points(
+    transport: &dyn Transport,
+    control: &Control,
+) -> Result<Vec<bool>, TransportError> {
+    let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };
+    Ok(accumulate(transport, &job, control, None)?.visible().collect())
 }
 
 /// Makes snapshots of a bounce under way.

@@ -3,7 +3,7 @@
 use super::parts::{Leaf, Middles, Part, base, sorted};
 use super::refined::Parts;
 use crate::edge_length::{EdgeLength, PER_DIAMETER};
-use crate::tessellate::{length_squared, middle};
+use crate::triangle::{length_squared, middle};
 use crate::{Scene, SceneError, Weld};
 use glam::Vec3;
 use std::collections::HashSet;

@@ -1,7 +1,7 @@
 //! The parts of triangles after some edges were split.
 
 use crate::face_list::FaceList;
-use crate::tessellate::longest;
+use crate::triangle::longest;
 use crate::{Barycentrics, SurfacePoint, TriId};
 use glam::Vec3;
 use std::collections::HashMap;

@@ -3,7 +3,7 @@
 use super::parts::{Leaf, Middles, base};
 use super::refinement::{Node, Refinement};
 use crate::face_list::FaceList;
-use crate::tessellate::{middle, widest_corner};
+use crate::triangle::{middle, widest_corner};
 use crate::{MAX_TRIANGLES, Scene, SceneError, TriId, tangents};
 use glam::Vec3;
 use std::ops::{Add, Mul};

@@ -13,11 +13,22 @@ mod watching;
 use lumel_basis::{Basis, Field};
 use lumel_solve::{Gather, Integrals, Silent, SolveState, Stop, solve};
 use lumel_testkit::{Method, Operator, Stage};
-use lumel_transport::{Control, Plan};
+use lumel_transport::{Control, EmitterSampling, Plan};
 
 /// Solves from scratch.
 fn solved(stage: &Stage, method: Method, plan: Plan, stop: Stop) -> SolveState {
     solved_by(&stage.operator(method, plan), stage, stop)
+}
+
+/// So many rays of each kind; emitters are found by hemisphere rays.
+fn plan(seed: u64, n_rays: u32) -> Plan {
+    Plan {
+        seed,
+        indirect_samples: n_rays,
+        direct_samples: n_rays,
+        emitters: EmitterSampling::Rays,
+        ..Plan::default()
+    }
 }
 
 fn solved_by(operator: &Operator, stage: &Stage, stop: Stop) -> SolveState {

@@ -1,5 +1,6 @@
 //! Light at scattered points: known answers that no mesh has a part in.
 
+use crate::plan;
 use glam::{EulerRot, Quat, Vec3};
 use lumel_basis::{Basis, Field, MeshlessBasis, NodeWeights, PointReceivers, reflecting_areas};
 use lumel_sample::SamplerKind;
@@ -8,7 +9,7 @@ use lumel_solve::{Gather, Integrals, Operator, Schedule, Shoot, Silent, SolveSta
 use lumel_testkit::mesh::{Facing, cuboid, equal_area_radius, quad, sphere};
 use lumel_testkit::scene::{ceiling_light, cube, grey, placed, scaled, scene, two_sided, varying_sphere};
 use lumel_testkit::{Estimate, ROUNDING, Solver, form_factor, measure, rms, tracer};
-use lumel_transport::{CachedTransport, Control, CpuTransport, EmitterSampling, Plan, Source, Transport};
+use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Source, Transport};
 use std::sync::Arc;
 
 /// A scene with points on its surfaces, and the operator from these to themselves.
@@ -83,16 +84,6 @@ impl Points {
             (sum + f64::from(area) * f64::from(e.x), all + f64::from(area))
         });
         sum / area
-    }
-}
-
-fn plan(seed: u64, n_rays: u32) -> Plan {
-    Plan {
-        seed,
-        indirect_samples: n_rays,
-        direct_samples: n_rays,
-        emitters: EmitterSampling::Rays,
-        ..Plan::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Spheres: light that falls evenly wherever it comes from, and light between two of them.
 
-use crate::{integrals, mean, solved_by};
+use crate::{integrals, mean, plan, solved_by};
 use glam::Vec3;
 use lumel_basis::{Basis, Field};
 use lumel_scene::SceneBuilder;
@@ -8,17 +8,6 @@ use lumel_solve::{SolveState, Stop};
 use lumel_testkit::mesh::{Facing, equal_area_radius, sphere};
 use lumel_testkit::scene::{grey, scene, varying_sphere};
 use lumel_testkit::{Estimate, Method, Operator, Stage, rms};
-use lumel_transport::{EmitterSampling, Plan};
-
-fn plan(seed: u64, n_rays: u32) -> Plan {
-    Plan {
-        seed,
-        indirect_samples: n_rays,
-        direct_samples: n_rays,
-        emitters: EmitterSampling::Rays,
-        ..Plan::default()
-    }
-}
 
 /// All bounces: the first ones, and the series of the rest. Light is well mixed in a sphere, so the series is good.
 fn converged(operator: &Operator, stage: &Stage) -> Field {
