@@ -48,7 +48,7 @@ fn end(bytes: usize) {
     } else {
         writeln!(out, "error: {MESSAGE}: no {bytes} bytes more\n  hint: {HINT}")
     };
-    drop(out);
+    // Until then the output is locked: nothing is said after the error.
     std::process::exit(i32::from(FAILED));
 }
 
