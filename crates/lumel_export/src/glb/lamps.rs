@@ -5,7 +5,6 @@ use super::{add_node, mesh_node};
 use glam::{Mat3, Quat, Vec3};
 use lumel_scene::{Bounds, Camera, Light, PointLight, RectLight, Scene, SpotLight};
 use serde_json::{Value, json};
-use std::f64::consts::FRAC_PI_2;
 use std::io::{self, Write};
 
 pub(super) const PUNCTUAL: &str = "KHR_lights_punctual";
@@ -232,7 +231,8 @@ impl Punctual {
                 point(&PointLight { position, intensity, range: f32::INFINITY })
             }
             Light::Spot(SpotLight { point: of, direction, cos_inner, cos_outer }) => {
-                let outer = f64::from(*cos_outer).acos().min(FRAC_PI_2);
+                // A right angle is the most that the format allows.
+                let outer = f64::from(*cos_outer).max(0.0).acos();
                 let inner = f64::from(*cos_inner).acos().min(outer - LEAST_PENUMBRA).max(0.0);
                 Self { kind: "spot", direction: *direction, cones: Some([inner, outer]), ..point(of) }
             }
@@ -263,6 +263,6 @@ mod tests {
         let point = PointLight { position: Vec3::ZERO, intensity: Vec3::ONE, range: f32::INFINITY };
         let wide = SpotLight { point, direction: Vec3::X, cos_inner: 1.0, cos_outer: -4e-8 };
         let [inner, outer] = Punctual::of(&Light::Spot(wide)).unwrap().cones.unwrap();
-        assert!(inner == 0.0 && outer <= FRAC_PI_2, "{inner} {outer}");
+        assert!(inner == 0.0 && outer <= 0.0_f64.acos(), "{inner} {outer}");
     }
 }
