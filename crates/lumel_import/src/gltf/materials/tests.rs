@@ -279,7 +279,8 @@ fn metal_and_roughness_are_kept_with_their_image_as_it_is() {
     assert_eq!((gloss.metallic, gloss.roughness), (0.75, 0.25));
     let texture = gloss.texture.as_ref().unwrap();
     assert_eq!((texture.image.mime_type, texture.transform.offset), ("image/png", Vec2::new(0.5, 0.25)));
-    assert_eq!(texture.image.bytes, crate::testing::png([188, 188, 188, 255]));
+    let bytes = &texture.image.bytes;
+    assert!(model.bin.windows(bytes.len()).any(|part| part == bytes));
     assert_eq!(imported.textures.len(), 1, "it is not decoded");
     // Light does not depend on it.
     let hash = |scene: &SceneBuilder| scene.clone().build().unwrap().0.hash();
