@@ -97,16 +97,16 @@ pub enum OpenError {
 
 /// Opens a mesh file, a project file (`.toml`) or a built-in scene.
 ///
-/// A file of the given name goes before a built-in scene.
+/// A file of the given name goes before a built-in scene. Paths need not be UTF-8.
 ///
 /// # Errors
 /// See [`OpenError`].
-pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
-    let path = Path::new(name);
+pub fn open(name: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened, OpenError> {
+    let path = name.as_ref();
     let mut opened = if Project::is_file_name(path) && path.exists() {
         open_project(path, options)?
     } else {
-        let (builder, warnings) = open_mesh(name, options.subdivide, options)?;
+        let (builder, warnings) = open_mesh(path, options.subdivide, options)?;
         Opened {
             builder,
             whole: None,
@@ -116,7 +116,7 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
             auto_edge: None,
         }
     };
-    two_sided(name, &options.two_sided, &mut opened.builder, &mut opened.warnings);
+    two_sided(&path.display().to_string(), &options.two_sided, &mut opened.builder, &mut opened.warnings);
     let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
     let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
     let is_adaptive = options.adaptive.unwrap_or(opened.settings.settings().adaptive != Adaptive::Off);
@@ -135,16 +135,14 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
 }
 
 fn open_mesh(
-    name: &str,
+    path: &Path,
     subdivide: Option<u32>,
     options: &OpenOptions,
 ) -> Result<(SceneBuilder, Warnings), OpenError> {
-    let path = Path::new(name);
     if !path.exists() {
-        let scene = lumel_builtin::scene(name, subdivide.unwrap_or(0));
-        return scene
-            .map(|s| (s, Warnings::default()))
-            .ok_or_else(|| OpenError::NotFound { name: name.to_owned() });
+        let scene = path.to_str().and_then(|name| lumel_builtin::scene(name, subdivide.unwrap_or(0)));
+        let missing = || OpenError::NotFound { name: path.display().to_string() };
+        return scene.map(|s| (s, Warnings::default())).ok_or_else(missing);
     }
     if subdivide.is_some() {
         return Err(OpenError::NotBuiltin(path.to_owned()));
@@ -159,7 +157,7 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
     let (mut builder, mut warnings) = match (&project.scene, &project.builtin) {
         (Some(file), _) => {
             let file = resolve(path, file, options)?;
-            open_mesh(&file.to_string_lossy(), subdivide, options)?
+            open_mesh(&file, subdivide, options)?
         }
         (None, name) => {
             let name = name.clone().unwrap_or_default();
