@@ -107,6 +107,16 @@ impl Scene {
         Ok(Self { sky, hash: OnceLock::new(), ..self.clone() })
     }
 
+    /// The same scene under the lights and the sky of another one, whose textures it has.
+    ///
+    /// # Errors
+    /// Lights with textures that it does not have.
+    pub fn lit_like(&self, other: &Self) -> Result<Self, SceneError> {
+        let lit = self.relit(other.lights.clone())?;
+        let (sky, light_names) = (other.sky.clone(), Arc::clone(&other.light_names));
+        Ok(Self { sky, light_names, ..lit })
+    }
+
     /// The same scene whose lights have other names; see [`SceneBuilder::light_names`].
     #[must_use]
     pub fn with_light_names(self, names: Vec<String>) -> Self {
