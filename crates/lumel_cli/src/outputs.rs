@@ -7,8 +7,8 @@ use crate::picture;
 use anyhow::{Context, bail};
 use lumel::{Baker, FileFormat, LightmapSolution, Scene, Solution, SolutionSelection, tracer_of};
 use lumel_export::{
-    LightmapTarget, PngDepth, Precision, check_obj, write_lightmap_exr, write_lightmap_glb,
-    write_lightmap_png, write_pages,
+    GlbOptions, LightmapTarget, PngDepth, Precision, check_obj, write_glb, write_lightmap_exr,
+    write_lightmap_glb, write_lightmap_png, write_pages,
 };
 use lumel_render_cpu::NormalMaps;
 use std::borrow::Cow;
@@ -68,6 +68,8 @@ pub(crate) struct Light<'a> {
     pub(crate) lightmapped: Option<&'a Lightmapped>,
     /// What a GLB file with a lightmap is made for.
     pub(crate) target: LightmapTarget,
+    /// How one with light at vertices is written.
+    pub(crate) glb: GlbOptions,
     /// What a PNG file with a lightmap holds.
     pub(crate) png: Png,
     /// Where green of normal maps points.
@@ -133,6 +135,11 @@ impl Output {
         let Light { baker, solution, target, png, green, .. } = light;
         let mut paths = vec![self.path.clone()];
         match (self.content, light.lightmapped) {
+            (Content::Light(FileFormat::Glb), _) => {
+                let scene = with_green_up(baker.scene(), *green);
+                let lighting = solution.lighting(&scene, &SolutionSelection::Sum)?;
+                write_glb(&self.path, &scene, &lighting, light.glb)?;
+            }
             (Content::Light(format), _) => {
                 format.write(&self.path, &with_green_up(baker.scene(), *green), solution)?;
             }

@@ -40,7 +40,9 @@ pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved, SavedShots};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
-pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};
+pub use glb::{
+    GlbOptions, GltfMaterials, LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb,
+};
 pub use lightmap::{
     LightmapSolution, PngDepth, Precision, path_of_page, write_lightmap_exr, write_lightmap_png, write_pages,
 };

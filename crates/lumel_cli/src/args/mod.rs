@@ -1,6 +1,7 @@
 //! The command line. Its doc comments are the help texts and the manual.
 
 mod atlas;
+mod gltf;
 mod settings;
 mod shared;
 mod unwrap;
@@ -10,6 +11,7 @@ pub(crate) use atlas::AtlasArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};
+use gltf::GltfArgs;
 use lumel::{LightBasis, LightmapEntry, LightmapTarget, OcclusionEntry, Shading, SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, NormalMaps, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
@@ -118,6 +120,9 @@ pub(crate) struct BakeArgs {
     /// What a .glb file with a lightmap is made for. [default: any]
     #[arg(long, value_enum, value_name = "TARGET", help_heading = "Atlas")]
     pub(crate) target: Option<Target>,
+
+    #[command(flatten)]
+    pub(crate) gltf: GltfArgs,
 
     /// What a .png file of a lightmap holds.
     #[arg(long, value_enum, value_name = "WHAT", default_value_t = Png::Picture, help_heading = "Atlas")]
@@ -236,6 +241,16 @@ pub(crate) enum Target {
     Any,
     /// Any program that lights the scene itself: ambient occlusion, see --ao.
     Occlusion,
+}
+
+impl From<LightmapTarget> for Target {
+    fn from(target: LightmapTarget) -> Self {
+        match target {
+            LightmapTarget::Three => Self::Three,
+            LightmapTarget::Any => Self::Any,
+            LightmapTarget::Occlusion => Self::Occlusion,
+        }
+    }
 }
 
 impl From<Target> for LightmapTarget {

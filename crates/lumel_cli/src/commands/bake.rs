@@ -76,6 +76,7 @@ impl Wanted {
             bail!("this name is reserved for the checkpoint; choose another: {}", checkpoint.display());
         }
         paths.push(&checkpoint);
+        args.gltf.check((basis == Basis::Lightmap).then(|| lightmap.target.unwrap_or_default()))?;
         let needs_occlusion = match lightmap.target {
             Some(LightmapTarget::Occlusion) => Some("--target occlusion"),
             _ => occlusion.falloff.map(|_| "--ao-falloff"),
@@ -187,6 +188,7 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
             solution: &solution,
             lightmapped: lightmapped.as_ref(),
             target: wanted.lightmap.target.unwrap_or_default(),
+            glb: args.gltf.options(),
             png: args.png,
             green: args.normal_maps,
         };
