@@ -22,12 +22,11 @@ use crate::values;
 use blit::Blit;
 use content::Content;
 use eframe::egui_wgpu::RenderState;
-use lumel::{MaterialId, Moment, RectLight, Scene, VertexLighting};
+use lumel::{MaterialId, Moment, Radiance, RectLight, Scene, VertexLighting};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Relief, Ripple, Rippled, Scale};
 use lumel_render_gpu::{
-    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
-    Values,
+    Frame, Gpu, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target, Values,
 };
 use lumels::{LumelContent, ShownLumels};
 use metered::Metered;
@@ -70,6 +69,7 @@ struct Drawn {
     split: Option<(Side, f32)>,
     relief: Relief,
     ripple: Option<(Ripple, Vec<MaterialId>)>,
+    sky: Radiance,
 }
 
 impl Drawn {
@@ -239,7 +239,7 @@ impl Stage {
             wireframe: drawn.wireframe,
             grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
-            sky: document.scene.sky().mean(),
+            sky: drawn.sky,
         };
         self.renderer.draw(target, &frame);
         self.pictures += 1;
@@ -348,6 +348,7 @@ impl Stage {
             split: split.map(|split| (split.right, split.at)),
             relief: view.relief.relief(),
             ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
+            sky: session.sky.mean(),
         })
     }
 
@@ -465,7 +466,7 @@ impl Stage {
         };
         if self.overlay.as_ref().is_none_or(|drawn| drawn.generation != marks.generation) {
             let overlay =
-                Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(Hidden::Faint);
+                Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(marks.hidden);
             self.overlay = Some(DrawnMarks { generation: marks.generation, overlay });
         }
     }
