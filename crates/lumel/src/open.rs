@@ -254,7 +254,7 @@ mod tests {
         let path = folder.path().join("a.lumel.toml");
         let project = Project { builtin: Some("cornell-box".into()), lights, ..Project::default() };
         project.write(&path).unwrap();
-        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        let opened = open(&path, &OpenOptions::default()).unwrap();
         assert_eq!(opened.project, Some(project));
         opened
     }
@@ -269,7 +269,7 @@ mod tests {
         let hash = |builder: SceneBuilder| builder.build().unwrap().0.geometry_hash();
         let opened = |max_edge, keeps_whole| {
             let options = OpenOptions { max_edge: Some(max_edge), keeps_whole, ..OpenOptions::default() };
-            open(&path.to_string_lossy(), &options).unwrap()
+            open(&path, &options).unwrap()
         };
         let whole = opened(MaxEdge::Length(0.3), true).whole.unwrap();
         assert_eq!(hash(whole), hash(opened(MaxEdge::Off, false).builder));
@@ -283,7 +283,7 @@ mod tests {
         let materials = vec![entry("white"), entry("gold")];
         let project = Project { builtin: Some("cornell-box".into()), materials, ..Project::default() };
         project.write(&path).unwrap();
-        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        let opened = open(&path, &OpenOptions::default()).unwrap();
         let white = opened.builder.materials.iter().find(|material| material.name == "white").unwrap();
         assert_eq!(white.albedo, Vec3::new(0.1, 0.2, 0.3));
         let warnings: Vec<String> = opened.warnings.iter().map(ToString::to_string).collect();
@@ -297,7 +297,7 @@ mod tests {
         let entry = |name: &str| ObjectEntry { name: name.into(), density_factor: 2.5 };
         let objects = vec![entry("floor"), entry("cellar")];
         Project { builtin: Some("cornell-box".into()), objects, ..Project::default() }.write(&path).unwrap();
-        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        let opened = open(&path, &OpenOptions::default()).unwrap();
         for object in &opened.builder.objects {
             assert_eq!(object.density_factor, (object.name == "floor").then_some(2.5), "{}", object.name);
         }
@@ -317,7 +317,7 @@ mod tests {
             let builtin = Some("furnace".into());
             Project { builtin, max_edge, bake, ..Project::default() }.write(&path).unwrap();
             let options = OpenOptions { vertex_budget, ..OpenOptions::default() };
-            let auto = open(&path.to_string_lossy(), &options).unwrap().auto_edge?;
+            let auto = open(&path, &options).unwrap().auto_edge?;
             Some((auto.length.is_some(), auto.vertex_budget))
         };
         let auto = Some(MaxEdge::Auto);
