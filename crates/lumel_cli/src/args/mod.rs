@@ -314,11 +314,12 @@ pub(crate) struct RenderArgs {
     #[arg(allow_negative_numbers = true)]
     pub(crate) samples: u32,
 
-    /// The camera: a camera of the scene by name, or 'position=x,y,z target=x,y,z fov=deg'.
+    /// The camera: a camera of the scene by name, 'position=x,y,z target=x,y,z fov=deg', or auto.
     ///
     /// Positions are in metres; fov is the vertical field of view in degrees (default 60); up=x,y,z is optional
-    /// (default 0,1,0). Without --camera: the first camera of the scene, or else one chosen to suit the scene.
-    #[arg(long, value_name = "NAME|VIEW", value_parser = parse::camera)]
+    /// (default 0,1,0). auto suits the scene, whatever cameras it has: it looks across a room, and has all of an object
+    /// in the picture. Without --camera: the first camera of the scene, or else auto.
+    #[arg(long, value_name = "NAME|VIEW|auto", value_parser = parse::camera)]
     pub(crate) camera: Option<CameraChoice>,
 
     /// The bounce to show: the light after K reflections (0: direct light), or the sum of all.

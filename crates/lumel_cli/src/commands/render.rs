@@ -18,7 +18,8 @@ use lumel::{
     Scene, SolutionSelection, VertexLighting, tracer_of,
 };
 use lumel_render_cpu::{
-    Display, Exposure, FalseColor, NormalMaps, Picture, Relief, Resolution, Show, ToneMapper, camera_for,
+    Display, Exposure, FalseColor, NormalMaps, Picture, Relief, Resolution, Show, ToneMapper,
+    camera_chosen_for, camera_for,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -163,9 +164,9 @@ fn draw(
 ) -> anyhow::Result<Option<Picture>> {
     let args = request.args;
     let tracer = tracer_of(scene);
-    let camera = camera(args.camera.as_ref(), scene, &*tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
+    let camera = camera(args.camera.as_ref(), scene, &*tracer, resolution.aspect())?;
     let relief = Relief { maps: request.normal_maps, shading: args.shading };
     let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera, relief };
     let _heeding = run.interrupt.heed();
@@ -235,9 +236,15 @@ fn selection(args: &RenderArgs) -> anyhow::Result<SolutionSelection> {
     }
 }
 
-fn camera(choice: Option<&CameraChoice>, scene: &Scene, tracer: &dyn RayTracer) -> anyhow::Result<Camera> {
+fn camera(
+    choice: Option<&CameraChoice>,
+    scene: &Scene,
+    tracer: &dyn RayTracer,
+    aspect: f32,
+) -> anyhow::Result<Camera> {
     match choice {
-        None => Ok(camera_for(scene, tracer)),
+        None => Ok(camera_for(scene, tracer, aspect)),
+        Some(CameraChoice::Auto) => Ok(camera_chosen_for(scene, tracer, aspect)),
         Some(CameraChoice::Free(entry)) => Ok(entry.moved(-scene.origin()).camera()),
         Some(CameraChoice::Named(name)) => {
             let found = scene.cameras().iter().find(|camera| camera.name == *name).cloned();
