@@ -113,7 +113,7 @@ pub use settings::{
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
 pub use suggestion::{is_open, suggested_light};
-pub use words::counted;
+pub use words::{counted, ray_rate};
 pub use workload::Remainder;
 
 /// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.

@@ -12,7 +12,7 @@ mod unwrapped;
 use crate::{ExportError, write_atomically};
 use binary::Binary;
 use glam::DVec3;
-use lamps::{LampPlace, Quads};
+use lamps::Quads;
 use primitive::Streams;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -27,13 +27,14 @@ const JSON_CHUNK: &[u8; 4] = b"JSON";
 const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 
 /// Writes what was prepared as a GLB file, atomically.
-fn write(path: &Path, streams: &Streams<'_>, lamps: LampPlace, mut extras: Value) -> Result<(), ExportError> {
+fn write(path: &Path, streams: &Streams<'_>, mut extras: Value) -> Result<(), ExportError> {
+    let lamps = streams.materials.lamps();
     let mut binary = Binary::default();
     let mut document = json!({});
     add_meshes(&mut document, &mut binary, streams);
     streams.materials.add_to(&mut document, &mut binary);
     let mut extensions = streams.materials.extensions().clone();
-    let quads = Quads::of(streams.scene);
+    let quads = Quads::of(streams.scene, lamps);
     quads.add_to(&mut document, &mut binary, streams.materials.of_rectangles());
     lamps::add_cameras(&mut document, streams.scene);
     if lamps::add_lights(&mut document, streams.scene, lamps) {
@@ -42,7 +43,7 @@ fn write(path: &Path, streams: &Streams<'_>, lamps: LampPlace, mut extras: Value
     if !extensions.is_empty() {
         document["extensionsUsed"] = json!(extensions);
     }
-    let left_out = lamps::left_out(streams.scene);
+    let left_out = lamps::left_out(streams.scene, lamps);
     if !left_out.is_empty() {
         extras["lights_left_out"] = json!(left_out);
     }

@@ -22,6 +22,7 @@ mod display;
 mod error;
 mod glb;
 mod lightmap;
+mod lock;
 mod lumel_state;
 mod members;
 mod npy;
@@ -30,6 +31,7 @@ mod obj;
 mod pixels;
 mod ply;
 mod png;
+mod quiet;
 mod rad;
 mod refinement_state;
 mod solution;
@@ -46,6 +48,7 @@ pub use glb::{
 pub use lightmap::{
     LightmapSolution, PngDepth, Precision, path_of_page, write_lightmap_exr, write_lightmap_png, write_pages,
 };
+pub use lock::{Lock, LockError, remove_strays};
 pub use lumel_state::{LumelMeta, LumelState};
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};

@@ -16,6 +16,9 @@ use lumel_scene::{Light, Sky, TextureId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Width over height of the view that a new scene is framed for; windows of other shapes show more of it or less.
+const VIEWPORT_ASPECT: f32 = 4.0 / 3.0;
+
 /// A scene to open.
 #[derive(Clone, Debug, Default)]
 pub struct OpenRequest {
@@ -100,7 +103,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
     warnings.append(more);
     let scene = Arc::new(scene);
     let tracer = tracer_of(&scene);
-    let camera = camera_for(&scene, &*tracer);
+    let camera = camera_for(&scene, &*tracer, VIEWPORT_ASPECT);
     let baker = Baker::with_tracer(Arc::clone(&scene), Arc::clone(&tracer), Settings::default());
     let project = opened.project;
     let contents = Contents {

@@ -119,7 +119,7 @@ fn baked(page_sizes: [u32; 2]) -> Baked {
     let (baker, mut state) = (Baker::new(Arc::new(fine.build().unwrap().0), settings), SolveState::new());
     baker.run(&mut state, &Control::default(), &Silent).unwrap();
     let lightmaps = page_sizes.map(|page_size| {
-        let density = Density::PerMetre(20.0);
+        let density = Density::PerMetre(28.0);
         let settings = UnwrapSettings { density, page_size, ..UnwrapSettings::default() };
         let atlas = unwrap(&scene, &settings, &|| Pace::Go).unwrap().atlas;
         let lumels = Lumels::new(Arc::clone(&scene), atlas);

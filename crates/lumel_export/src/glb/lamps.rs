@@ -19,19 +19,23 @@ const NEAREST: f32 = 1e-3;
 /// The least difference between the cones of a spot, radians: the format wants one.
 const LEAST_PENUMBRA: f64 = 1e-6;
 
-/// Where the lights that cannot be seen are in a file.
+/// Where the lights are in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LampPlace {
     /// Among the surfaces.
     Scene,
-    /// In a scene of their own, for who wants them: the surfaces show their light, and would be lit twice.
+    /// Those that are no surfaces are in a scene of their own: the surfaces show their light, and would be lit twice.
     Apart,
+    /// Among the surfaces, but for rectangles, which are left out: surfaces have places in an atlas here.
+    Unseen,
 }
 
-/// The rectangle lights that shine, with their names.
-pub(super) fn rectangles(scene: &Scene) -> impl Iterator<Item = (&str, &RectLight)> {
-    named(scene).filter_map(|(name, light)| match light {
-        Light::Rect(light) if !light.radiance.is_zero() && light.normal().is_some() => Some((name, light)),
+/// The rectangle lights that are surfaces, with their names.
+pub(super) fn rectangles(scene: &Scene, place: LampPlace) -> impl Iterator<Item = (&str, &RectLight)> {
+    named(scene).filter_map(move |(name, light)| match light {
+        Light::Rect(rect) if place != LampPlace::Unseen && shines(light) && rect.normal().is_some() => {
+            Some((name, rect))
+        }
         _ => None,
     })
 }
@@ -51,8 +55,8 @@ const UVS: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
 const INDICES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 
 impl<'a> Quads<'a> {
-    pub(super) fn of(scene: &'a Scene) -> Self {
-        Self { scene, lights: rectangles(scene).collect() }
+    pub(super) fn of(scene: &'a Scene, place: LampPlace) -> Self {
+        Self { scene, lights: rectangles(scene, place).collect() }
     }
 
     /// Adds a mesh and a node for each, of these materials.
@@ -155,7 +159,7 @@ pub(super) fn add_lights(document: &mut Value, scene: &Scene, place: LampPlace) 
         return false;
     }
     let number = match place {
-        LampPlace::Scene => 0,
+        LampPlace::Scene | LampPlace::Unseen => 0,
         LampPlace::Apart => {
             if let Some(scenes) = document["scenes"].as_array_mut() {
                 scenes.push(json!({ "name": "lights", "nodes": [] }));
@@ -175,10 +179,15 @@ pub(super) fn add_lights(document: &mut Value, scene: &Scene, place: LampPlace) 
 }
 
 /// The names of lights that the file has no counterpart of.
-pub(super) fn left_out(scene: &Scene) -> Vec<&str> {
-    let disks = named(scene).filter(|(_, light)| matches!(light, Light::Disk(_)) && shines(light));
+pub(super) fn left_out(scene: &Scene, place: LampPlace) -> Vec<&str> {
+    let is_left_out = |light: &Light| match light {
+        Light::Disk(_) => true,
+        Light::Rect(_) => place == LampPlace::Unseen,
+        _ => false,
+    };
+    let lights = named(scene).filter(|(_, light)| is_left_out(light) && shines(light));
     let sky = scene.sky().uniform().is_none_or(|radiance| !radiance.is_zero()).then_some("sky");
-    disks.map(|(name, _)| name).chain(sky).collect()
+    lights.map(|(name, _)| name).chain(sky).collect()
 }
 
 fn shines(light: &Light) -> bool {

@@ -96,7 +96,12 @@ pub fn write_lightmap_glb(
         LightmapTarget::Three | LightmapTarget::Any => PageImages::new(atlas.pages(), &light, curve),
     };
     let pages = pages.map_err(io)?;
-    let look = Look { pages: Some(&pages), ..Look::of(appearance) };
+    // The light of lamps is on the surfaces already, which viewers would light a second time.
+    let lamps = match target {
+        LightmapTarget::Occlusion => LampPlace::Scene,
+        LightmapTarget::Three | LightmapTarget::Any => LampPlace::Apart,
+    };
+    let look = Look { pages: Some(&pages), lamps, ..Look::of(appearance) };
     let materials = Materials::new(scene, &primitives, &look).map_err(io)?;
     let mut attributes = placed_attributes(scene, atlas);
     if target == LightmapTarget::Any && scene.alphas().is_empty() {
@@ -105,12 +110,7 @@ pub fn write_lightmap_glb(
     }
     let mut extras = extras(scene, atlas);
     extras["lightmap"]["value"] = json!(meaning);
-    // The light of lamps is on the surfaces already, which viewers would light a second time.
-    let lamps = match target {
-        LightmapTarget::Occlusion => LampPlace::Scene,
-        LightmapTarget::Three | LightmapTarget::Any => LampPlace::Apart,
-    };
-    write(path, &Streams { scene, materials: &materials, primitives: &primitives, attributes }, lamps, extras)
+    write(path, &Streams { scene, materials: &materials, primitives: &primitives, attributes }, extras)
 }
 
 /// Radiance by lumel that some of the triangles leave: the mean over what they cover of each. All other lumels have that of

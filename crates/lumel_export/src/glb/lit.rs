@@ -1,6 +1,5 @@
 //! Scenes with light at their vertices.
 
-use super::lamps::LampPlace;
 use super::material::{Appearance, Look, Materials, Shown};
 use super::primitive::{Attribute, Only, Primitive, Streams, split, tangents, tints, vertex};
 use super::write;
@@ -113,7 +112,7 @@ pub fn write_glb(
             json!("where most light comes from, as long as its share that comes from there");
     }
     let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
-    write(path, &streams, LampPlace::Scene, extras)?;
+    write(path, &streams, extras)?;
     Ok(lit.unwrap_or(1.0))
 }
 

@@ -1,7 +1,7 @@
 //! The materials and images of a GLB file.
 
 use super::binary::Binary;
-use super::lamps::rectangles;
+use super::lamps::{LampPlace, rectangles};
 use super::page_image::{FineImage, PageImages};
 use super::primitive::Primitive;
 use crate::pixels::{self, linear_pixels, opacity_pixels, srgb_pixels};
@@ -36,6 +36,7 @@ pub(super) struct Materials {
     normal_mapped: BTreeSet<MaterialId>,
     /// Whether it shows the light of pages.
     by_page: bool,
+    lamps: LampPlace,
     /// Indices in the file of the materials of [`rectangles`].
     rectangles: Vec<usize>,
     json: Vec<Value>,
@@ -76,12 +77,14 @@ pub(super) struct Look<'a> {
     pub(super) pages: Option<&'a PageImages>,
     /// The factor of what they emit.
     pub(super) exposure: f32,
+    /// Where lights are.
+    pub(super) lamps: LampPlace,
 }
 
 impl Look<'_> {
-    /// Without pages, and with emission as it is.
+    /// Without pages, with emission as it is, and lights among the surfaces.
     pub(super) fn of(appearance: Appearance) -> Self {
-        Self { appearance, pages: None, exposure: 1.0 }
+        Self { appearance, pages: None, exposure: 1.0, lamps: LampPlace::Scene }
     }
 }
 
@@ -151,6 +154,7 @@ impl Materials {
             textured: BTreeSet::new(),
             normal_mapped: BTreeSet::new(),
             by_page: pages.is_some(),
+            lamps: look.lamps,
             rectangles: Vec::new(),
             json: Vec::new(),
             images: Vec::new(),
@@ -176,7 +180,7 @@ impl Materials {
             materials.index.insert((id, page), materials.json.len());
             materials.json.push(json);
         }
-        for (name, light) in rectangles(scene) {
+        for (name, light) in rectangles(scene, look.lamps) {
             let texture = light.texture.map(TextureRef::plain);
             let material = Material {
                 emission: light.radiance,
@@ -203,6 +207,11 @@ impl Materials {
     /// Indices in the file of the materials of [`rectangles`].
     pub(super) fn of_rectangles(&self) -> &[usize] {
         &self.rectangles
+    }
+
+    /// Where lights are in the file.
+    pub(super) fn lamps(&self) -> LampPlace {
+        self.lamps
     }
 
     /// The extensions that they use.

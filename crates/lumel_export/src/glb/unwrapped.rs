@@ -16,19 +16,20 @@ use std::path::Path;
 /// Meshes, nodes, materials and textures are those of [`write_glb`](crate::write_glb), but lit by viewers, and an object
 /// that lies on several pages has primitives of its own for each, whose `extras` name it as `lightmap_page`. Back sides
 /// are triangles of their own. `COLOR_0` is the tint and alpha of vertices, in scenes that have any. Cameras and lights are
-/// those of [`write_glb`](crate::write_glb). Pages, density, gutter and the hash of the atlas are in the `extras` of `asset`.
+/// those of [`write_glb`](crate::write_glb), but for rectangles, which have no place in the atlas. Pages, density, gutter and the hash of the atlas are in the `extras` of `asset`.
 ///
 /// # Errors
 /// An atlas of another scene, a scene beyond the format's limit of 4 GiB, and the errors of
 /// [`write_atomically`](crate::write_atomically).
 pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<(), ExportError> {
     let primitives = split_by_place(path, scene, atlas)?;
-    let materials = Materials::new(scene, &primitives, &Look::of(Appearance::Surfaces))
-        .map_err(|error| ExportError::io(path, error))?;
+    let look = Look { lamps: LampPlace::Unseen, ..Look::of(Appearance::Surfaces) };
+    let materials =
+        Materials::new(scene, &primitives, &look).map_err(|error| ExportError::io(path, error))?;
     let attributes = placed_attributes(scene, atlas);
     let extras = extras(scene, atlas);
     let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
-    write(path, &streams, LampPlace::Scene, extras)
+    write(path, &streams, extras)
 }
 
 /// The primitives of a scene by pages, once it is clear that the atlas is its own.

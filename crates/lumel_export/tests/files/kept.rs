@@ -233,5 +233,8 @@ fn lights_whose_light_is_in_a_lightmap_are_apart_from_what_it_is_on() {
     }
     write_unwrapped_glb(&path, &scene, &lightmap.atlas).unwrap();
     validate(&path);
-    assert_eq!(names(&Glb::read(&path), 0), [&surfaces[..], &lights].concat());
+    let glb = Glb::read(&path);
+    assert_eq!(names(&glb, 0), [&["floor", "door", "above"][..], &lights].concat());
+    let left_out = json!(["panel", "window", "disk", "sky"]);
+    assert_eq!(glb.json["asset"]["extras"]["lights_left_out"], left_out, "they have no place in the atlas");
 }

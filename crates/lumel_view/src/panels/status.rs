@@ -130,8 +130,8 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
     if let Some(accuracy) = progress.accuracy {
         text += &format!("  |  {}", within(&accuracy, job.settings()));
     }
-    if let Some(rays) = progress.rays_per_second.filter(|&rays| rays > 0.0) {
-        text += &format!("  |  {:.2} Mrays/s", rays / 1e6);
+    if let Some(rate) = progress.rays_per_second.and_then(lumel::ray_rate) {
+        text += &format!("  |  {rate}");
     }
     if let Some(seconds) = progress.seconds_left {
         text += &format!("  |  {} left", duration(seconds));
