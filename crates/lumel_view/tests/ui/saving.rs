@@ -12,7 +12,7 @@ use std::path::Path;
 
 fn vertices_in(file: &Path) -> usize {
     let as_it_is = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
-    let (scene, _) = lumel::open(&file, &as_it_is)
+    let (scene, _) = lumel::open(file, &as_it_is)
         .unwrap_or_else(|e| panic!("{e}: {}", file.display()))
         .builder
         .build()
