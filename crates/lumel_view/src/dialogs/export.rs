@@ -4,7 +4,7 @@ use crate::selection::Selection;
 use crate::session::{MESH_FORMATS, MeshExport, Session};
 use crate::widgets::{choice, number};
 use eframe::egui::{DragValue, Ui};
-use lumel_export::ColorScale;
+use lumel_export::{ColorScale, GltfMaterials};
 use std::path::Path;
 
 /// Bounces that are offered one by one.
@@ -15,6 +15,7 @@ const MAX_BOUNCES: usize = 16;
 pub(super) struct ExportChoice {
     light: Selection,
     exposure: Exposure,
+    materials: GltfMaterials,
     /// The exposure of the picture, and that which is typed, stops.
     shown: f32,
     typed: f32,
@@ -30,7 +31,8 @@ enum Exposure {
 impl ExportChoice {
     /// The light that is shown, at its own exposure; `stops` is that of the picture.
     pub(super) fn new(light: Selection, stops: f32) -> Self {
-        Self { light, exposure: Exposure::Auto, shown: stops, typed: stops }
+        let materials = GltfMaterials::default();
+        Self { light, exposure: Exposure::Auto, materials, shown: stops, typed: stops }
     }
 
     /// What is saved.
@@ -41,7 +43,7 @@ impl ExportChoice {
             Exposure::AsShown => factor(self.shown),
             Exposure::Fixed => factor(self.typed),
         };
-        MeshExport { light: self.light, exposure }
+        MeshExport { light: self.light, exposure, materials: self.materials }
     }
 }
 
@@ -66,6 +68,26 @@ pub(super) fn show(ui: &mut Ui, export: &mut ExportChoice, path: &mut String, se
     choice(ui, "Light", "What of the light is saved", &mut export.light, &lights, |light| {
         capital(&light.to_string())
     });
+    if extension(path) == "glb" {
+        materials(ui, &mut export.materials);
+    }
+    exposure(ui, export);
+}
+
+fn materials(ui: &mut Ui, materials: &mut GltfMaterials) {
+    let about = "Unlit: any viewer shows the light of this solve. Kept: viewers light the scene's own materials, with normal \
+                 maps, metal and roughness";
+    let all = [GltfMaterials::Unlit, GltfMaterials::Keep];
+    choice(ui, "Materials", about, materials, &all, |materials| {
+        match materials {
+            GltfMaterials::Unlit => "Unlit",
+            GltfMaterials::Keep => "Kept",
+        }
+        .to_owned()
+    });
+}
+
+fn exposure(ui: &mut Ui, export: &mut ExportChoice) {
     let all = [Exposure::Auto, Exposure::AsShown, Exposure::Fixed];
     let about = "What multiplies the colours that viewers show; irradiance is saved as it is";
     let shown = export.shown;

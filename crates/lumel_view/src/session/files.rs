@@ -14,7 +14,7 @@ use crate::task::Background;
 use lumel::{
     Baker, CameraEntry, LightFile, Project, Saved, Scene, SettingsPatch, SolutionSelection, VertexLighting,
 };
-use lumel_export::{ColorScale, RadFile, write_glb, write_obj, write_ply};
+use lumel_export::{ColorScale, GlbOptions, GltfMaterials, RadFile, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -28,6 +28,8 @@ pub struct MeshExport {
     pub light: Selection,
     /// What multiplies the colours that viewers show.
     pub exposure: ColorScale,
+    /// What the materials of a GLB file are.
+    pub materials: GltfMaterials,
 }
 
 /// The formats of solutions, by extension.
@@ -98,7 +100,7 @@ impl Session {
         let format = extension_of(path, &MESH_FORMATS)?;
         let document = self.document.as_ref().ok_or("open a scene first")?;
         self.refuse_sources(path)?;
-        let MeshExport { light: selection, exposure } = export;
+        let MeshExport { light: selection, exposure, materials } = export;
         let scene = relief.with_green_up(&document.scene);
         let light = self.selected_light(selection);
         let directions = self.light.select_directional(selection, scene.vertex_count()).cloned();
@@ -109,7 +111,7 @@ impl Session {
             let lighting = VertexLighting::new(&scene, &light).map_err(|e| error_text(&e))?;
             let lighting = lighting.with_incident(directions.as_deref()).map_err(|e| error_text(&e))?;
             match format.as_str() {
-                "glb" => write_glb(path, &scene, &lighting, exposure),
+                "glb" => write_glb(path, &scene, &lighting, GlbOptions { materials, exposure }),
                 "ply" => write_ply(path, &scene, &lighting, exposure),
                 _ => write_obj(path, &scene, &lighting, exposure),
             }

@@ -196,6 +196,14 @@ fn format_light_and_exposure_of_a_mesh_are_chosen() {
     let dark = saved("All light", "Fixed");
     assert!(all != bounce && all != dark && bounce != dark);
     assert!(window.told("Saved the mesh with bounce 1"));
+    window.press(Key::O);
+    window.write_path(window.file("kept.glb"));
+    window.choose("Materials", "Kept");
+    window.click("Save");
+    window.wait_for_files();
+    let kept = std::fs::read(window.file("kept.glb")).unwrap();
+    let json = String::from_utf8_lossy(&kept);
+    assert!(json.contains("pbrMetallicRoughness") && !json.contains("KHR_materials_unlit"));
 }
 
 #[test]
