@@ -13,7 +13,7 @@ use crate::report;
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
-    Camera, Coefficients, Directional, LightFile, Lighting, LightmapSolution, RayTracer, Scene,
+    Camera, Coefficients, Directional, Fitting, LightFile, Lighting, LightmapSolution, RayTracer, Scene,
     SolutionSelection, VertexLighting, tracer_of,
 };
 use lumel_render_cpu::{
@@ -75,9 +75,15 @@ fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Res
     }
     let tessellation = args.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
     let Loaded { scene, .. } = load::load_and_warn(&args.scene, &tessellation, Meshes::Split, &run.console)?;
-    let (light, directional) = light(args, &scene, &run.console)?;
+    let Some(Fitting { irradiance, directional, scattered, .. }) = light(args, &scene, &run.console)? else {
+        let dark = vec![Vec3::ZERO; scene.vertex_count()];
+        return draw(args, display, &scene, &VertexLighting::new(&scene, &dark)?, run);
+    };
     check_directions(args, directional.as_ref().map_or(Directional::Off, Coefficients::kind))?;
-    let lighting = VertexLighting::new(&scene, &light)?.with_incident(directional.as_ref())?;
+    if let Some(scattered) = scattered {
+        return draw(args, display, &scene, &scattered.lighting(&scene)?, run);
+    }
+    let lighting = VertexLighting::new(&scene, &irradiance)?.with_incident(directional.as_ref())?;
     draw(args, display, &scene, &lighting, run)
 }
 
@@ -115,12 +121,9 @@ fn draw(
     result.map(Some)
 }
 
-fn light(
-    args: &RenderArgs,
-    scene: &Scene,
-    console: &Console,
-) -> anyhow::Result<(Vec<Vec3>, Option<Coefficients>)> {
-    let Some(path) = &args.solution else { return Ok((vec![Vec3::ZERO; scene.vertex_count()], None)) };
+/// The light of the solution, if there is one.
+fn light(args: &RenderArgs, scene: &Scene, console: &Console) -> anyhow::Result<Option<Fitting>> {
+    let Some(path) = &args.solution else { return Ok(None) };
     let fitting = LightFile::irradiance_for(path, scene, &selection(args)?).map_err(load::light_hint)?;
     if !fitting.same_lighting {
         warn_of_changes(path, console);
@@ -128,7 +131,7 @@ fn light(
     if !fitting.complete {
         console.warning(&format!("this is the checkpoint of an unfinished bake: {}", path.display()));
     }
-    Ok((fitting.irradiance, fitting.directional))
+    Ok(Some(fitting))
 }
 
 /// A lightmap of the scene and the layer to show.
