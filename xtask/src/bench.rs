@@ -23,7 +23,7 @@ const BENCHMARKS: [Benchmark; 10] = [
     Benchmark { name: "shooting", package: "lumel", features: &[] },
     Benchmark { name: "lightmap", package: "lumel", features: &[] },
     Benchmark { name: "frame", package: "lumel_render_gpu", features: &[] },
-    Benchmark { name: "points", package: "lumel_render_gpu", features: &[] },
+    Benchmark { name: "point_frames", package: "lumel_render_gpu", features: &[] },
     Benchmark { name: "first_look", package: "lumel_view", features: &[] },
     Benchmark { name: "window", package: "lumel_view", features: &["--features", "inspection"] },
 ];

@@ -234,8 +234,8 @@ mod tests {
         let point = |i: u32| CloudPoint {
             position: Vec3::new(spread(i, 0.37), spread(i, 0.73), spread(i, 1.19)),
             normal: Vec3::Y,
-            radius: if i % 3 == 0 { 0.8 } else { 0.4 },
-            level: u32::from(i % 3 != 0),
+            radius: if i.is_multiple_of(3) { 0.8 } else { 0.4 },
+            level: u32::from(!i.is_multiple_of(3)),
         };
         let points: Vec<CloudPoint> = (0..600).map(point).collect();
         let Cells { settings, slots, order } = Cells::of(&points);

@@ -1,6 +1,6 @@
 //! What light at scattered points costs per frame: by pixels, levels, points and triangles, beside light at vertices.
 //!
-//! `cargo bench -p lumel_render_gpu --bench points`.
+//! `cargo bench -p lumel_render_gpu --bench point_frames`.
 
 #![allow(clippy::print_stdout, reason = "a benchmark prints its results")]
 #![allow(clippy::unwrap_used, reason = "a benchmark may stop at the first surprise")]
