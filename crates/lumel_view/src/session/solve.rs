@@ -123,7 +123,7 @@ impl Session {
         // What lies inside geometry is known already, where points are measured.
         let solved = self.computed.as_ref().and_then(|computed| computed.solved.as_ref());
         let start = match solved {
-            Some(solved) if settings.projection.sampling() == Sampling::Point => {
+            Some(solved) if settings.sampling() == Sampling::Point => {
                 let SolveState { basis, ref valid, .. } = solved.state;
                 let known = SolveState { basis, valid: valid.clone(), ..SolveState::new() };
                 SolveStart::From(Box::new(known))

@@ -6,6 +6,7 @@ mod blit;
 mod content;
 mod lumels;
 mod metered;
+mod points;
 mod showing;
 mod strip;
 
@@ -31,6 +32,7 @@ use lumel_render_gpu::{
 };
 use lumels::{LumelContent, ShownLumels};
 use metered::Metered;
+use points::{PointContent, ShownPoints};
 use std::sync::{Arc, Mutex, PoisonError};
 use strip::{Canvas, Strip};
 
@@ -49,6 +51,7 @@ struct Drawn {
     camera: FlyCamera,
     contents: [Option<Content>; 2],
     lumels: Option<LumelContent>,
+    points: Option<PointContent>,
     filter: Filter,
     lamps: Vec<RectLight>,
     look: Look,
@@ -106,6 +109,7 @@ pub struct Stage {
     buffers: Vec<LightBuffer>,
     contents: [Option<Content>; 2],
     lumels: Option<ShownLumels>,
+    points: Option<ShownPoints>,
     target: Option<ShownTarget>,
     blit: Blit,
     drawn: Option<Drawn>,
@@ -138,6 +142,7 @@ impl Stage {
             buffers: Vec::new(),
             contents: [None; 2],
             lumels: None,
+            points: None,
             target: None,
             blit,
             drawn: None,
@@ -204,9 +209,12 @@ impl Stage {
             return Ok(None);
         };
         let vertices = &self.buffers[LEFT];
-        let left = match self.lumels.as_ref().filter(|_| drawn.lumels.is_some()) {
-            Some(shown) => Values::Lumels { lumels: &shown.buffer, filter: drawn.filter, vertices },
-            None => Values::Vertices(vertices),
+        let lumels = self.lumels.as_ref().filter(|_| drawn.lumels.is_some());
+        let points = drawn.points.zip(self.points.as_ref().and_then(ShownPoints::buffer));
+        let left = match (lumels, points) {
+            (Some(shown), _) => Values::Lumels { lumels: &shown.buffer, filter: drawn.filter, vertices },
+            (None, Some((content, points))) => Values::Points { points, finest: content.finest, vertices },
+            (None, None) => Values::Vertices(vertices),
         };
         let light = match drawn.split {
             Some((Side::Smooth, at)) => Lit::Smooth { light: left, at },
@@ -298,7 +306,8 @@ impl Stage {
     fn wanted(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Drawn, RenderError> {
         let (session, view) = (showing.session, showing.view);
         let left = Content::new(session, Side::Current, view, view.selection);
-        self.fill(LEFT, &left, session)?;
+        let points = self.fill_points(session, view, &left);
+        self.fill(LEFT, &left.beside(points.as_ref()), session)?;
         let split = showing.split.filter(|split| match split.right {
             Side::Smooth => left.is_light() || view.mode == ViewMode::Normals,
             Side::Current | Side::Kept(_) => left.is_light(),
@@ -323,6 +332,7 @@ impl Stage {
             camera: session.camera,
             contents: [Some(left), right],
             lumels,
+            points,
             filter: if is_smooth { view.filter.into() } else { Filter::Nearest },
             lamps,
             look,
@@ -333,6 +343,16 @@ impl Stage {
             relief: view.relief.relief(),
             ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
         })
+    }
+
+    /// What is shown of light at scattered points, with that light in their buffer.
+    fn fill_points(&mut self, session: &Session, view: &ViewPrefs, left: &Content) -> Option<PointContent> {
+        let content = PointContent::new(session, view).filter(|_| left.is_light())?;
+        let light = session.light.points.as_ref()?;
+        if let Err(problem) = ShownPoints::fill(&mut self.points, &self.renderer, light, &content) {
+            self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem);
+        }
+        self.points.as_ref()?.buffer().map(|_| content)
     }
 
     fn fill(&mut self, buffer: usize, content: &Content, session: &Session) -> Result<(), RenderError> {

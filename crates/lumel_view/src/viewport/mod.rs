@@ -5,6 +5,7 @@ mod hand;
 mod inspector;
 mod legend;
 mod marks;
+mod nodes;
 mod overlay;
 mod ripple;
 mod state;
