@@ -1,11 +1,11 @@
 //! Render pipelines, created on first use.
 
-use crate::Gpu;
 use crate::attachments::{DEPTH, HDR, PICTURE, PLACES, POINT_LIGHT, Samples};
 use crate::light::layers_of;
 use crate::points;
 use crate::shaders::{self, Shader};
 use crate::vertices::{self, Attribute};
+use crate::{Gpu, Pace};
 use lumel_basis::{Directional, Shading};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::NormalMaps;
@@ -172,9 +172,9 @@ pub(crate) enum Key {
     /// Where surfaces are, of which parts may not be there.
     Places(Detail),
     /// Light of scattered points at those places.
-    Gather,
+    Gather(Pace),
     /// Surfaces under it.
-    PointSurface(Value, Detail, Samples),
+    PointSurface(Value, Detail, Pace, Samples),
     Normals(Tilt, Samples),
     Plain(Samples),
     RectLight(Samples),
@@ -414,12 +414,18 @@ impl Pipelines {
                 let recipe = scene(Shader::Places, Samples::One, groups, vertices, constants);
                 Recipe { surface: Surface::Places, ..recipe }
             }
-            Key::Gather => {
+            Key::Gather(pace) => {
                 let groups = vec![Some(places), Some(points)];
-                let recipe = scene(Shader::Gather, Samples::One, groups, vec![], vec![]);
+                let recipe = scene(
+                    Shader::Gather,
+                    Samples::One,
+                    groups,
+                    vec![],
+                    vec![("STRIDE", f64::from(pace.stride()))],
+                );
                 Recipe { surface: Surface::PointLight, ..recipe }
             }
-            Key::PointSurface(value, detail, samples) => {
+            Key::PointSurface(value, detail, pace, samples) => {
                 let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
                 let vertices =
                     vec![vertices::POSITION, vertices::LIGHT, vertices::UV, tint, vertices::NORMAL];
@@ -429,6 +435,7 @@ impl Pipelines {
                     ("HAS_EMISSION_MAP", number(detail.emission_map)),
                     ("IS_TRANSPARENT", number(detail.transparent)),
                     ("IS_MULTISAMPLED", number(samples != Samples::One)),
+                    ("STRIDE", f64::from(pace.stride())),
                 ];
                 let groups = vec![view, Some(material), Some(textures), Some(lit_places)];
                 scene(Shader::PointSurface, samples, groups, vertices, constants)

@@ -153,6 +153,8 @@ impl Session {
 
     /// Starts a job; `inputs` is what its light is computed from.
     pub(super) fn run(&mut self, inputs: Inputs, task: Task, work: Work, keep: Keep, errand: Errand) {
+        let cloud = self.light.points.as_ref().map(|points| Arc::clone(&points.cloud));
+        let task = Task { cloud, ..task };
         let job = SolveJob::start(task, work, Arc::clone(&self.pool), keep, self.wakes.clone());
         self.running = Some(Running { job, inputs, seen: 0, then: Then::Rest, errand });
     }
@@ -193,5 +195,12 @@ pub(super) fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings)
     // What was stopped while edges were split has left a baker of other triangles.
     let baker = if document.has_baker() { &document.baker } else { &document.opened };
     let (scene, baker) = (Arc::clone(scene), Arc::clone(baker));
-    Task { scene, baker, settings: settings.clone(), given: document.given.clone(), first_look: false }
+    Task {
+        scene,
+        baker,
+        settings: settings.clone(),
+        given: document.given.clone(),
+        cloud: None,
+        first_look: false,
+    }
 }

@@ -1,6 +1,6 @@
 //! What a solve publishes of light at scattered points.
 
-use super::published::Published;
+use super::published::{Published, Shared, lock};
 use crate::point_light::{Direct, PointIllumination, PointValues};
 use glam::Vec3;
 use lumel::{Baker, Snapshot, SolveState};
@@ -11,8 +11,14 @@ use std::sync::Arc;
 pub(super) struct Points(Option<Arc<PointCloud>>);
 
 impl Points {
-    pub(super) fn of(baker: &Baker) -> Self {
-        Self(baker.basis().points().map(|basis| Arc::new(PointCloud::of(basis))))
+    /// Those of a baker; where they are the ones that are shown already, they need not be sorted again.
+    pub(super) fn of(baker: &Baker, shared: &Shared) -> Self {
+        let mut known = lock(&shared.cloud);
+        *known = baker.basis().points().map(|basis| {
+            let same = known.take().filter(|cloud| is_of(cloud, basis));
+            same.unwrap_or_else(|| Arc::new(PointCloud::of(basis)))
+        });
+        Self(known.clone())
     }
 
     /// A field of the solve as the points have it.
@@ -37,6 +43,13 @@ impl Points {
             points.direct = if state.read_direct.is_some() { Direct::AtVertices } else { Direct::AtPoints };
         });
     }
+}
+
+/// Whether a cloud has the points of a basis.
+fn is_of(cloud: &PointCloud, basis: &MeshlessBasis) -> bool {
+    let places = cloud.points().iter().map(|point| (point.position, point.normal));
+    cloud.level_count() == basis.level_count()
+        && places.eq(basis.points().iter().map(|point| (point.position, point.normal)))
 }
 
 /// A bounce under way with a guess where nothing is measured yet, from what was measured nearby.

@@ -59,7 +59,7 @@ impl<'a> Publisher<'a> {
         Self {
             baker,
             control,
-            points: Points::of(baker),
+            points: Points::of(baker, shared),
             shared,
             keep,
             clock: Instant::now(),

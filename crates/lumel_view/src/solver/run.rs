@@ -147,7 +147,7 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let directional = state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field));
     drop(reader);
     let unshot = Unshot::of(&baker, &state).map(Arc::new);
-    let points = Points::of(&baker);
+    let points = Points::of(&baker, shared);
     shared.publish_light(|p| {
         points.publish_all(p, &state, beyond.as_ref());
         if let (Some(bounce), Some(direct)) = (p.light.bounces.first_mut(), direct) {

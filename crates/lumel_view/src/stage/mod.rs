@@ -27,7 +27,7 @@ use lumel::{MaterialId, Moment, RectLight, Scene, VertexLighting};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Relief, Ripple, Rippled, Scale};
 use lumel_render_gpu::{
-    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
+    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, Pace, RenderError, Renderer, Samples, Target,
     Values,
 };
 use lumels::{LumelContent, ShownLumels};
@@ -64,9 +64,12 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Whether it is the same picture with smoother edges.
-    fn is_smoother_than(&self, other: &Self) -> bool {
-        self.samples == Samples::Four && *self == Self { samples: Samples::Four, ..other.clone() }
+    /// Whether it is the same picture as good as another or better: with smoother edges, if those are wanted, or with light of points
+    /// found at more pixels.
+    fn is_as_good_as(&self, other: &Self, wanted: Samples) -> bool {
+        let points = other.points.map(PointContent::thorough);
+        let best = Self { samples: other.samples.max(wanted), points, ..other.clone() };
+        *self == best || *self == Self { samples: other.samples, ..best }
     }
 }
 
@@ -197,8 +200,8 @@ impl Stage {
         self.load(showing.session, &document.scene)?;
         let drawn = self.wanted(showing, size)?;
         // What is there is not drawn again to be worse.
-        let is_better = |last: &Drawn| showing.view.antialias && last.is_smoother_than(&drawn);
-        if self.drawn.as_ref().is_some_and(|last| *last == drawn || is_better(last)) {
+        let wanted = if showing.view.antialias { Samples::Four } else { Samples::One };
+        if self.drawn.as_ref().is_some_and(|last| *last == drawn || last.is_as_good_as(&drawn, wanted)) {
             return Ok(self.target.as_ref().map(|target| target.shown.clone()));
         }
         self.fit_target(size, drawn.samples)?;
@@ -213,7 +216,9 @@ impl Stage {
         let points = drawn.points.zip(self.points.as_ref().and_then(ShownPoints::buffer));
         let left = match (lumels, points) {
             (Some(shown), _) => Values::Lumels { lumels: &shown.buffer, filter: drawn.filter, vertices },
-            (None, Some((content, points))) => Values::Points { points, finest: content.finest, vertices },
+            (None, Some((PointContent { finest, pace, .. }, points))) => {
+                Values::Points { points, finest, pace, vertices }
+            }
             (None, None) => Values::Vertices(vertices),
         };
         let light = match drawn.split {
@@ -306,7 +311,9 @@ impl Stage {
     fn wanted(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Drawn, RenderError> {
         let (session, view) = (showing.session, showing.view);
         let left = Content::new(session, Side::Current, view, view.selection);
-        let points = self.fill_points(session, view, &left);
+        let live = showing.quality == Quality::Live && self.gpu().is_software();
+        let pace = if live { Pace::Swift } else { Pace::Thorough };
+        let points = self.fill_points(session, (view, pace), &left);
         self.fill(LEFT, &left.beside(points.as_ref()), session)?;
         let split = showing.split.filter(|split| match split.right {
             Side::Smooth => left.is_light() || view.mode == ViewMode::Normals,
@@ -325,7 +332,6 @@ impl Stage {
         let is_smooth = lumels.as_ref().is_some_and(LumelContent::is_smooth);
         let lamps = drawn(&session.lights);
         let look = self.look(showing, (&left, lumels.as_ref()), &lamps, size);
-        let live = showing.quality == Quality::Live && self.gpu().is_software();
         Ok(Drawn {
             size,
             samples: if view.antialias && !live { Samples::Four } else { Samples::One },
@@ -346,8 +352,13 @@ impl Stage {
     }
 
     /// What is shown of light at scattered points, with that light in their buffer.
-    fn fill_points(&mut self, session: &Session, view: &ViewPrefs, left: &Content) -> Option<PointContent> {
-        let content = PointContent::new(session, view).filter(|_| left.is_light())?;
+    fn fill_points(
+        &mut self,
+        session: &Session,
+        (view, pace): (&ViewPrefs, Pace),
+        left: &Content,
+    ) -> Option<PointContent> {
+        let content = PointContent::new(session, view, pace).filter(|_| left.is_light())?;
         let light = session.light.points.as_ref()?;
         if let Err(problem) = ShownPoints::fill(&mut self.points, &self.renderer, light, &content) {
             self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem);
