@@ -9,7 +9,7 @@ use cpu_time::ProcessTime;
 use glam::Vec3;
 use lumel_basis::{Basis, Field, MeshlessBasis, PointCloud, VertexLighting};
 use lumel_render_cpu::{Relief, ToneMapper};
-use lumel_render_gpu::{Frame, Gpu, Lit, Look, Pace, Renderer, Samples, Values};
+use lumel_render_gpu::{Frame, Gpu, Lit, Look, Renderer, Samples, Values};
 use lumel_scene::{Camera, Material, Radiance, Scene};
 use lumel_testkit::mesh::{Facing, cuboid, sphere};
 use lumel_testkit::scene::scene;
@@ -64,8 +64,7 @@ fn measure(renderer: &Renderer, scene: &Arc<Scene>, (points, levels): (u64, u32)
     let [triangles, points] = [scene.triangle_count(), cloud.points().len()];
     print!("{} x {}, {triangles:>7} triangles, {points:>6} points on {levels} levels:", size[0], size[1]);
     for samples in [Samples::One, Samples::Four] {
-        let at_points =
-            Values::Points { points: &buffer, finest: u32::MAX, pace: Pace::Thorough, vertices: &light };
+        let at_points = Values::Points { points: &buffer, finest: u32::MAX, vertices: &light };
         for (name, shown, values) in
             [("vertices", Values::Vertices(&light), &values), ("points", at_points, &none)]
         {

@@ -35,9 +35,6 @@ struct Points {
 @group(1) @binding(2) var<storage, read> values: array<vec4<f32>>;
 @group(1) @binding(3) var<storage, read> cells: array<Slot>;
 
-/// Light is found at every so many pixels each way, and stored without gaps.
-override STRIDE: i32 = 1;
-
 /// Points count where the cosine between normals is at least this.
 const LEAST_COSINE: f32 = 0.1;
 
@@ -93,7 +90,7 @@ fn light_of_level(number: u32, position: vec3<f32>, normal: vec3<f32>) -> vec3<f
 
 @fragment
 fn fragment(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
-    let at = vec2<i32>(pixel.xy) * STRIDE;
+    let at = vec2<i32>(pixel.xy);
     let place = textureLoad(positions, at, 0);
     if (place.w == 0.0) {
         return vec4<f32>(0.0);

@@ -6,9 +6,6 @@ override VALUE: u32 = 0u;
 /// Whether pixels have several samples, of which some may see another surface than their centre does.
 override IS_MULTISAMPLED: bool = false;
 
-/// See `gather.wgsl`.
-override STRIDE: i32 = 1;
-
 @group(3) @binding(0) var positions: texture_2d<f32>;
 @group(3) @binding(1) var normals: texture_2d<f32>;
 @group(3) @binding(2) var lights: texture_2d<f32>;
@@ -35,19 +32,19 @@ fn vertex(
     return Interpolated(project(from_eye), light, tint, uv, from_eye, normal);
 }
 
-/// Of a place where light was found and those around it, the nearest of those that face the same way.
-fn nearest(start: vec2<i32>, position: vec3<f32>, normal: vec3<f32>, near: f32) -> vec2<i32> {
-    var best = start;
+/// Of a pixel and those around it, the one whose place is the nearest of those that face the same way.
+fn pixel_of(pixel: vec2<i32>, position: vec3<f32>, normal: vec3<f32>, near: f32) -> vec2<i32> {
+    var best = pixel;
     var least = 3.4e38;
-    let last = (vec2<i32>(view.size) - 1) / STRIDE;
-    // The one itself comes first.
+    let last = vec2<i32>(view.size) - 1;
+    // The pixel itself comes first.
     for (var i = 4; i < 13; i++) {
         let k = i % 9;
-        let at = clamp(start + vec2<i32>(k % 3 - 1, k / 3 - 1), vec2<i32>(0), last);
-        let place = textureLoad(positions, at * STRIDE, 0);
+        let at = clamp(pixel + vec2<i32>(k % 3 - 1, k / 3 - 1), vec2<i32>(0), last);
+        let place = textureLoad(positions, at, 0);
         let away = place.xyz - position;
         let squared = dot(away, away);
-        let is_alike = dot(textureLoad(normals, at * STRIDE, 0).xyz, normal) > 0.0;
+        let is_alike = dot(textureLoad(normals, at, 0).xyz, normal) > 0.0;
         if (place.w > 0.0 && is_alike && squared < least) {
             best = at;
             least = squared;
@@ -67,12 +64,12 @@ fn fragment(in: Interpolated) -> @location(0) vec4<f32> {
     if (is_hole(in.uv, in.clip.xy)) {
         discard;
     }
-    var at = vec2<i32>(in.clip.xy) / STRIDE;
-    if (IS_MULTISAMPLED || STRIDE > 1) {
+    var pixel = vec2<i32>(in.clip.xy);
+    if (IS_MULTISAMPLED) {
         // A tenth of a pixel.
-        at = nearest(at, in.from_eye + view.eye, in.normal, 0.01 * dot(across, across));
+        pixel = pixel_of(pixel, in.from_eye + view.eye, in.normal, 0.01 * dot(across, across));
     }
-    let light = in.light + textureLoad(lights, at, 0).rgb;
+    let light = in.light + textureLoad(lights, pixel, 0).rgb;
     if (VALUE == 1u) {
         return vec4<f32>(storable(light * INVERSE_PI * view.exposure), 1.0);
     }

@@ -175,8 +175,8 @@ impl Draw<'_> {
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(0, positions.slice(..));
         pass.set_vertex_buffer(1, light.buffer.slice(..));
-        if let (Values::Points { pace, .. }, Some(value)) = (values, self.value_of_points()) {
-            return self.under_points(pass, value, pace);
+        if let (Values::Points { .. }, Some(value)) = (values, self.value_of_points()) {
+            return self.under_points(pass, value);
         }
         let quantity = match self.frame.look {
             Look::Radiance { .. } => Quantity::Radiance,

@@ -77,31 +77,9 @@ pub enum Values<'a> {
         points: &'a PointBuffer,
         /// The finest level that is read; `u32::MAX` for all.
         finest: u32,
-        /// At which pixels light is gathered.
-        pace: Pace,
         /// What is added to it.
         vertices: &'a LightBuffer,
     },
-}
-
-/// At which pixels light of scattered points is gathered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Pace {
-    /// At all.
-    #[default]
-    Thorough,
-    /// At one of four; the others have the light of the nearest place. For pictures that move where gathering is slow.
-    Swift,
-}
-
-impl Pace {
-    /// From one such pixel to the next, either way.
-    pub(crate) fn stride(self) -> u32 {
-        match self {
-            Self::Thorough => 1,
-            Self::Swift => 2,
-        }
-    }
 }
 
 impl<'a> From<&'a LightBuffer> for Values<'a> {

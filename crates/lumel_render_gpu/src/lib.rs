@@ -37,7 +37,7 @@ mod vertices;
 
 pub use attachments::Samples;
 pub use error::RenderError;
-pub use frame::{Frame, Lit, Look, Pace, Values};
+pub use frame::{Frame, Lit, Look, Values};
 pub use gpu::{Gpu, GpuError};
 pub use light::LightBuffer;
 pub use lumels::{LumelBuffer, Tile};

@@ -1,11 +1,11 @@
 //! Render pipelines, created on first use.
 
+use crate::Gpu;
 use crate::attachments::{DEPTH, HDR, PICTURE, PLACES, POINT_LIGHT, Samples};
 use crate::light::layers_of;
 use crate::points;
 use crate::shaders::{self, Shader};
 use crate::vertices::{self, Attribute};
-use crate::{Gpu, Pace};
 use lumel_basis::{Directional, Shading};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::NormalMaps;
@@ -172,9 +172,9 @@ pub(crate) enum Key {
     /// Where surfaces are, of which parts may not be there.
     Places(Detail),
     /// Light of scattered points at those places.
-    Gather(Pace),
+    Gather,
     /// Surfaces under it.
-    PointSurface(Value, Detail, Pace, Samples),
+    PointSurface(Value, Detail, Samples),
     Normals(Tilt, Samples),
     Plain(Samples),
     RectLight(Samples),
@@ -414,18 +414,12 @@ impl Pipelines {
                 let recipe = scene(Shader::Places, Samples::One, groups, vertices, constants);
                 Recipe { surface: Surface::Places, ..recipe }
             }
-            Key::Gather(pace) => {
+            Key::Gather => {
                 let groups = vec![Some(places), Some(points)];
-                let recipe = scene(
-                    Shader::Gather,
-                    Samples::One,
-                    groups,
-                    vec![],
-                    vec![("STRIDE", f64::from(pace.stride()))],
-                );
+                let recipe = scene(Shader::Gather, Samples::One, groups, vec![], vec![]);
                 Recipe { surface: Surface::PointLight, ..recipe }
             }
-            Key::PointSurface(value, detail, pace, samples) => {
+            Key::PointSurface(value, detail, samples) => {
                 let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
                 let vertices =
                     vec![vertices::POSITION, vertices::LIGHT, vertices::UV, tint, vertices::NORMAL];
@@ -435,7 +429,6 @@ impl Pipelines {
                     ("HAS_EMISSION_MAP", number(detail.emission_map)),
                     ("IS_TRANSPARENT", number(detail.transparent)),
                     ("IS_MULTISAMPLED", number(samples != Samples::One)),
-                    ("STRIDE", f64::from(pace.stride())),
                 ];
                 let groups = vec![view, Some(material), Some(textures), Some(lit_places)];
                 scene(Shader::PointSurface, samples, groups, vertices, constants)

@@ -5,7 +5,7 @@
 use crate::draw::Draw;
 use crate::model::{Batch, Model};
 use crate::pipelines::{Detail, Key, Value};
-use crate::{Look, Pace, PointBuffer, Values};
+use crate::{Look, PointBuffer, Values};
 use std::ops::Range;
 
 impl Draw<'_> {
@@ -22,8 +22,8 @@ impl Draw<'_> {
     /// Finds the light of the points that parts of the picture show, in columns.
     pub(crate) fn gather<'v>(&self, encoder: &mut wgpu::CommandEncoder, parts: &[(Values<'v>, Range<u32>)]) {
         let of_points = |(values, columns): &(Values<'v>, Range<u32>)| match *values {
-            Values::Points { points, finest, pace, .. } if !columns.is_empty() => {
-                Some((points, finest, pace, columns.clone()))
+            Values::Points { points, finest, .. } if !columns.is_empty() => {
+                Some((points, finest, columns.clone()))
             }
             _ => None,
         };
@@ -32,11 +32,11 @@ impl Draw<'_> {
             return;
         }
         self.places(encoder);
-        for (i, (points, finest, pace, columns)) in parts.into_iter().enumerate() {
+        for (i, (points, finest, columns)) in parts.into_iter().enumerate() {
             points.set_finest(self.gpu, finest);
             let load =
                 if i == 0 { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
-            self.light_of_points(encoder, (points, pace), columns, load);
+            self.light_of_points(encoder, points, columns, load);
         }
     }
 
@@ -79,7 +79,7 @@ impl Draw<'_> {
     fn light_of_points(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        (points, pace): (&PointBuffer, Pace),
+        points: &PointBuffer,
         columns: Range<u32>,
         load: wgpu::LoadOp<wgpu::Color>,
     ) {
@@ -94,19 +94,16 @@ impl Draw<'_> {
             })],
             ..Default::default()
         });
-        let [start, end, height] =
-            [columns.start, columns.end, self.target.size()[1]].map(|n| n.div_ceil(pace.stride()));
-        // A divider between two such pixels belongs to both sides.
-        let start = start.min(columns.start / pace.stride());
-        pass.set_scissor_rect(start, 0, end - start, height);
-        pass.set_pipeline(&self.pipeline(Key::Gather(pace)));
+        let [_, height] = self.target.size();
+        pass.set_scissor_rect(columns.start, 0, columns.end - columns.start, height);
+        pass.set_pipeline(&self.pipeline(Key::Gather));
         pass.set_bind_group(0, &places.group, &[]);
         pass.set_bind_group(1, &points.group, &[]);
         pass.draw(0..3, 0..1);
     }
 
     /// Surfaces under light that was gathered, and that of the vertices.
-    pub(crate) fn under_points(&self, pass: &mut wgpu::RenderPass<'_>, value: Value, pace: Pace) {
+    pub(crate) fn under_points(&self, pass: &mut wgpu::RenderPass<'_>, value: Value) {
         let Model { normals, uvs, tints, no_tint, batches, .. } = self.frame.model;
         pass.set_bind_group(3, &self.target.places(self.gpu, &self.pipelines.layouts).lit_group, &[]);
         pass.set_vertex_buffer(2, uvs.slice(..));
@@ -116,7 +113,7 @@ impl Draw<'_> {
                 Value::Radiance => batch.detail,
                 _ => Detail { transparent: batch.detail.transparent, ..Detail::default() },
             };
-            pass.set_pipeline(&self.pipeline(Key::PointSurface(value, detail, pace, self.target.samples())));
+            pass.set_pipeline(&self.pipeline(Key::PointSurface(value, detail, self.target.samples())));
             pass.set_vertex_buffer(3, if detail.tint { tints } else { no_tint }.slice(..));
             self.draw_batch(pass, batch);
         }

@@ -7,7 +7,7 @@ use crate::scenes;
 use glam::Vec3;
 use lumel_basis::{Basis, CloudLighting, Field, MeshlessBasis, PointCloud};
 use lumel_render_cpu::{Picture, ToneMapper};
-use lumel_render_gpu::{Frame, Lit, Look, Pace, PointBuffer, Samples, Values};
+use lumel_render_gpu::{Frame, Lit, Look, PointBuffer, Samples, Values};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [173, 120];
@@ -48,7 +48,7 @@ impl Points {
 
 /// A frame of points on all levels up to one.
 fn frame<'a>(uploaded: &'a Uploaded<'_>, points: &'a PointBuffer, finest: u32, look: Look) -> Frame<'a> {
-    let light = Lit::One(Values::Points { points, finest, pace: Pace::Thorough, vertices: &uploaded.light });
+    let light = Lit::One(Values::Points { points, finest, vertices: &uploaded.light });
     Frame { light, ..uploaded.frame(look) }
 }
 
@@ -123,8 +123,7 @@ fn halves_of_a_picture_show_points_and_vertices() {
     let (points, uploaded, look) = (Points::new(subject), subject.on(renderer), irradiance(-0.5));
     let buffer = points.on(&uploaded);
     let draw = |light| uploaded.draw(SIZE, Samples::One, &Frame { light, ..uploaded.frame(look) });
-    let left =
-        Values::Points { points: &buffer, finest: u32::MAX, pace: Pace::Thorough, vertices: &uploaded.light };
+    let left = Values::Points { points: &buffer, finest: u32::MAX, vertices: &uploaded.light };
     let right = Values::Vertices(&uploaded.light);
     let split = draw(Lit::Split { left, right, at: 0.5 });
     let [left, right] = [Lit::One(left), Lit::One(right)].map(draw);
@@ -135,12 +134,8 @@ fn halves_of_a_picture_show_points_and_vertices() {
         assert_eq!(worst.map(|(_, d)| d).max(), Some(0));
     }
     renderer.set_points(&buffer, &[Vec3::NAN; 7]);
-    let dark = draw(Lit::One(Values::Points {
-        points: &buffer,
-        finest: u32::MAX,
-        pace: Pace::Thorough,
-        vertices: &uploaded.light,
-    }));
+    let dark =
+        draw(Lit::One(Values::Points { points: &buffer, finest: u32::MAX, vertices: &uploaded.light }));
     assert_eq!(share_beyond(&dark, &right, 1), 0.0, "points without light add none");
 }
 
@@ -153,22 +148,4 @@ fn a_cloud_without_points_shows_the_vertices() {
     assert!(none.is_empty());
     let device = uploaded.draw(SIZE, Samples::One, &frame(&uploaded, &none, u32::MAX, look));
     assert_eq!(share_beyond(&device, &uploaded.show(SIZE, Samples::One, look), 1), 0.0);
-}
-
-#[test]
-fn a_swift_picture_has_the_light_of_places_nearby() {
-    let Some(renderer) = renderer() else { return };
-    let subject = scenes::cornell();
-    let (points, uploaded, look) = (Points::new(subject), subject.on(renderer), irradiance(-0.5));
-    let buffer = points.on(&uploaded);
-    for samples in [Samples::One, Samples::Four] {
-        let draw = |pace| {
-            let light = Values::Points { points: &buffer, finest: u32::MAX, pace, vertices: &uploaded.light };
-            uploaded.draw(SIZE, samples, &Frame { light: Lit::One(light), ..uploaded.frame(look) })
-        };
-        let [thorough, swift] = [Pace::Thorough, Pace::Swift].map(draw);
-        let [some, much] = [1, 24].map(|step| share_beyond(&swift, &thorough, step));
-        println!("{samples:?}: {some} of the pixels beyond 1/255, {much} beyond 24/255");
-        assert!(some > 0.2 && much < 0.03, "{some} {much}");
-    }
 }

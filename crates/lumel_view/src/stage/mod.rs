@@ -23,12 +23,11 @@ use crate::values;
 use blit::Blit;
 use content::Content;
 use eframe::egui_wgpu::RenderState;
-use lumel::{MaterialId, Moment, RectLight, Scene, VertexLighting};
+use lumel::{MaterialId, Moment, Radiance, RectLight, Scene, VertexLighting};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Relief, Ripple, Rippled, Scale};
 use lumel_render_gpu::{
-    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, Pace, RenderError, Renderer, Samples, Target,
-    Values,
+    Frame, Gpu, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target, Values,
 };
 use lumels::{LumelContent, ShownLumels};
 use metered::Metered;
@@ -43,9 +42,24 @@ const RIGHT: usize = 1;
 /// The colours of bends of light: from a tenth of what they may be to ten times that.
 const BENDS: [f32; 2] = [0.1, 10.0];
 
+/// A software renderer draws at most so many pixels of a picture that changes with every frame: with waves, that takes it some
+/// 50 ms of processor time.
+const LIVE_PIXELS: f64 = 260_000.0;
+
+/// The same where light of scattered points is gathered at each.
+const LIVE_PIXELS_OF_POINTS: f64 = 0.25 * LIVE_PIXELS;
+
+/// The size of such a picture in an area of the window: the same shape with fewer pixels.
+fn live_size(area: [u32; 2], pixels: f64) -> [u32; 2] {
+    let scale = (pixels / area.map(f64::from).iter().product::<f64>()).sqrt().min(1.0);
+    area.map(|side| ((f64::from(side) * scale) as u32).max(1))
+}
+
 /// All that a picture depends on.
 #[derive(Clone, PartialEq)]
 struct Drawn {
+    /// Of the window's area that it fills, pixels.
+    area: [u32; 2],
     size: [u32; 2],
     samples: Samples,
     camera: FlyCamera,
@@ -61,15 +75,14 @@ struct Drawn {
     split: Option<(Side, f32)>,
     relief: Relief,
     ripple: Option<(Ripple, Vec<MaterialId>)>,
+    sky: Radiance,
 }
 
 impl Drawn {
-    /// Whether it is the same picture as good as another or better: with smoother edges, if those are wanted, or with light of points
-    /// found at more pixels.
-    fn is_as_good_as(&self, other: &Self, wanted: Samples) -> bool {
-        let points = other.points.map(PointContent::thorough);
-        let best = Self { samples: other.samples.max(wanted), points, ..other.clone() };
-        *self == best || *self == Self { samples: other.samples, ..best }
+    /// Whether it is the same picture with more pixels or smoother edges.
+    fn is_finer_than(&self, other: &Self) -> bool {
+        (self.size == self.area || self.samples == Samples::Four)
+            && *self == Self { samples: self.samples, size: self.size, ..other.clone() }
     }
 }
 
@@ -194,17 +207,19 @@ impl Stage {
     pub fn show(
         &mut self,
         showing: &Showing<'_>,
-        size: [u32; 2],
+        area: [u32; 2],
     ) -> Result<Option<ShownPicture>, RenderError> {
         let Some(document) = &showing.session.document else { return Ok(None) };
         self.load(showing.session, &document.scene)?;
-        let drawn = self.wanted(showing, size)?;
+        let drawn = self.wanted(showing, area)?;
         // What is there is not drawn again to be worse.
-        let wanted = if showing.view.antialias { Samples::Four } else { Samples::One };
-        if self.drawn.as_ref().is_some_and(|last| *last == drawn || last.is_as_good_as(&drawn, wanted)) {
+        let is_better = |last: &Drawn| {
+            (showing.view.antialias || last.samples == drawn.samples) && last.is_finer_than(&drawn)
+        };
+        if self.drawn.as_ref().is_some_and(|last| *last == drawn || is_better(last)) {
             return Ok(self.target.as_ref().map(|target| target.shown.clone()));
         }
-        self.fit_target(size, drawn.samples)?;
+        self.fit_target(drawn.size, drawn.samples)?;
         self.fit_overlay(showing.marks);
         let (Some(LoadedModel { model, .. }), Some(ShownTarget { target, shown })) =
             (&self.model, &self.target)
@@ -216,8 +231,8 @@ impl Stage {
         let points = drawn.points.zip(self.points.as_ref().and_then(ShownPoints::buffer));
         let left = match (lumels, points) {
             (Some(shown), _) => Values::Lumels { lumels: &shown.buffer, filter: drawn.filter, vertices },
-            (None, Some((PointContent { finest, pace, .. }, points))) => {
-                Values::Points { points, finest, pace, vertices }
+            (None, Some((PointContent { finest, .. }, points))) => {
+                Values::Points { points, finest, vertices }
             }
             (None, None) => Values::Vertices(vertices),
         };
@@ -237,7 +252,7 @@ impl Stage {
             wireframe: drawn.wireframe,
             grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
-            sky: document.scene.sky().mean(),
+            sky: drawn.sky,
         };
         self.renderer.draw(target, &frame);
         self.pictures += 1;
@@ -308,12 +323,10 @@ impl Stage {
     }
 
     /// What is to be drawn, with the light in its buffers.
-    fn wanted(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Drawn, RenderError> {
+    fn wanted(&mut self, showing: &Showing<'_>, area: [u32; 2]) -> Result<Drawn, RenderError> {
         let (session, view) = (showing.session, showing.view);
         let left = Content::new(session, Side::Current, view, view.selection);
-        let live = showing.quality == Quality::Live && self.gpu().is_software();
-        let pace = if live { Pace::Swift } else { Pace::Thorough };
-        let points = self.fill_points(session, (view, pace), &left);
+        let points = self.fill_points(session, view, &left);
         self.fill(LEFT, &left.beside(points.as_ref()), session)?;
         let split = showing.split.filter(|split| match split.right {
             Side::Smooth => left.is_light() || view.mode == ViewMode::Normals,
@@ -331,9 +344,12 @@ impl Stage {
         }
         let is_smooth = lumels.as_ref().is_some_and(LumelContent::is_smooth);
         let lamps = drawn(&session.lights);
-        let look = self.look(showing, (&left, lumels.as_ref()), &lamps, size);
+        let look = self.look(showing, (&left, lumels.as_ref()), &lamps, area);
+        let live = showing.quality == Quality::Live && self.gpu().is_software();
+        let live_pixels = if points.is_some() { LIVE_PIXELS_OF_POINTS } else { LIVE_PIXELS };
         Ok(Drawn {
-            size,
+            area,
+            size: if live { live_size(area, live_pixels) } else { area },
             samples: if view.antialias && !live { Samples::Four } else { Samples::One },
             camera: session.camera,
             contents: [Some(left), right],
@@ -348,17 +364,13 @@ impl Stage {
             split: split.map(|split| (split.right, split.at)),
             relief: view.relief.relief(),
             ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
+            sky: session.sky.mean(),
         })
     }
 
     /// What is shown of light at scattered points, with that light in their buffer.
-    fn fill_points(
-        &mut self,
-        session: &Session,
-        (view, pace): (&ViewPrefs, Pace),
-        left: &Content,
-    ) -> Option<PointContent> {
-        let content = PointContent::new(session, view, pace).filter(|_| left.is_light())?;
+    fn fill_points(&mut self, session: &Session, view: &ViewPrefs, left: &Content) -> Option<PointContent> {
+        let content = PointContent::new(session, view).filter(|_| left.is_light())?;
         let light = session.light.points.as_ref()?;
         if let Err(problem) = ShownPoints::fill(&mut self.points, &self.renderer, light, &content) {
             self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem);
@@ -480,7 +492,7 @@ impl Stage {
         };
         if self.overlay.as_ref().is_none_or(|drawn| drawn.generation != marks.generation) {
             let overlay =
-                Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(Hidden::Faint);
+                Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(marks.hidden);
             self.overlay = Some(DrawnMarks { generation: marks.generation, overlay });
         }
     }

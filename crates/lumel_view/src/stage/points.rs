@@ -5,7 +5,7 @@ use crate::prefs::{ViewMode, ViewPrefs};
 use crate::selection::Selection;
 use crate::session::Session;
 use lumel_basis::PointCloud;
-use lumel_render_gpu::{Pace, PointBuffer, Renderer};
+use lumel_render_gpu::{PointBuffer, Renderer};
 use std::sync::Arc;
 
 /// What is shown of light at points: equal ones need no new picture.
@@ -15,27 +15,17 @@ pub(super) struct PointContent {
     selection: Selection,
     /// The finest level that is shown.
     pub(super) finest: u32,
-    /// At which pixels light is gathered.
-    pub(super) pace: Pace,
 }
 
 impl PointContent {
     /// What a view shows of the session's light; `None` where it shows vertices.
-    pub(super) fn new(session: &Session, view: &ViewPrefs, pace: Pace) -> Option<Self> {
+    pub(super) fn new(session: &Session, view: &ViewPrefs) -> Option<Self> {
         let is_light = matches!(view.mode, ViewMode::Final | ViewMode::Irradiance | ViewMode::FalseColor);
         (is_light && session.light.points.is_some() && session.lumel_light().is_none()).then_some(Self {
             generation: session.light_generation,
             selection: view.selection,
             finest: view.finest_level,
-            pace,
         })
-    }
-}
-
-impl PointContent {
-    /// The same, gathered at all pixels.
-    pub(super) fn thorough(self) -> Self {
-        Self { pace: Pace::Thorough, ..self }
     }
 }
 

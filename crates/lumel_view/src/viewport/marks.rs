@@ -1,13 +1,13 @@
 //! Dots and lines over the picture: sample points, the brightest shooters, and the rays of a picked vertex.
 
-use super::nodes;
+use super::{ground, nodes};
 use crate::pick::Pick;
 use crate::prefs::{NodeColors, ViewPrefs};
 use crate::selection::Selection;
 use crate::session::Session;
 use crate::solver::Solved;
 use crate::stage::Marks;
-use lumel_render_gpu::Mark;
+use lumel_render_gpu::{Hidden, Mark};
 
 /// Rays of a vertex beyond these are left out: they would cover the picture.
 const MAX_RAYS: usize = 512;
@@ -31,6 +31,7 @@ struct MarksKey {
     spot: Option<[f32; 3]>,
     /// The scattered points: how they are shown, up to which level, and of which light.
     nodes: Option<(NodeColors, u32, u64, Selection)>,
+    ground: bool,
 }
 
 /// The marks with what they were made for.
@@ -59,6 +60,7 @@ impl CurrentMarks {
             rays_of: pick.filter(|_| view.rays).map(|pick| pick.spot.vertex),
             spot: pick.map(|pick| pick.spot.position.to_array()),
             nodes: nodes_of(session, view),
+            ground: view.ground && session.document.as_ref().is_some_and(|document| document.is_outdoors),
         };
         if self.key != Some(key) {
             self.key = Some(key);
@@ -91,6 +93,12 @@ impl MarksKey {
         }
         if let Some(spot) = self.spot {
             marks.points.push(Mark { position: spot.into(), color: [255, 255, 255, 255] });
+        }
+        // The ground is covered by what stands on it; other marks are to be seen through surfaces.
+        let has_others = !marks.points.is_empty() || !marks.lines.is_empty();
+        marks.hidden = if has_others { Hidden::Faint } else { Hidden::Invisible };
+        if let (true, Some(document)) = (self.ground, &session.document) {
+            marks.lines.extend(ground::grid(&document.scene));
         }
         marks
     }
