@@ -15,7 +15,7 @@ struct Benchmark {
     features: &'static [&'static str],
 }
 
-const BENCHMARKS: [Benchmark; 9] = [
+const BENCHMARKS: [Benchmark; 10] = [
     Benchmark { name: "rays", package: "lumel", features: &[] },
     Benchmark { name: "bake", package: "lumel", features: &[] },
     Benchmark { name: "surfaces", package: "lumel", features: &[] },
@@ -23,6 +23,7 @@ const BENCHMARKS: [Benchmark; 9] = [
     Benchmark { name: "shooting", package: "lumel", features: &[] },
     Benchmark { name: "lightmap", package: "lumel", features: &[] },
     Benchmark { name: "frame", package: "lumel_render_gpu", features: &[] },
+    Benchmark { name: "point_frames", package: "lumel_render_gpu", features: &[] },
     Benchmark { name: "first_look", package: "lumel_view", features: &[] },
     Benchmark { name: "window", package: "lumel_view", features: &["--features", "inspection"] },
 ];

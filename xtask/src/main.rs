@@ -40,6 +40,7 @@ usage: cargo x COMMAND [ARGUMENTS]
   bench instructions count instructions of the ray tracer's kernels (needs valgrind)
   bench peers        measure Mitsuba, Blender Cycles and Radiance beside lumel; fetches them from PyPI
   bench frame        measure what a picture costs on this machine's graphics device
+  bench point_frames measure what a picture of light at scattered points costs there
   bench window       measure what an open window costs, and how much it slows a solve (needs Xvfb and xdotool)
 ";
 

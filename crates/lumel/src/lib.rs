@@ -80,8 +80,8 @@ pub use lumel_basis::{
     PointReceivers, Shading, VertexCountError, VertexLighting,
 };
 pub use lumel_export::{
-    Checkpoint, LightmapSolution, LightmapTarget, LumelState, RadFile, RefinementState, Saved, Solution,
-    SolutionLayer, SolutionSelection,
+    Checkpoint, LightmapSolution, LightmapTarget, LumelState, RadFile, RefinementState, Saved,
+    ScatteredLight, Solution, SolutionLayer, SolutionSelection,
 };
 pub use lumel_import::PathPolicy;
 pub use lumel_lightmap::{Lightmap, LightmapLayer, LumelLight, SolvedLight};

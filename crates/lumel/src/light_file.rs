@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 use lumel_basis::Coefficients;
-use lumel_export::{RadFile, ReadError, Solution, SolutionError, SolutionSelection, position_md5};
+use lumel_export::{
+    RadFile, ReadError, ScatteredLight, Solution, SolutionError, SolutionSelection, position_md5,
+};
 use lumel_scene::Scene;
 use std::path::{Path, PathBuf};
 
@@ -103,6 +105,7 @@ impl LightFile {
             Self::Solution(solution) => Ok(Fitting {
                 irradiance: solution.select(selection)?.to_vec(),
                 directional: solution.select_directional(selection).cloned(),
+                scattered: solution.scattered_light(scene, selection)?,
                 same_lighting: solution.has_lighting_of(scene),
                 complete: solution.meta.complete,
             }),
@@ -112,6 +115,7 @@ impl LightFile {
             Self::Rad(rad) => Ok(Fitting {
                 irradiance: rad.irradiance(),
                 directional: None,
+                scattered: None,
                 same_lighting: true,
                 complete: true,
             }),
@@ -179,6 +183,8 @@ pub struct Fitting {
     pub irradiance: Vec<Vec3>,
     /// The same by direction, if the file has it.
     pub directional: Option<Coefficients>,
+    /// The same as the points have it that carried it, if they did.
+    pub scattered: Option<ScatteredLight>,
     /// Whether materials and lights are those of the bake, as far as the file tells.
     pub same_lighting: bool,
     /// Whether the bake was finished.

@@ -55,8 +55,8 @@ impl LightReader<'_> {
         self.baker.carried_at_vertices(&self.read(field))
     }
 
-    /// Direct light that was measured at the vertices, apart from what bounces carry.
-    pub(crate) fn direct_at_vertices(&self) -> Option<&[Vec3]> {
+    /// Direct light at every vertex of the scene, W·m⁻², if it was measured there apart from what points carry.
+    pub fn direct_at_vertices(&self) -> Option<&[Vec3]> {
         self.direct.as_ref().map(|[measured, _]| measured.as_slice())
     }
 

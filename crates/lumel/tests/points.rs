@@ -8,11 +8,12 @@ use glam::{DVec3, Vec3};
 use keep::Keep;
 use lumel::{
     Adaptive, Baker, BounceLimit, Control, Directional, Layers, Light, Lumels, Memory, Method, PointSpacing,
-    Projection, SamplerKind, Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent, SolveState,
-    SolverKind,
+    Projection, SamplerKind, Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent, SolutionSelection,
+    SolveState, SolverKind,
 };
-use lumel_basis::Basis;
+use lumel_basis::{Basis, FieldLighting, Lighting};
 use lumel_testkit::mesh::{Facing, cuboid};
+use lumel_testkit::random_surface_points;
 use lumel_testkit::scene::{bulb, ceiling_light, grey, scene};
 use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
 use std::sync::{Arc, Mutex};
@@ -232,4 +233,31 @@ fn what_does_not_go_together_with_points_is_refused_by_name() {
     assert!(tiny.points > 1_000_000_000_000 && (1e-4..1e-3).contains(&least), "{tiny:?}");
     assert_eq!(PointSpacing::Metres(1e-6).on(&scene), Some(least));
     assert_eq!(PointSpacing::Metres(0.1).need(&scene, 4).unwrap().least_spacing, None);
+}
+
+#[test]
+fn a_solution_is_shown_as_its_points_have_it_with_direct_light_of_the_vertices() {
+    let scene = room(3);
+    let (baker, state) = solved(&scene, &Settings { levels: 2, ..settings() });
+    let solution = baker.solution(&state);
+    let scattered = |selection| solution.scattered_light(&scene, &selection).unwrap().unwrap();
+    let [sum, direct, bounce] =
+        [SolutionSelection::Sum, SolutionSelection::Bounce(0), SolutionSelection::Bounce(1)].map(scattered);
+    let [sum, direct, bounce] = [&sum, &direct, &bounce].map(|light| light.lighting(&scene).unwrap());
+    let at_vertices = solution.lighting(&scene, &SolutionSelection::Bounce(0)).unwrap();
+    let carried = |field| FieldLighting { basis: &**baker.basis(), field };
+    let total = state.total();
+    let mut between = 0.0_f32;
+    for at in random_surface_points(&scene, 500, 11) {
+        let read = |lighting: &dyn Lighting| lighting.irradiance(at, Vec3::Y).0;
+        let same = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-4 * b.length().max(1.0), "{a} and {b}");
+        same(read(&direct), read(&at_vertices));
+        same(read(&bounce), read(&carried(&state.bounces[1])));
+        same(read(&sum), read(&carried(&total)) - read(&carried(&state.bounces[0])) + read(&direct));
+        let coarse = solution.lighting(&scene, &SolutionSelection::Bounce(1)).unwrap();
+        between = between.max((read(&bounce) - read(&coarse)).length() / read(&coarse).length());
+    }
+    assert!(between > 0.1, "walls of few triangles hide what points know: {between}");
+    assert!(solution.scattered_light(&scene, &SolutionSelection::Bounce(9)).is_err());
+    assert!(solution.scattered_light(&room(4), &SolutionSelection::Sum).is_err());
 }

@@ -3,7 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::{DVec3, Vec3};
-use lumel_basis::{Basis, Field, MeshlessBasis, NodeWeights, SurfaceSample};
+use lumel_basis::{
+    Basis, CloudLighting, CloudPoint, Field, Lighting, MeshlessBasis, NodeWeights, PointCloud, SurfaceSample,
+    VertexLighting,
+};
 use lumel_scene::{Barycentrics, ObjectMesh, Scene, SurfacePoint, TriId};
 use lumel_testkit::mesh::{Facing, cuboid, quad, sphere};
 use lumel_testkit::scene::{grey, scene, two_sided};
@@ -253,4 +256,33 @@ fn what_is_read_from_afar_is_what_coarse_levels_say() {
         let afar: f32 = weights.iter().map(|(node, weight)| of_fine.node(node).0.x * weight).sum();
         assert!((afar - of_coarse.at(&coarse, at, &mut scratch).0.x).abs() < 1e-5);
     }
+}
+
+#[test]
+fn points_without_their_surfaces_say_the_same_in_whatever_order() {
+    let scene = built(vec![sphere(Vec3::ZERO, 1.0, 1, Facing::Outward, 0)]);
+    let basis = MeshlessBasis::with_levels(Arc::clone(&scene), 0.2, 3);
+    let (field, hierarchy) = (field(&basis, wave), basis.hierarchy().unwrap());
+    let whole = PointCloud::of(&basis);
+    let turned = |values: Vec<CloudPoint>| PointCloud::new(values.into_iter().rev().collect());
+    let turned = turned(whole.points().to_vec());
+    let backwards: Vec<Vec3> = field.values().iter().rev().copied().collect();
+    let lift = vec![Vec3::X; scene.vertex_count()];
+    let vertices = VertexLighting::new(&scene, &lift).unwrap();
+    for finest in [0, 1, u32::MAX] {
+        let lighting =
+            CloudLighting { scene: &scene, cloud: &whole, values: field.values(), finest, vertices };
+        let other = CloudLighting { cloud: &turned, values: &backwards, ..lighting };
+        for at in random_surface_points(&scene, 500, 3) {
+            let mut weights = NodeWeights::default();
+            hierarchy.weights_up_to(finest, at, &mut weights);
+            let read: Vec3 = weights.iter().map(|(node, w)| field.values()[node.index()] * w).sum();
+            for lighting in [lighting, other] {
+                let shown = lighting.irradiance(at, Vec3::ZERO).0 - Vec3::X;
+                assert!((shown - read).length() < 1e-5, "level {finest}: {shown} and {read}");
+            }
+        }
+    }
+    let (none, at) = (PointCloud::new(vec![]), Vec3::ZERO);
+    assert_eq!((none.level_count(), none.at(&[], at, Vec3::Y, 7)), (0, Vec3::ZERO));
 }

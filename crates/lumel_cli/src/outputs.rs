@@ -155,8 +155,17 @@ impl Output {
             }
             (Content::Picture, None) => {
                 let scene = with_green_up(baker.scene(), *green);
-                let lighting = solution.lighting(&scene, &SolutionSelection::Sum)?;
-                picture::write_default(&self.path, &scene, &**baker.tracer(), &lighting, cancel)?;
+                let tracer = &**baker.tracer();
+                match solution.scattered_light(&scene, &SolutionSelection::Sum)? {
+                    Some(scattered) => {
+                        let lighting = scattered.lighting(&scene)?;
+                        picture::write_default(&self.path, &scene, tracer, &lighting, cancel)?;
+                    }
+                    None => {
+                        let lighting = solution.lighting(&scene, &SolutionSelection::Sum)?;
+                        picture::write_default(&self.path, &scene, tracer, &lighting, cancel)?;
+                    }
+                }
             }
             (Content::Picture, Some(Lightmapped { scene, lightmap, .. })) => {
                 let depth = match png {

@@ -34,6 +34,7 @@ mod png;
 mod quiet;
 mod rad;
 mod refinement_state;
+mod scattered_light;
 mod solution;
 mod solution_points;
 
@@ -57,5 +58,6 @@ pub use ply::write_ply;
 pub use png::write_png;
 pub use rad::{RadFile, position_md5};
 pub use refinement_state::{NextRefinement, RefinementMeta, RefinementState, SavedProbe};
+pub use scattered_light::ScatteredLight;
 pub use solution::{Solution, SolutionLayer, SolutionMeta, SolutionSelection};
 pub use solution_points::SolutionPoints;

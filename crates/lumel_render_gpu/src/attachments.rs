@@ -6,6 +6,13 @@ pub(crate) const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Near over distance: floats are densest around zero, at infinity.
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// Position and normal of what a pixel shows.
+pub(crate) const PLACES: [wgpu::TextureFormat; 2] =
+    [wgpu::TextureFormat::Rgba32Float, wgpu::TextureFormat::Rgba16Float];
+
+/// Light of scattered points there, not exposed.
+pub(crate) const POINT_LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
 /// sRGB codes, in a format that does not decode them.
 pub(crate) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 

@@ -31,6 +31,11 @@ pub(crate) fn draw(
     let sees = view.is_some();
     let marks = sees && draw.has_marks();
     let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    if sees {
+        let parts: Vec<_> =
+            draw.parts(target.size()[0]).into_iter().map(|part| (part.light, part.columns)).collect();
+        draw.gather(&mut encoder, &parts);
+    }
     draw.scene(
         &mut encoder,
         sees,
@@ -58,16 +63,17 @@ enum Surfaces {
     Smooth,
 }
 
-struct Draw<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'a Pipelines,
+/// A picture that is drawn.
+pub(crate) struct Draw<'a> {
+    pub(crate) gpu: &'a Gpu,
+    pub(crate) pipelines: &'a Pipelines,
     no_lumels: &'a LumelBuffer,
-    target: &'a Target,
-    frame: &'a Frame<'a>,
+    pub(crate) target: &'a Target,
+    pub(crate) frame: &'a Frame<'a>,
 }
 
 impl Draw<'_> {
-    fn pipeline(&self, key: Key) -> wgpu::RenderPipeline {
+    pub(crate) fn pipeline(&self, key: Key) -> wgpu::RenderPipeline {
         self.pipelines.get(self.gpu.device(), key)
     }
 
@@ -126,7 +132,8 @@ impl Draw<'_> {
 
     /// Whether values are those of the model.
     fn fits(&self, values: Values<'_>) -> bool {
-        let (Values::Vertices(vertices) | Values::Lumels { vertices, .. }) = values;
+        let (Values::Vertices(vertices) | Values::Lumels { vertices, .. } | Values::Points { vertices, .. }) =
+            values;
         let model = self.frame.model;
         vertices.fits(model.vertex_count(), model.sources.as_ref())
     }
@@ -155,9 +162,9 @@ impl Draw<'_> {
             Values::Lumels { lumels, filter, vertices } if self.frame.model.has_atlas() => {
                 (vertices, lumels, Reading::from(filter))
             }
-            Values::Vertices(vertices) | Values::Lumels { vertices, .. } => {
-                (vertices, self.no_lumels, Reading::Vertices)
-            }
+            Values::Vertices(vertices)
+            | Values::Lumels { vertices, .. }
+            | Values::Points { vertices, .. } => (vertices, self.no_lumels, Reading::Vertices),
         };
         let tilt = |batch: &Batch| match surfaces {
             Surfaces::Tilted => self.tilt(batch),
@@ -168,6 +175,9 @@ impl Draw<'_> {
         pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(0, positions.slice(..));
         pass.set_vertex_buffer(1, light.buffer.slice(..));
+        if let (Values::Points { .. }, Some(value)) = (values, self.value_of_points()) {
+            return self.under_points(pass, value);
+        }
         let quantity = match self.frame.look {
             Look::Radiance { .. } => Quantity::Radiance,
             Look::Albedo => Quantity::Albedo,

@@ -32,6 +32,20 @@ pub enum RenderError {
         /// The longest side of a page.
         side: u32,
     },
+    /// More scattered points, or more levels of them, than the device allows.
+    #[error(
+        "{points} points on {levels} levels cannot be shown; the graphics device allows {limit} on {most_levels} levels"
+    )]
+    Points {
+        /// Number of points.
+        points: usize,
+        /// Number of their levels.
+        levels: usize,
+        /// How many points there may be.
+        limit: u64,
+        /// How many levels there may be.
+        most_levels: usize,
+    },
     /// The device has no memory left.
     #[error("the graphics device has no memory left for {what}")]
     OutOfMemory {

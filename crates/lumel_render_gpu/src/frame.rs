@@ -1,6 +1,6 @@
 //! What to draw.
 
-use crate::{LightBuffer, LumelBuffer, Model, Overlay};
+use crate::{LightBuffer, LumelBuffer, Model, Overlay, PointBuffer};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Relief, Rippled, Scale, ToneMapper};
 use lumel_scene::{Camera, Radiance, RectLight};
@@ -67,6 +67,17 @@ pub enum Values<'a> {
         /// How they are read.
         filter: Filter,
         /// What shows where they are not known.
+        vertices: &'a LightBuffer,
+    },
+    /// At scattered points: each pixel gathers those around its place.
+    ///
+    /// Normal maps and what shows no light do without the points.
+    Points {
+        /// The points.
+        points: &'a PointBuffer,
+        /// The finest level that is read; `u32::MAX` for all.
+        finest: u32,
+        /// What is added to it.
         vertices: &'a LightBuffer,
     },
 }

@@ -1,8 +1,9 @@
 //! Render pipelines, created on first use.
 
 use crate::Gpu;
-use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
+use crate::attachments::{DEPTH, HDR, PICTURE, PLACES, POINT_LIGHT, Samples};
 use crate::light::layers_of;
+use crate::points;
 use crate::shaders::{self, Shader};
 use crate::vertices::{self, Attribute};
 use lumel_basis::{Directional, Shading};
@@ -168,6 +169,12 @@ pub(crate) enum Key {
     Surface(Quantity, Detail, Reading, Samples),
     /// Light on surfaces whose normals are tilted.
     Relief(Value, Detail, Reading, Tilt, Shade, Samples),
+    /// Where surfaces are, of which parts may not be there.
+    Places(Detail),
+    /// Light of scattered points at those places.
+    Gather,
+    /// Surfaces under it.
+    PointSurface(Value, Detail, Samples),
     Normals(Tilt, Samples),
     Plain(Samples),
     RectLight(Samples),
@@ -208,6 +215,12 @@ pub(crate) struct Layouts {
     pub(crate) composite: wgpu::BindGroupLayout,
     /// Pages of lumels, their sizes, and coefficients of light by direction.
     pub(crate) lumels: wgpu::BindGroupLayout,
+    /// Levels of scattered points, the points, light at them, and their cells.
+    pub(crate) points: wgpu::BindGroupLayout,
+    /// Positions and normals by pixel.
+    pub(crate) places: wgpu::BindGroupLayout,
+    /// The same, and the light of points there.
+    pub(crate) lit_places: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -240,6 +253,16 @@ impl Layouts {
             view_dimension: wgpu::TextureViewDimension::D2Array,
             multisampled: false,
         };
+        // A device without them shows no points.
+        let has_storage = device.limits().max_storage_buffers_per_shader_stage >= points::BUFFERS;
+        let storage = wgpu::BindingType::Buffer {
+            ty: match has_storage {
+                true => wgpu::BufferBindingType::Storage { read_only: true },
+                false => wgpu::BufferBindingType::Uniform,
+            },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
         let image = [texture(true), wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)];
         Self {
             view: layout("view", &[uniform(false)]),
@@ -249,6 +272,9 @@ impl Layouts {
             tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
             composite: layout("composite", &[texture(false)]),
             lumels: layout("lumels", &[layers, uniform(false), layers]),
+            points: layout("points", &[uniform(false), storage, storage, storage]),
+            places: layout("places", &[texture(false); 2]),
+            lit_places: layout("lit places", &[texture(false); 3]),
         }
     }
 }
@@ -268,6 +294,10 @@ struct Recipe<'a> {
 enum Surface {
     /// The exposed picture; the nearest wins.
     Scene,
+    /// Position and normal of the nearest, one sample for each pixel.
+    Places,
+    /// Light at them.
+    PointLight,
     /// The overlay; what depth leaves of the layer.
     Overlay(Layer, wgpu::PrimitiveTopology, wgpu::PolygonMode),
     /// The finished picture; all of it, or blended over it.
@@ -293,7 +323,8 @@ impl Pipelines {
     }
 
     fn recipe(&self, key: Key) -> Recipe<'_> {
-        let Layouts { view, material, textures, rect_light, tone, composite, lumels } = &self.layouts;
+        let Layouts { view, material, textures, rect_light, tone, composite, lumels, .. } = &self.layouts;
+        let Layouts { points, places, lit_places, .. } = &self.layouts;
         let [view, lumels] = [view, lumels].map(Some);
         let number = |flag: bool| f64::from(u8::from(flag));
         let scene = |shader, samples, groups, vertices, constants| Recipe {
@@ -376,6 +407,32 @@ impl Pipelines {
                 let recipe = scene(Shader::Relief, samples, groups, vertices, constants);
                 Recipe { entries: [entry, "fragment"], ..recipe }
             }
+            Key::Places(detail) => {
+                let vertices = vec![vertices::POSITION, vertices::UV, vertices::NORMAL];
+                let constants = vec![("IS_TRANSPARENT", number(detail.transparent))];
+                let groups = vec![view, Some(material), Some(textures)];
+                let recipe = scene(Shader::Places, Samples::One, groups, vertices, constants);
+                Recipe { surface: Surface::Places, ..recipe }
+            }
+            Key::Gather => {
+                let groups = vec![Some(places), Some(points)];
+                let recipe = scene(Shader::Gather, Samples::One, groups, vec![], vec![]);
+                Recipe { surface: Surface::PointLight, ..recipe }
+            }
+            Key::PointSurface(value, detail, samples) => {
+                let tint = if detail.tint { vertices::TINT } else { vertices::NO_TINT };
+                let vertices =
+                    vec![vertices::POSITION, vertices::LIGHT, vertices::UV, tint, vertices::NORMAL];
+                let constants = vec![
+                    ("VALUE", f64::from(value as u8)),
+                    ("HAS_ALBEDO_MAP", number(detail.albedo_map)),
+                    ("HAS_EMISSION_MAP", number(detail.emission_map)),
+                    ("IS_TRANSPARENT", number(detail.transparent)),
+                    ("IS_MULTISAMPLED", number(samples != Samples::One)),
+                ];
+                let groups = vec![view, Some(material), Some(textures), Some(lit_places)];
+                scene(Shader::PointSurface, samples, groups, vertices, constants)
+            }
             Key::Normals(tilt, samples) => {
                 let vertices = vec![vertices::POSITION, vertices::NORMAL, vertices::UV, tilt.tangent()];
                 let constants = tilt.constants();
@@ -432,7 +489,11 @@ impl Pipelines {
         let options = wgpu::PipelineCompilationOptions { constants: &recipe.constants, ..Default::default() };
         let buffers = vertices::layouts(&recipe.vertices);
         let buffers: Vec<_> = buffers.iter().map(|buffer| Some(buffer.as_layout())).collect();
-        let (format, blend, primitive, depth_stencil) = recipe.surface.state();
+        let (formats, blend, primitive, depth_stencil) = recipe.surface.state();
+        let target = |&format: &wgpu::TextureFormat| {
+            Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })
+        };
+        let targets: Vec<_> = formats.iter().map(target).collect();
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(&label),
             layout: Some(&layout),
@@ -449,11 +510,7 @@ impl Pipelines {
                 module,
                 entry_point: Some(recipe.entries[1]),
                 compilation_options: options,
-                targets: &[Some(wgpu::ColorTargetState {
-                    format,
-                    blend,
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
+                targets: &targets,
             }),
             multiview_mask: None,
             cache: None,
@@ -468,8 +525,12 @@ fn layer_opacity(layer: Layer) -> f64 {
     }
 }
 
-type State =
-    (wgpu::TextureFormat, Option<wgpu::BlendState>, wgpu::PrimitiveState, Option<wgpu::DepthStencilState>);
+type State = (
+    &'static [wgpu::TextureFormat],
+    Option<wgpu::BlendState>,
+    wgpu::PrimitiveState,
+    Option<wgpu::DepthStencilState>,
+);
 
 impl Surface {
     fn state(&self) -> State {
@@ -484,11 +545,12 @@ impl Surface {
             })
         };
         match *self {
-            Self::Scene => {
+            Self::Scene | Self::Places => {
                 // Back faces are invisible.
                 let primitive =
                     wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() };
-                (HDR, None, primitive, depth(true, wgpu::CompareFunction::Greater))
+                let formats = if let Self::Places = self { &PLACES[..] } else { &[HDR] };
+                (formats, None, primitive, depth(true, wgpu::CompareFunction::Greater))
             }
             Self::Overlay(layer, topology, polygon_mode) => {
                 let compare = match layer {
@@ -504,9 +566,10 @@ impl Surface {
                     ..Default::default()
                 };
                 let blend = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
-                (PICTURE, Some(blend), primitive, depth(false, compare))
+                (&[PICTURE], Some(blend), primitive, depth(false, compare))
             }
-            Self::Screen(blend) => (PICTURE, blend, wgpu::PrimitiveState::default(), None),
+            Self::PointLight => (&[POINT_LIGHT], None, wgpu::PrimitiveState::default(), None),
+            Self::Screen(blend) => (&[PICTURE], blend, wgpu::PrimitiveState::default(), None),
         }
     }
 }

@@ -5,10 +5,11 @@ use crate::mips::{Level, Pyramid};
 use crate::pipelines::Pipelines;
 use crate::read;
 use crate::texture::{self, Blank};
-use crate::{Frame, Gpu, LightBuffer, LumelBuffer, Model, RenderError, Samples, Target, Tile};
+use crate::{Frame, Gpu, LightBuffer, LumelBuffer, Model, PointBuffer, RenderError, Samples, Target, Tile};
 use glam::Vec3;
 use lumel_basis::{
-    Directional, IncidentRadiance, Lighting, VertexCountError, incident_at_vertices, irradiance_at_vertices,
+    Directional, IncidentRadiance, Lighting, PointCloud, VertexCountError, incident_at_vertices,
+    irradiance_at_vertices,
 };
 use lumel_render_cpu::{Picture, false_color_map};
 use lumel_scene::Scene;
@@ -119,6 +120,19 @@ impl Renderer {
         light: impl Iterator<Item = IncidentRadiance>,
     ) {
         lumels.set_moments(&self.gpu, tile, light);
+    }
+
+    /// A buffer for scattered points, initially dark.
+    ///
+    /// # Errors
+    /// [`RenderError::Points`] if they do not fit.
+    pub fn points(&self, cloud: &PointCloud) -> Result<PointBuffer, RenderError> {
+        PointBuffer::new(&self.gpu, &self.pipelines.layouts, cloud)
+    }
+
+    /// Replaces the light at scattered points, in the order of their cloud. NaN becomes zero.
+    pub fn set_points(&self, points: &PointBuffer, values: &[Vec3]) {
+        points.set(&self.gpu, values);
     }
 
     /// A picture to draw on.

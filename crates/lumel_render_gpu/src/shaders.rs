@@ -11,6 +11,9 @@ pub(crate) enum Shader {
     LumelValue,
     Surface,
     Relief,
+    Places,
+    Gather,
+    PointSurface,
     Normals,
     Plain,
     RectLight,
@@ -21,11 +24,14 @@ pub(crate) enum Shader {
 
 impl Shader {
     /// In the order of their numbers.
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 13] = [
         Self::Value,
         Self::LumelValue,
         Self::Surface,
         Self::Relief,
+        Self::Places,
+        Self::Gather,
+        Self::PointSurface,
         Self::Normals,
         Self::Plain,
         Self::RectLight,
@@ -63,6 +69,11 @@ pub(crate) fn source(shader: Shader) -> String {
             include_str!("../shaders/lumel_moments.wgsl"),
             include_str!("../shaders/relief.wgsl"),
         ],
+        Shader::Places => &[VIEW, MATERIAL, TEXTURES, PAINT, include_str!("../shaders/places.wgsl")],
+        Shader::Gather => &[SCREEN, include_str!("../shaders/gather.wgsl")],
+        Shader::PointSurface => {
+            &[VIEW, MATERIAL, TEXTURES, PAINT, include_str!("../shaders/point_surface.wgsl")]
+        }
         Shader::Normals => &[VIEW, MATERIAL, TEXTURES, TILT, include_str!("../shaders/normals.wgsl")],
         Shader::Plain => &[VIEW, HEADLIGHT, include_str!("../shaders/plain.wgsl")],
         Shader::RectLight => &[VIEW, include_str!("../shaders/rect_light.wgsl")],
@@ -83,6 +94,9 @@ pub(crate) const MAX_F16: f32 = 65_504.0;
 /// The most pages of an atlas: layers that every device has.
 pub(crate) const MAX_PAGES: usize = 256;
 
+/// The most levels of scattered points: more than settings allow.
+pub(crate) const MAX_LEVELS: usize = 16;
+
 /// Constants that are defined elsewhere.
 fn constants() -> String {
     let [r, g, b] = [Vec3::X, Vec3::Y, Vec3::Z].map(luminance);
@@ -96,6 +110,7 @@ fn constants() -> String {
          const SHADOW_END: f32 = {SHADOW_END:?};\n\
          const MAX_F16: f32 = {MAX_F16:?};\n\
          const MAX_PAGES: u32 = {MAX_PAGES}u;\n\
+         const MAX_LEVELS: u32 = {MAX_LEVELS}u;\n\
          const WAVES = array<vec4<f32>, 4>({waves});\n\n"
     )
 }

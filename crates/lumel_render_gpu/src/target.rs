@@ -4,6 +4,7 @@ use crate::attachments::{DEPTH, HDR, PICTURE, Samples};
 use crate::layout::{Tone, View};
 use crate::memory::{buffer, within_memory};
 use crate::pipelines::Layouts;
+use crate::places::Places;
 use crate::{Gpu, RenderError};
 use std::sync::OnceLock;
 
@@ -18,6 +19,8 @@ pub struct Target {
     pub(crate) depth: wgpu::TextureView,
     /// Created when there is an overlay.
     overlay: OnceLock<(Layer, wgpu::BindGroup)>,
+    /// Created when there is light of points.
+    places: OnceLock<Places>,
     pub(crate) view_values: wgpu::Buffer,
     pub(crate) view_group: wgpu::BindGroup,
     pub(crate) tone_values: wgpu::Buffer,
@@ -97,6 +100,7 @@ impl Target {
             exposed,
             depth: view(&texture(gpu, "depth", size, samples, DEPTH, Usage::RENDER_ATTACHMENT)),
             overlay: OnceLock::new(),
+            places: OnceLock::new(),
             view_values,
             view_group,
             tone_values,
@@ -111,6 +115,11 @@ impl Target {
             let group = bind(gpu, &layouts.composite, &[wgpu::BindingResource::TextureView(&layer.mean)]);
             (layer, group)
         })
+    }
+
+    /// What light of points is found with.
+    pub(crate) fn places(&self, gpu: &Gpu, layouts: &Layouts) -> &Places {
+        self.places.get_or_init(|| Places::new(gpu, layouts, self.size))
     }
 
     /// The picture as `Rgba8Unorm` that holds sRGB codes: the format that egui expects and PNG stores.
@@ -129,7 +138,7 @@ impl Target {
     }
 }
 
-fn texture(
+pub(crate) fn texture(
     gpu: &Gpu,
     label: &str,
     [width, height]: [u32; 2],
@@ -149,11 +158,11 @@ fn texture(
     })
 }
 
-fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-fn bind(
+pub(crate) fn bind(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
     resources: &[wgpu::BindingResource<'_>],

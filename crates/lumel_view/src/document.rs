@@ -8,8 +8,7 @@ use crate::selection::VertexValues;
 use crate::slots::Slots;
 use glam::Vec3;
 use lumel::{
-    Baker, MaterialEntry, OpenOptions, PointSpacing, Project, RayTracer, Scene, Settings, SettingsPatch,
-    is_open, tracer_of,
+    Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch, is_open, tracer_of,
 };
 use lumel_render_cpu::camera_for;
 use lumel_scene::{Light, Sky, TextureId};
@@ -110,10 +109,9 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         lights: editable_lights(&scene, project.as_ref()),
         settings: project
             .as_ref()
-            .map(|p| p.bake.clone())
+            .map(Project::settings)
             .filter(|p| *p != SettingsPatch::default())
-            // The window carries light on vertices.
-            .map(|p| Settings { point_spacing: PointSpacing::Off, levels: 1, ..p.settings() }),
+            .map(|p| p.settings()),
         slots: project.as_ref().map(|p| Slots::from_entries(&p.slots)).unwrap_or_default(),
     };
     let baker = Arc::new(baker);

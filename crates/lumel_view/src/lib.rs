@@ -30,6 +30,7 @@ pub mod mesh;
 pub mod notice;
 mod panels;
 pub mod pick;
+pub mod point_light;
 pub mod prefs;
 pub mod recovery;
 pub mod relief;

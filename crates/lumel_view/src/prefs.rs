@@ -247,6 +247,32 @@ pub enum PlotKind {
     Time,
 }
 
+/// The colours of the scattered points that carry light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NodeColors {
+    /// They are not shown.
+    #[default]
+    Hidden,
+    /// One for each level.
+    Level,
+    /// By what each brings: black for none.
+    Coefficient,
+}
+
+impl NodeColors {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Hidden, Self::Level, Self::Coefficient];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hidden => "Hidden",
+            Self::Level => "By level",
+            Self::Coefficient => "By coefficient",
+        }
+    }
+}
+
 /// How the picture is drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -297,6 +323,10 @@ pub struct ViewPrefs {
     pub plot: PlotKind,
     /// How normal maps and ripples are shown.
     pub relief: ReliefPrefs,
+    /// The finest level of scattered points that is shown.
+    pub finest_level: u32,
+    /// How the points themselves are shown.
+    pub nodes: NodeColors,
 }
 
 impl Default for ViewPrefs {
@@ -326,6 +356,8 @@ impl Default for ViewPrefs {
             logarithmic: false,
             plot: PlotKind::default(),
             relief: ReliefPrefs::default(),
+            finest_level: u32::MAX,
+            nodes: NodeColors::default(),
         }
     }
 }

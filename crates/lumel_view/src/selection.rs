@@ -1,5 +1,6 @@
 //! Which bounces are shown.
 
+use crate::point_light::PointIllumination;
 use glam::{DVec3, Vec3};
 use lumel_basis::Coefficients;
 use serde::{Deserialize, Serialize};
@@ -89,6 +90,8 @@ pub struct Illumination {
     pub directional: Option<Arc<Coefficients>>,
     /// That of the light before, while a solve runs that has not measured its own yet: it is shown, but part of no file.
     pub directional_before: Option<Arc<Coefficients>>,
+    /// The same at scattered points, where these carry it: it is shown in place of that at the vertices.
+    pub points: Option<PointIllumination>,
 }
 
 /// The light of one light, or of all that share its name.
@@ -157,6 +160,15 @@ impl Illumination {
             sum.iter_mut().for_each(|value| *value = value.max(Vec3::ZERO));
         }
         sum
+    }
+
+    /// What of the chosen part is not at the points but at all of `n` vertices; all of it where no points carry light.
+    pub fn select_beside_points(&self, selection: Selection, n: usize) -> Vec<Vec3> {
+        match &self.points {
+            None => self.select(selection, n),
+            Some(points) if points.leaves_direct(selection) => self.select(Selection::DIRECT, n),
+            Some(_) => vec![Vec3::ZERO; n],
+        }
     }
 
     /// The chosen part by direction at all of `n` vertices: known of all light, as it was solved.

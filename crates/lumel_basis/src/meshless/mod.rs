@@ -1,12 +1,14 @@
 //! Functions that know neither triangles nor textures: kernels around points that are scattered over the surfaces.
 
 mod cells;
+mod cloud;
 mod nodes;
 mod receivers;
 mod scatter;
 
 use crate::parts::for_each_weight;
 use crate::{Adjacency, Basis, Field, Hierarchy, Identity, NodeId, NodeWeights};
+pub use cloud::{CloudLighting, CloudPoint, PointCloud};
 use glam::Vec3;
 use lumel_scene::{Scene, SurfacePoint, TriId};
 use nodes::NodeGrid;

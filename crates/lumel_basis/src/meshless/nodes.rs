@@ -19,10 +19,11 @@ const MOST: usize = 24;
 /// no more than one node in it.
 pub(crate) const BYTES_PER_NODE: u64 = size_of::<Node>() as u64 + 4 + BYTES_PER_CELL;
 
+/// Where a node is, and which way the surface faces there.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    position: Vec3,
-    normal: Vec3,
+pub(crate) struct Node {
+    pub(crate) position: Vec3,
+    pub(crate) normal: Vec3,
 }
 
 /// Nodes, sorted by the cells that they lie in, so that those around a place lie together.
@@ -43,19 +44,29 @@ type Overlap = SmallVec<[(u32, f32); MOST]>;
 impl NodeGrid {
     /// Sorts samples, so that node number `i` is sample number `i` from now on.
     pub(crate) fn new(origin: Vec3, spacing: f32, samples: &mut [SurfaceSample]) -> Self {
-        let radius = RADIUS * spacing;
+        let node = |sample: &SurfaceSample| Node { position: sample.position, normal: sample.normal };
+        Self::of_radius(origin, RADIUS * spacing, samples, node)
+    }
+
+    /// The same of anything that is a node, with kernels of a radius.
+    pub(crate) fn of_radius<T>(
+        origin: Vec3,
+        radius: f32,
+        samples: &mut [T],
+        node: impl Fn(&T) -> Node,
+    ) -> Self {
         let grid = Grid::new(origin, radius);
         // Stable, so that nodes of a cell keep their order.
-        samples.sort_by_cached_key(|sample| grid.cell(sample.position));
+        samples.sort_by_cached_key(|sample| grid.cell(node(sample).position));
+        let nodes: Vec<Node> = samples.iter().map(node).collect();
         let (mut ends, mut numbers) = (Vec::new(), CellTable::default());
         let mut end = 0;
-        for same in samples.chunk_by(|a, b| grid.cell(a.position) == grid.cell(b.position)) {
+        for same in nodes.chunk_by(|a, b| grid.cell(a.position) == grid.cell(b.position)) {
             numbers.insert(grid.cell(same[0].position), ends.len() as u32);
             end += same.len() as u32;
             ends.push(end);
         }
-        let node = |sample: &SurfaceSample| Node { position: sample.position, normal: sample.normal };
-        Self { radius, grid, nodes: samples.iter().map(node).collect(), ends, numbers }
+        Self { radius, grid, nodes, ends, numbers }
     }
 
     /// The radius of kernels, metres.

@@ -14,8 +14,8 @@ use crate::source::{self, SceneSource};
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
-    Camera, Coefficients, Directional, LightFile, LightFileError, Lighting, LightmapSolution, RayTracer,
-    Scene, SolutionSelection, VertexLighting, tracer_of,
+    Camera, Coefficients, Directional, Fitting, LightFile, LightFileError, Lighting, LightmapSolution,
+    RayTracer, Scene, SolutionSelection, VertexLighting, tracer_of,
 };
 use lumel_render_cpu::{
     Display, Exposure, FalseColor, NormalMaps, Picture, Relief, Resolution, Show, ToneMapper,
@@ -136,9 +136,16 @@ fn render(request: &Request<'_>, display: &Display, run: &CommandRun) -> anyhow:
     let splits_fail = !tessellation.splits.is_empty() && request.is_remembered;
     let Loaded { scene, .. } =
         loaded.map_err(|error| if splits_fail { request.other_scene(error) } else { error })?;
-    let (light, directional) = light(request, &scene, &run.console)?;
+    let Some(Fitting { irradiance, directional, scattered, .. }) = light(request, &scene, &run.console)?
+    else {
+        let dark = vec![Vec3::ZERO; scene.vertex_count()];
+        return draw(request, display, &scene, &VertexLighting::new(&scene, &dark)?, run);
+    };
     check_directions(request.args, directional.as_ref().map_or(Directional::Off, Coefficients::kind))?;
-    let lighting = VertexLighting::new(&scene, &light)?.with_incident(directional.as_ref())?;
+    if let Some(scattered) = scattered {
+        return draw(request, display, &scene, &scattered.lighting(&scene)?, run);
+    }
+    let lighting = VertexLighting::new(&scene, &irradiance)?.with_incident(directional.as_ref())?;
     draw(request, display, &scene, &lighting, run)
 }
 
@@ -177,12 +184,9 @@ fn draw(
     result.map(Some)
 }
 
-fn light(
-    request: &Request<'_>,
-    scene: &Scene,
-    console: &Console,
-) -> anyhow::Result<(Vec<Vec3>, Option<Coefficients>)> {
-    let Some(path) = &request.solution else { return Ok((vec![Vec3::ZERO; scene.vertex_count()], None)) };
+/// The light of the solution, if there is one.
+fn light(request: &Request<'_>, scene: &Scene, console: &Console) -> anyhow::Result<Option<Fitting>> {
+    let Some(path) = &request.solution else { return Ok(None) };
     let fitting = LightFile::irradiance_for(path, scene, &selection(request.args)?);
     let fitting = fitting.map_err(|error| match error {
         LightFileError::OtherScene { .. } | LightFileError::OtherPositions { .. } => {
@@ -196,7 +200,7 @@ fn light(
     if !fitting.complete {
         console.warning(&format!("this is the checkpoint of an unfinished bake: {}", path.display()));
     }
-    Ok((fitting.irradiance, fitting.directional))
+    Ok(Some(fitting))
 }
 
 /// A lightmap of the scene and the layer to show.

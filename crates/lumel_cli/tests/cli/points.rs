@@ -1,4 +1,5 @@
 use crate::common::{Place, TINY, run};
+use lumel_export::Solution;
 use serde_json::Value;
 
 #[test]
@@ -60,4 +61,24 @@ fn what_does_not_go_together_with_points_is_refused() {
     refused("--basis points --point-spacing 1e-7 -o a.npz", "use a --point-spacing of at least");
     refused("--basis points --point-spacing fine -o a.npz", "a length in metres greater than zero");
     refused("--basis points -o a.exr", "--basis points writes no .exr files");
+}
+
+#[test]
+fn pictures_show_indirect_light_of_the_points_and_direct_light_of_the_vertices() {
+    let place = Place::new();
+    let line = "bake cornell-box --basis points --levels 2 -o a.npz -o a.png";
+    run(place.lumel(line).args(TINY).args(["--point-spacing", "2000 points", "--bounces", "1"])).done();
+    let at_vertices = Solution { points: None, ..place.solution("a.npz") };
+    at_vertices.save(&place.path("b.npz")).unwrap();
+    let picture = |options: &str| {
+        run(&mut place.lumel(&format!("render cornell-box -o b.png --exposure 0 --size 64x48 {options}")))
+            .done();
+        std::fs::read(place.path("b.png")).unwrap()
+    };
+    assert!(picture("--solution a.npz --bounce 0") == picture("--solution b.npz --bounce 0"));
+    assert!(picture("--solution a.npz --bounce 1") != picture("--solution b.npz --bounce 1"));
+    // The picture of a bake is that of its solution.
+    run(&mut place.lumel("render cornell-box --solution a.npz -o c.png")).done();
+    let [baked, rendered] = ["a.png", "c.png"].map(|name| std::fs::read(place.path(name)).unwrap());
+    assert!(baked == rendered);
 }

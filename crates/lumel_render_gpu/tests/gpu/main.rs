@@ -8,6 +8,7 @@ mod golden;
 mod lumels;
 mod marks;
 mod pictures;
+mod points;
 mod relief;
 mod robust;
 mod scenes;

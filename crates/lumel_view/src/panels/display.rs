@@ -48,6 +48,7 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
     }
     let on_lumels = stage.and_then(Stage::bytes_of_directions);
     super::relief::show(session, &mut view.relief, on_lumels, ui);
+    super::points::display(session, view, ui);
     heading(ui, "Overlays");
     check(ui, "Antialiasing", "Four samples per pixel", &mut view.antialias);
     let response = ui.add_enabled_ui(wireframes, |ui| {

@@ -1,6 +1,6 @@
-//! Whether there is a lightmap, and how fine.
+//! How fine a lightmap is.
 
-use crate::layout::{BUDGETS, DENSITIES, LightBasis, LumelCount, PAGE_SIZES};
+use crate::layout::{BUDGETS, DENSITIES, LumelCount, PAGE_SIZES};
 use crate::session::Session;
 use crate::widgets::{check, choice, hint, number};
 use eframe::egui::{DragValue, Ui};
@@ -16,19 +16,6 @@ pub(super) fn show(session: &mut Session, ui: &mut Ui) {
     let density = session.layout().map(|layout| layout.lumels.atlas.density());
     let total = session.layout().map(|layout| layout.lumels.atlas.lumel_count() as u32);
     let lumels = &mut session.lumels;
-    let about = "Where light is stored: at the vertices, or after that on the lumels of a lightmap, \
-                 which has sharp shadows on coarse meshes";
-    let bases = [LightBasis::Vertices, LightBasis::Lightmap];
-    choice(ui, "Basis", about, &mut lumels.basis, &bases, |basis| {
-        match basis {
-            LightBasis::Vertices => "Vertices",
-            LightBasis::Lightmap => "Lightmap",
-        }
-        .to_owned()
-    });
-    if lumels.basis == LightBasis::Vertices {
-        return;
-    }
     let before = match lumels.count {
         LumelCount::Budget(_) => Kind::Budget,
         LumelCount::PerMetre(_) => Kind::Density,

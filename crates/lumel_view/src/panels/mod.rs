@@ -1,6 +1,7 @@
 //! The parts of the window around the picture, and where they are.
 
 mod atlas;
+mod basis;
 mod camera;
 mod compare;
 mod convergence;
@@ -13,6 +14,7 @@ mod lumels;
 mod menu;
 mod operator;
 mod order;
+mod points;
 mod relief;
 mod scene;
 mod settings;

@@ -1,12 +1,13 @@
 //! Settings of the solve, as the table of all settings has them.
 
-use super::order;
+use super::{order, points};
 use crate::theme;
 use crate::widgets::{check, choice, number, row, slider};
 use eframe::egui::{DragValue, RichText, Slider, Ui};
 use lumel::setting::{
     self, ADAPTIVE, About, BOUNCES, Bounds, Choice, DIRECT_SAMPLES, DIRECTIONAL, INDIRECT_SAMPLES, LEVELS,
-    MAX_VERTICES, REMAINDER, SAMPLER, SCHEDULE, Setting, Slot, TAIL, TARGET_ERROR, TARGET_SHARE, Value as _,
+    MAX_VERTICES, POINT_SPACING, REMAINDER, SAMPLER, SCHEDULE, Setting, Slot, TAIL, TARGET_ERROR,
+    TARGET_SHARE, Value as _,
 };
 use lumel::{Adaptive, BounceLimit, Memory, Preset, Settings, SettingsPatch, Share, TargetError};
 use std::ops::RangeInclusive;
@@ -50,11 +51,13 @@ pub(super) fn show(ui: &mut Ui, settings: &mut Settings) {
             _ => control(ui, setting, settings),
         }
         order::fit(settings);
+        points::fit(settings);
     }
     ui.collapsing("More", |ui| {
         let is_placed = |setting: &dyn Setting| PLACED.iter().any(|s| s.about().name == setting.about().name);
-        // The window carries light on vertices.
-        let is_of_points = |setting: &dyn Setting| setting.about().name == LEVELS.about.name;
+        // They are beside the basis.
+        let of_points = [POINT_SPACING.about.name, LEVELS.about.name];
+        let is_of_points = |setting: &dyn Setting| of_points.contains(&setting.about().name);
         let is_shown = |setting: &dyn Setting| !is_placed(setting) && !is_of_points(setting);
         for setting in setting::ALL.iter().filter(|setting| is_shown(**setting)) {
             control(ui, *setting, settings);
@@ -112,7 +115,7 @@ fn control(ui: &mut Ui, setting: &dyn Setting, settings: &mut Settings) {
         Slot::Memory(memory) => size(ui, about, &hint, memory),
         Slot::Share(share) => percent_of(ui, about, &hint, share),
         Slot::TargetError(error) => target(ui, about, &hint, error),
-        // The window carries light on vertices.
+        // Its rows are beside the basis.
         Slot::PointSpacing(_) => {}
         Slot::Adaptive(adaptive) => follow_light(ui, about, &hint, adaptive),
     }

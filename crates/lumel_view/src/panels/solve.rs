@@ -9,7 +9,7 @@ use eframe::egui::{Button, RichText, Ui};
 
 pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
     buttons(session, actions, ui);
-    super::lumels::show(session, ui);
+    super::basis::show(session, ui);
     super::settings::show(ui, &mut session.settings);
     if session.follows_other_light() && session.phase().is_none() {
         hint(ui, "The mesh follows light as it was: Enter refines it for what it is now.");

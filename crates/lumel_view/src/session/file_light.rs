@@ -59,5 +59,6 @@ fn light_of_solution(solution: &Solution) -> Illumination {
         layers: solution.layers.iter().map(layer).collect(),
         directional: solution.directional.clone().map(Arc::new),
         directional_before: None,
+        points: None,
     }
 }

@@ -7,6 +7,7 @@ use crate::inputs::Inputs;
 use crate::lights::shining;
 use crate::mesh::{Given, Mesh};
 use crate::notice::Level;
+use crate::point_light::PointIllumination;
 use crate::relief::ReliefPrefs;
 use crate::selection::Selection;
 use crate::sky;
@@ -269,11 +270,12 @@ impl Session {
     pub(super) fn show_light(&mut self, file: LightFile, name: String, saved: bool) {
         self.end_solve();
         let Some(document) = &self.document else { return };
-        let light = light_from(&file);
+        let mut light = light_from(&file);
         let solution = match file {
             LightFile::Solution(solution) => Some(Arc::new(*solution)),
             LightFile::Rad(_) => None,
         };
+        light.points = solution.as_deref().and_then(|s| PointIllumination::of(s, &document.scene));
         let relit = document.relit(&self.lights).ok();
         let same_lights = match (&solution, &relit) {
             (Some(solution), Some(scene)) => solution.has_lighting_of(scene),

@@ -100,6 +100,7 @@ impl Kept {
                 .collect(),
             directional: self.light.directional.as_ref().and_then(read_directional),
             directional_before: None,
+            points: None,
         }
     }
 }

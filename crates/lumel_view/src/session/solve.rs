@@ -126,7 +126,7 @@ impl Session {
         // What lies inside geometry is known already, where points are measured.
         let solved = self.computed.as_ref().and_then(|computed| computed.solved.as_ref());
         let start = match solved {
-            Some(solved) if settings.projection.sampling() == Sampling::Point => {
+            Some(solved) if settings.sampling() == Sampling::Point => {
                 let SolveState { basis, ref valid, .. } = solved.state;
                 let known = SolveState { basis, valid: valid.clone(), ..SolveState::new() };
                 SolveStart::From(Box::new(known))
@@ -156,6 +156,8 @@ impl Session {
 
     /// Starts a job; `inputs` is what its light is computed from.
     pub(super) fn run(&mut self, inputs: Inputs, task: Task, work: Work, keep: Keep, errand: Errand) {
+        let cloud = self.light.points.as_ref().map(|points| Arc::clone(&points.cloud));
+        let task = Task { cloud, ..task };
         let job = SolveJob::start(task, work, Arc::clone(&self.pool), keep, self.wakes.clone());
         self.running = Some(Running { job, inputs, seen: 0, then: Then::Rest, errand });
     }
@@ -196,5 +198,12 @@ pub(super) fn task(document: &Document, scene: &Arc<Scene>, settings: &Settings)
     // What was stopped while edges were split has left a baker of other triangles.
     let baker = if document.has_baker() { &document.baker } else { &document.opened };
     let (scene, baker) = (Arc::clone(scene), Arc::clone(baker));
-    Task { scene, baker, settings: settings.clone(), given: document.given.clone(), first_look: false }
+    Task {
+        scene,
+        baker,
+        settings: settings.clone(),
+        given: document.given.clone(),
+        cloud: None,
+        first_look: false,
+    }
 }

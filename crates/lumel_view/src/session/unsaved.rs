@@ -197,7 +197,7 @@ impl Session {
             directional: light.directional.as_deref().cloned(),
             occlusion: None,
             splits: scene.refinement().map_or(Vec::new(), |refinement| refinement.splits().to_vec()),
-            points: None,
+            points: self.light.points.as_ref().map(|points| points.for_solution(scene)),
         })
     }
 }

@@ -24,7 +24,7 @@ impl SolveJob {
     /// Starts a job on the threads of a pool; `keep` is called after each bounce of a solve.
     pub fn start(task: Task, work: Work, pool: Arc<ThreadPool>, keep: Keep, wakes: Wakes) -> Self {
         let control = Arc::new(Control::default());
-        let shared = Arc::new(Shared::new(wakes));
+        let shared = Arc::new(Shared::new(wakes, task.cloud.clone()));
         let settings = task.settings.clone();
         let thread = {
             let (control, shared) = (Arc::clone(&control), Arc::clone(&shared));

@@ -7,6 +7,7 @@ mod course;
 mod first_look;
 mod job;
 mod lumels;
+mod points;
 mod published;
 mod publisher;
 mod refine;

@@ -8,6 +8,7 @@ use crate::selection::Illumination;
 use crate::unshot::Unshot;
 use crate::wake::Wakes;
 use lumel::{Baker, Control, Reading, RefinementState, Tracker};
+use lumel_basis::PointCloud;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -107,6 +108,8 @@ pub(super) struct Shared {
     pub(super) solved: Mutex<Option<Arc<Solved>>>,
     /// The mesh that was or is to be refined, once it was read.
     pub(super) given: Mutex<Option<Arc<Baker>>>,
+    /// The scattered points of the light that was shown before, then of this job.
+    pub(super) cloud: Mutex<Option<Arc<PointCloud>>>,
     /// What a refinement that was stopped goes on with.
     pub(super) refinement: Mutex<Option<RefinementState>>,
     /// How many vertices a refined mesh was allowed, where light needs more.
@@ -119,7 +122,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn new(wakes: Wakes) -> Self {
+    pub(super) fn new(wakes: Wakes, cloud: Option<Arc<PointCloud>>) -> Self {
         let published = Published {
             phase: Phase::Preparing,
             mesh: None,
@@ -135,6 +138,7 @@ impl Shared {
             published: Mutex::new(published),
             solved: Mutex::default(),
             given: Mutex::default(),
+            cloud: Mutex::new(cloud),
             refinement: Mutex::default(),
             vertices_missing: Mutex::default(),
             begun: Instant::now(),

@@ -2,6 +2,7 @@
 
 use super::course::Moment;
 use super::first_look::FirstLook;
+use super::points::{Points, extrapolated};
 use super::published::{BounceStats, Phase, Shared, lock};
 use super::task::Keep;
 use crate::selection::{Illumination, VertexValues};
@@ -23,6 +24,7 @@ const FIRST_SNAPSHOT: Duration = Duration::from_millis(120);
 pub(super) struct Publisher<'a> {
     baker: &'a Baker,
     control: &'a Control,
+    points: Points,
     shared: &'a Shared,
     keep: &'a Keep,
     clock: Instant,
@@ -57,6 +59,7 @@ impl<'a> Publisher<'a> {
         Self {
             baker,
             control,
+            points: Points::of(baker, shared),
             shared,
             keep,
             clock: Instant::now(),
@@ -79,8 +82,12 @@ impl<'a> Publisher<'a> {
         let Some(first_look) = &self.first_look else { return };
         let direct = first_look.direct();
         let current = direct.bounces.first().map(|field| Arc::new(self.baker.carried_at_vertices(field)));
+        let at_points = direct.bounces.first().and_then(|field| self.points.values(field));
         let unshot = self.unshot(&direct, 1);
-        self.shared.publish_light(|p| (p.light.current, p.unshot) = (current, unshot));
+        self.shared.publish_light(|p| {
+            (p.light.current, p.unshot) = (current, unshot);
+            self.points.publish(p, |points| points.current = at_points);
+        });
     }
 
     /// What is still to come after so many bounces of a state.
@@ -116,6 +123,7 @@ impl<'a> Publisher<'a> {
             self.direct.get_or_init(|| direct.clone());
         }
         let unshot = self.unshot(state, state.bounces.len());
+        let at_points = state.bounces.last().and_then(|field| self.points.values(field));
         self.shared.publish_light(|p| {
             // Light to look at while the mesh was refined.
             if p.light.sum_only.is_some() {
@@ -126,6 +134,11 @@ impl<'a> Publisher<'a> {
             p.light.valid = valid;
             p.unshot = unshot;
             p.stats.push(stats);
+            self.points.publish(p, |points| {
+                points.bounces.extend(at_points);
+                points.current = None;
+                points.valid = Arc::new(state.valid.clone());
+            });
         });
     }
 
@@ -161,6 +174,7 @@ impl<'a> Publisher<'a> {
         self.shared.publish_light(|p| {
             p.light = Illumination { bounces, tail, valid, standard_error, ..Illumination::new() };
             p.stats = stats;
+            self.points.publish_all(p, state, state.tail.as_ref());
         });
     }
 
@@ -206,11 +220,13 @@ impl<'a> Publisher<'a> {
         let field = self.completed(bounce, snapshot);
         // It is not read as the nearest function, which would swing between what is measured and what is not.
         let current = Some(Arc::new(self.baker.carried_at_vertices(&field)));
+        let at_points = self.points.values(&field);
         let unshot = self.unshot(&self.with_current(snapshot, field), bounce as usize + 1);
         // The bounce may have been finished meanwhile.
         self.shared.change_light(|p| {
             if p.light.bounces.len() == bounce as usize {
                 (p.light.current, p.unshot) = (current, unshot);
+                self.points.publish(p, |points| points.current = at_points);
             }
         });
         (self.shared.wakes.glimpse)();
@@ -220,11 +236,9 @@ impl<'a> Publisher<'a> {
     fn completed(&self, bounce: u32, snapshot: &Snapshot) -> Field {
         let seen =
             |first_look: &FirstLook| first_look.completing(bounce, &snapshot.current, &snapshot.measured);
-        self.first_look.as_ref().and_then(seen).unwrap_or_else(|| {
-            let mut field = (*snapshot.current).clone();
-            self.baker.basis().adjacency().extrapolate(&mut field, &snapshot.measured);
-            field
-        })
+        // What levels differ by makes no sense beside that of other light.
+        let first_look = self.first_look.as_ref().filter(|_| self.baker.basis().hierarchy().is_none());
+        first_look.and_then(seen).unwrap_or_else(|| extrapolated(self.baker, snapshot))
     }
 
     /// The bounces that are done, all but the direct light as one, and what is known of the bounce under way as the last.
@@ -246,8 +260,12 @@ impl<'a> Publisher<'a> {
     fn publish_shots(&self, state: &SolveState) {
         let Some(shot) = &state.shot else { return };
         let tail = Some(Arc::new(self.baker.carried_at_vertices(&shot.reflected)));
+        let at_points = self.points.values(&shot.reflected);
         let unshot = self.unshot(state, 1);
-        self.shared.change_light(|p| (p.light.tail, p.unshot) = (tail, unshot));
+        self.shared.change_light(|p| {
+            (p.light.tail, p.unshot) = (tail, unshot);
+            self.points.publish(p, |points| points.tail = at_points);
+        });
         (self.shared.wakes.glimpse)();
     }
 

@@ -2,12 +2,13 @@
 
 use super::first_look::FirstLook;
 use super::lumels;
+use super::points::Points;
 use super::published::{Ending, Phase, Shared, lock};
 use super::publisher::Publisher;
 use super::refine;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
 use crate::mesh::Mesh;
-use crate::selection::Layer;
+use crate::selection::{Illumination, Layer};
 use crate::unshot::Unshot;
 use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker, TransportError};
 use lumel_basis::Field;
@@ -138,13 +139,22 @@ fn begin(
 /// Publishes what there is besides the bounces, and hands over what was computed.
 fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let reader = baker.light_reader(&state);
-    let tail = beyond_bounces(&state).map(|tail| Arc::new(reader.at_vertices(&tail)));
+    let beyond = beyond_bounces(&state);
+    let tail = beyond.as_ref().map(|tail| Arc::new(reader.at_vertices(tail)));
+    let direct = reader.direct_at_vertices().map(|direct| Arc::new(direct.to_vec()));
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
     let layers = layers(&reader, &state);
     let directional = state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field));
     drop(reader);
     let unshot = Unshot::of(&baker, &state).map(Arc::new);
+    let points = Points::of(&baker, shared);
     shared.publish_light(|p| {
+        points.publish_all(p, &state, beyond.as_ref());
+        if let (Some(bounce), Some(direct)) = (p.light.bounces.first_mut(), direct) {
+            *bounce = direct;
+            // What was shown of it is not what it is.
+            p.light.id = Illumination::new().id;
+        }
         p.light.current = None;
         p.light.tail = tail;
         p.light.valid = valid;

@@ -3,6 +3,7 @@
 use crate::layout::Layout;
 use crate::mesh::Given;
 use lumel::{Baker, Checkpoint, RefinementState, Saved, Scene, Settings, SolveState};
+use lumel_basis::PointCloud;
 use std::sync::Arc;
 
 /// What a solve works with.
@@ -16,6 +17,8 @@ pub struct Task {
     pub settings: Settings,
     /// What is refined, where that is to be done.
     pub given: Given,
+    /// The scattered points of the light that is shown, if there are any.
+    pub cloud: Option<Arc<PointCloud>>,
     /// Whether all light is wanted at a first look before there is any.
     pub first_look: bool,
 }

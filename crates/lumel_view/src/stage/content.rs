@@ -1,5 +1,6 @@
 //! What the renderer's light buffers hold.
 
+use super::points::PointContent;
 use crate::prefs::{ViewMode, ViewPrefs};
 use crate::selection::{Illumination, Selection};
 use crate::session::Session;
@@ -33,6 +34,8 @@ pub(super) struct Content {
     selection: Selection,
     /// Whether the ambient term is added.
     ambient: bool,
+    /// Whether light at scattered points, which is shown there, is left out.
+    beside_points: bool,
 }
 
 /// Which light the values come from.
@@ -84,7 +87,22 @@ impl Content {
         };
         let (document, mesh) = (session.document_generation, session.mesh_generation);
         let paint = session.paint_generation;
-        Self { document, mesh, paint, light: version, side, values, selection, ambient: false }
+        Self {
+            document,
+            mesh,
+            paint,
+            light: version,
+            side,
+            values,
+            selection,
+            ambient: false,
+            beside_points: false,
+        }
+    }
+
+    /// The same without what scattered points show, if they do.
+    pub(super) fn beside(self, points: Option<&PointContent>) -> Self {
+        Self { beside_points: points.is_some() && self.is_light(), ..self }
     }
 
     /// Whether it is light, of which there can be two side by side.
@@ -114,7 +132,11 @@ impl Content {
         let light = &*light;
         let values = match self.values {
             Values::Light => {
-                let mut sum = light.select(self.selection, scene.vertex_count());
+                let n = scene.vertex_count();
+                let mut sum = match self.beside_points {
+                    true => light.select_beside_points(self.selection, n),
+                    false => light.select(self.selection, n),
+                };
                 if let Some(unshot) = session.to_come().filter(|_| self.ambient) {
                     unshot.add_to(&mut sum);
                 }

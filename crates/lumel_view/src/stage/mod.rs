@@ -6,6 +6,7 @@ mod blit;
 mod content;
 mod lumels;
 mod metered;
+mod points;
 mod showing;
 mod strip;
 
@@ -30,6 +31,7 @@ use lumel_render_gpu::{
 };
 use lumels::{LumelContent, ShownLumels};
 use metered::Metered;
+use points::{PointContent, ShownPoints};
 use std::sync::{Arc, Mutex, PoisonError};
 use strip::{Canvas, Strip};
 
@@ -44,9 +46,12 @@ const BENDS: [f32; 2] = [0.1, 10.0];
 /// 50 ms of processor time.
 const LIVE_PIXELS: f64 = 260_000.0;
 
+/// The same where light of scattered points is gathered at each.
+const LIVE_PIXELS_OF_POINTS: f64 = 0.25 * LIVE_PIXELS;
+
 /// The size of such a picture in an area of the window: the same shape with fewer pixels.
-fn live_size(area: [u32; 2]) -> [u32; 2] {
-    let scale = (LIVE_PIXELS / area.map(f64::from).iter().product::<f64>()).sqrt().min(1.0);
+fn live_size(area: [u32; 2], pixels: f64) -> [u32; 2] {
+    let scale = (pixels / area.map(f64::from).iter().product::<f64>()).sqrt().min(1.0);
     area.map(|side| ((f64::from(side) * scale) as u32).max(1))
 }
 
@@ -60,6 +65,7 @@ struct Drawn {
     camera: FlyCamera,
     contents: [Option<Content>; 2],
     lumels: Option<LumelContent>,
+    points: Option<PointContent>,
     filter: Filter,
     lamps: Vec<RectLight>,
     look: Look,
@@ -119,6 +125,7 @@ pub struct Stage {
     buffers: Vec<LightBuffer>,
     contents: [Option<Content>; 2],
     lumels: Option<ShownLumels>,
+    points: Option<ShownPoints>,
     target: Option<ShownTarget>,
     blit: Blit,
     drawn: Option<Drawn>,
@@ -151,6 +158,7 @@ impl Stage {
             buffers: Vec::new(),
             contents: [None; 2],
             lumels: None,
+            points: None,
             target: None,
             blit,
             drawn: None,
@@ -219,9 +227,14 @@ impl Stage {
             return Ok(None);
         };
         let vertices = &self.buffers[LEFT];
-        let left = match self.lumels.as_ref().filter(|_| drawn.lumels.is_some()) {
-            Some(shown) => Values::Lumels { lumels: &shown.buffer, filter: drawn.filter, vertices },
-            None => Values::Vertices(vertices),
+        let lumels = self.lumels.as_ref().filter(|_| drawn.lumels.is_some());
+        let points = drawn.points.zip(self.points.as_ref().and_then(ShownPoints::buffer));
+        let left = match (lumels, points) {
+            (Some(shown), _) => Values::Lumels { lumels: &shown.buffer, filter: drawn.filter, vertices },
+            (None, Some((PointContent { finest, .. }, points))) => {
+                Values::Points { points, finest, vertices }
+            }
+            (None, None) => Values::Vertices(vertices),
         };
         let light = match drawn.split {
             Some((Side::Smooth, at)) => Lit::Smooth { light: left, at },
@@ -313,7 +326,8 @@ impl Stage {
     fn wanted(&mut self, showing: &Showing<'_>, area: [u32; 2]) -> Result<Drawn, RenderError> {
         let (session, view) = (showing.session, showing.view);
         let left = Content::new(session, Side::Current, view, view.selection);
-        self.fill(LEFT, &left, session)?;
+        let points = self.fill_points(session, view, &left);
+        self.fill(LEFT, &left.beside(points.as_ref()), session)?;
         let split = showing.split.filter(|split| match split.right {
             Side::Smooth => left.is_light() || view.mode == ViewMode::Normals,
             Side::Current | Side::Kept(_) => left.is_light(),
@@ -332,13 +346,15 @@ impl Stage {
         let lamps = drawn(&session.lights);
         let look = self.look(showing, (&left, lumels.as_ref()), &lamps, area);
         let live = showing.quality == Quality::Live && self.gpu().is_software();
+        let live_pixels = if points.is_some() { LIVE_PIXELS_OF_POINTS } else { LIVE_PIXELS };
         Ok(Drawn {
             area,
-            size: if live { live_size(area) } else { area },
+            size: if live { live_size(area, live_pixels) } else { area },
             samples: if view.antialias && !live { Samples::Four } else { Samples::One },
             camera: session.camera,
             contents: [Some(left), right],
             lumels,
+            points,
             filter: if is_smooth { view.filter.into() } else { Filter::Nearest },
             lamps,
             look,
@@ -350,6 +366,16 @@ impl Stage {
             ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
             sky: session.sky.mean(),
         })
+    }
+
+    /// What is shown of light at scattered points, with that light in their buffer.
+    fn fill_points(&mut self, session: &Session, view: &ViewPrefs, left: &Content) -> Option<PointContent> {
+        let content = PointContent::new(session, view).filter(|_| left.is_light())?;
+        let light = session.light.points.as_ref()?;
+        if let Err(problem) = ShownPoints::fill(&mut self.points, &self.renderer, light, &content) {
+            self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem);
+        }
+        self.points.as_ref()?.buffer().map(|_| content)
     }
 
     fn fill(&mut self, buffer: usize, content: &Content, session: &Session) -> Result<(), RenderError> {

@@ -1,8 +1,9 @@
 //! Dots and lines over the picture: sample points, the brightest shooters, and the rays of a picked vertex.
 
-use super::ground;
+use super::{ground, nodes};
 use crate::pick::Pick;
-use crate::prefs::ViewPrefs;
+use crate::prefs::{NodeColors, ViewPrefs};
+use crate::selection::Selection;
 use crate::session::Session;
 use crate::solver::Solved;
 use crate::stage::Marks;
@@ -28,6 +29,8 @@ struct MarksKey {
     unshot: Option<u64>,
     rays_of: Option<usize>,
     spot: Option<[f32; 3]>,
+    /// The scattered points: how they are shown, up to which level, and of which light.
+    nodes: Option<(NodeColors, u32, u64, Selection)>,
     ground: bool,
 }
 
@@ -56,11 +59,12 @@ impl CurrentMarks {
             unshot: view.shooters.then_some(session.light_generation),
             rays_of: pick.filter(|_| view.rays).map(|pick| pick.spot.vertex),
             spot: pick.map(|pick| pick.spot.position.to_array()),
+            nodes: nodes_of(session, view),
             ground: view.ground && session.document.as_ref().is_some_and(|document| document.is_outdoors),
         };
         if self.key != Some(key) {
             self.key = Some(key);
-            self.marks = key.marks(session, solved.map(|solved| &**solved), self.marks.generation + 1);
+            self.marks = key.marks(session, view, solved.map(|solved| &**solved), self.marks.generation + 1);
         }
         let is_empty = self.marks.points.is_empty() && self.marks.lines.is_empty();
         (!is_empty).then_some(&self.marks)
@@ -68,10 +72,13 @@ impl CurrentMarks {
 }
 
 impl MarksKey {
-    fn marks(&self, session: &Session, solved: Option<&Solved>, generation: u64) -> Marks {
+    fn marks(&self, session: &Session, view: &ViewPrefs, solved: Option<&Solved>, generation: u64) -> Marks {
         let mut marks = Marks { generation, ..Marks::default() };
+        if let (Some(_), Some(light)) = (self.nodes, &session.light.points) {
+            (marks.points, marks.lines) = nodes::marks(light, view);
+        }
         if let (true, Some(solved)) = (self.points, solved) {
-            marks.points = sample_points(solved);
+            marks.points.extend(sample_points(solved));
         }
         if let (Some(_), Some(unshot)) = (self.unshot, session.unshot()) {
             let mark = |&position: &_| Mark { position, color: SHOOTER };
@@ -81,7 +88,8 @@ impl MarksKey {
             let rays = solved.baker.rays_of_vertex(vertex, 1, 0.2 * document.diagonal());
             let step = rays.len().div_ceil(MAX_RAYS).max(1);
             let end = |position, alpha| Mark { position, color: [255, 205, 110, alpha] };
-            marks.lines = rays.into_iter().step_by(step).map(|[a, b]| [end(a, 150), end(b, 60)]).collect();
+            let line = |[a, b]: [_; 2]| [end(a, 150), end(b, 60)];
+            marks.lines.extend(rays.into_iter().step_by(step).map(line));
         }
         if let Some(spot) = self.spot {
             marks.points.push(Mark { position: spot.into(), color: [255, 255, 255, 255] });
@@ -94,6 +102,16 @@ impl MarksKey {
         }
         marks
     }
+}
+
+/// What dots of scattered points depend on, if they are shown.
+fn nodes_of(session: &Session, view: &ViewPrefs) -> Option<(NodeColors, u32, u64, Selection)> {
+    session.light.points.as_ref().filter(|_| view.nodes != NodeColors::Hidden)?;
+    // By level they stay as they are while light changes.
+    let by_light = view.nodes == NodeColors::Coefficient;
+    let (id, generation) = (session.light.id, session.light_generation);
+    let light = if by_light { (generation, view.selection) } else { (id, Selection::All) };
+    Some((view.nodes, view.finest_level, light.0, light.1))
 }
 
 /// Dots where light is measured.

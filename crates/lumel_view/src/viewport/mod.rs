@@ -8,6 +8,7 @@ mod hand;
 mod inspector;
 mod legend;
 mod marks;
+mod nodes;
 mod orbit;
 mod overlay;
 mod ripple;

@@ -17,6 +17,7 @@ mod lights;
 mod live;
 mod measure;
 mod names;
+mod points;
 mod prefs;
 mod recovery;
 mod saving;
