@@ -39,7 +39,7 @@ pub use identity::Identity;
 pub use least_squares::{LeastSquares, Limits};
 pub use lighting::{FieldLighting, Lighting};
 pub use lumel_receivers::LumelReceivers;
-pub use meshless::{MeshlessBasis, SurfaceSample};
+pub use meshless::{MeshlessBasis, Obstacle, Obstacles, SurfaceSample};
 pub use node::{NodeId, NodeWeights};
 pub use points::PointReceivers;
 pub use readout::Readout;

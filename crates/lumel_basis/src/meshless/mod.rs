@@ -1,16 +1,20 @@
 //! Functions that know neither triangles nor textures: kernels around points that are scattered over the surfaces.
 
 mod cells;
+mod clearance;
 mod nodes;
 mod receivers;
 mod scatter;
 
 use crate::parts::for_each_weight;
 use crate::{Adjacency, Basis, Field, Hierarchy, Identity, NodeId, NodeWeights};
+use clearance::Open;
+pub use clearance::{Obstacle, Obstacles};
 use glam::Vec3;
 use lumel_scene::{Scene, SurfacePoint, TriId};
-use nodes::NodeGrid;
+use nodes::{Node, NodeGrid, RADIUS};
 use rayon::prelude::*;
+use scatter::Scattered;
 pub use scatter::SurfaceSample;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -22,7 +26,7 @@ const PART: f32 = 0.5;
 ///
 /// Node i has the weight `wᵢ(x) = K(|x − pᵢ| / s) · max(0, nᵢ·n(x))` at a place x, zero beyond the radius s and where normals differ by
 /// more than 84°, and the function `Bᵢ = wᵢ / Σwⱼ`: a partition of unity (Shepard). Constants are exact. Smooth light has an error of
-/// first order in the spacing, with a small factor.
+/// first order in the spacing, with a small factor. [`Obstacles`] that stand between the point and the place make the weight zero, too.
 ///
 /// Where triangles lie has no influence on points or functions, nor on what they cost: a wall of two triangles has as many nodes as one of
 /// two million. The points are random, but always the same for a scene and a spacing.
@@ -31,6 +35,8 @@ pub struct MeshlessBasis {
     scene: Arc<Scene>,
     /// Of the finest level, metres.
     spacing: f32,
+    /// Whether somebody has looked for obstacles.
+    is_gated: bool,
     /// From the coarsest to the finest.
     levels: Vec<Level>,
     /// Of all levels, one after the other.
@@ -61,9 +67,15 @@ impl MeshlessBasis {
     ///
     /// With the levels, the error of smooth light falls faster with the spacing; they have a third more nodes.
     pub fn with_levels(scene: Arc<Scene>, spacing: f32, levels: u32) -> Self {
+        Self { is_gated: false, ..Self::around_obstacles(scene, spacing, levels, &Open) }
+    }
+
+    /// The same where light does not pass what stands on the surfaces.
+    pub fn around_obstacles(scene: Arc<Scene>, spacing: f32, levels: u32, obstacles: &dyn Obstacles) -> Self {
         let mut basis = Self {
             scene,
             spacing,
+            is_gated: true,
             levels: Vec::new(),
             points: Vec::new(),
             areas: Vec::new(),
@@ -71,10 +83,16 @@ impl MeshlessBasis {
         };
         for halvings in (0..levels.max(1)).rev() {
             let spacing = spacing * (halvings as f32).exp2();
-            let mut points = scatter::scattered(&basis.scene, spacing);
-            let grid = NodeGrid::new(basis.scene.bounds().min, spacing, &mut points);
+            let mut points = scatter::scattered(&basis.scene, spacing, obstacles);
+            let origin = basis.scene.bounds().min;
+            let node = |Scattered { sample, .. }: &Scattered| Node {
+                position: sample.position,
+                normal: sample.normal,
+            };
+            let grid = NodeGrid::of_radius(origin, RADIUS * spacing, &mut points, node)
+                .with_clearances(points.iter().map(|point| point.clearance));
             basis.levels.push(Level { grid, first: basis.points.len() as u32 });
-            basis.points.append(&mut points);
+            basis.points.extend(points.iter().map(|point| point.sample));
         }
         basis.areas = basis.integrated();
         basis
@@ -156,7 +174,8 @@ impl Basis for MeshlessBasis {
     fn identity(&self) -> Identity {
         let geometry = self.scene.geometry_hash();
         let levels = self.level_count().to_le_bytes();
-        let parts = [&geometry.as_bytes()[..], &self.spacing.to_le_bytes(), &levels];
+        let gates = [u8::from(self.is_gated)];
+        let parts = [&geometry.as_bytes()[..], &self.spacing.to_le_bytes(), &levels, &gates];
         Identity::new("points, normalised kernels", parts)
     }
 

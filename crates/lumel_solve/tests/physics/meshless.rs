@@ -4,12 +4,12 @@ use crate::plan;
 use glam::{EulerRot, Quat, Vec3};
 use lumel_basis::{Basis, Field, MeshlessBasis, NodeWeights, PointReceivers, reflecting_areas};
 use lumel_sample::SamplerKind;
-use lumel_scene::{Light, Scene, SceneBuilder};
+use lumel_scene::{Light, ObjectMesh, Scene, SceneBuilder};
 use lumel_solve::{Gather, Integrals, Operator, Schedule, Shoot, Silent, SolveState, Stop, solve};
 use lumel_testkit::mesh::{Facing, cuboid, equal_area_radius, quad, sphere};
 use lumel_testkit::scene::{ceiling_light, cube, grey, placed, scaled, scene, two_sided, varying_sphere};
-use lumel_testkit::{Estimate, ROUNDING, Solver, form_factor, measure, rms, tracer};
-use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Source, Transport};
+use lumel_testkit::{Estimate, ROUNDING, Solver, form_factor, measure, random_surface_points, rms, tracer};
+use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Source, SurfaceWalks, Transport};
 use std::sync::Arc;
 
 /// A scene with points on its surfaces, and the operator from these to themselves.
@@ -28,10 +28,12 @@ impl Points {
     fn with_levels(builder: SceneBuilder, [points, levels]: [u64; 2], solver: Solver, plan: Plan) -> Self {
         let scene = Arc::new(builder.build().expect("the test's scene builds").0);
         let spacing = MeshlessBasis::spacing_for(&scene, points);
-        let basis = Arc::new(MeshlessBasis::with_levels(Arc::clone(&scene), spacing, levels as u32));
+        let tracer = tracer(&scene);
+        let obstacles = SurfaceWalks { scene: &scene, tracer: &*tracer };
+        let basis = MeshlessBasis::around_obstacles(Arc::clone(&scene), spacing, levels as u32, &obstacles);
+        let basis = Arc::new(basis);
         let receivers = Arc::new(PointReceivers::at_nodes(&basis));
-        let traced =
-            CpuTransport::new(Arc::clone(&scene), tracer(&scene), Arc::clone(&basis), receivers, plan);
+        let traced = CpuTransport::new(Arc::clone(&scene), tracer, Arc::clone(&basis), receivers, plan);
         let transport: Box<dyn Transport> = match solver {
             Solver::Traced => Box::new(traced),
             Solver::Stored => Box::new(CachedTransport::new(traced, None)),
@@ -244,6 +246,62 @@ fn light_does_not_pass_a_thin_wall() {
         }
     }
     assert!(lit > 1000 && dark > 1000, "{lit} {dark}");
+}
+
+/// A wall across the room at x = 0.5, from the floor to above the ceiling.
+fn partition(thickness: f32, cells: u32) -> Vec<ObjectMesh> {
+    let [near, far] = [-1.0, 1.0].map(|side| 0.5 + 0.5 * side * thickness);
+    cuboid(Vec3::new(near, -0.1, -0.1), Vec3::new(far, 1.1, 1.1), cells, Facing::Outward, [1; 6])
+}
+
+#[test]
+fn light_does_not_pass_under_a_wall_that_stands_on_the_floor() {
+    // One floor for two rooms with nothing in common: light of the one is read nowhere in the other, on any level, however
+    // the floor is cut into triangles, for points twice as far apart as the rooms are wide, too.
+    for (thickness, cells, points, levels, bound) in [
+        (0.02, 1, 1500, 1, 2e-4),
+        (0.002, 1, 1500, 3, 2e-4),
+        (0.0, 1, 1500, 1, 2e-4),
+        (0.02, 13, 400, 2, 2e-4),
+        (0.3, 1, 60, 1, 2e-3),
+    ] {
+        let mut objects = cuboid(Vec3::ZERO, Vec3::ONE, cells, Facing::Inward, [0; 6]);
+        let wall = if thickness > 0.0 {
+            partition(thickness, 1)
+        } else {
+            let corners = [[-0.1, -0.1], [1.1, -0.1], [1.1, 1.1], [-0.1, 1.1]];
+            vec![quad(corners.map(|[y, z]| Vec3::new(0.5, y, z)), [1, 1], 2)]
+        };
+        objects.extend(wall);
+        let light = Light::Rect(ceiling_light(Vec3::new(0.8, 0.5, 0.9), 0.3, 0.5, 10.0));
+        let materials = vec![grey(0.7, 0.0), grey(0.5, 0.0), two_sided(grey(0.5, 0.0))];
+        let builder = scene(objects, materials, vec![light]);
+        let points = Points::with_levels(builder, [points, levels], Solver::Stored, plan(2, 32));
+        let total = points.solved(Stop::Bounces(3)).total();
+        let what = format!("{thickness} m, {cells} cells, {levels} levels");
+        let (mut dark, mut lit, mut weights) = (Vec::new(), Vec::new(), NodeWeights::default());
+        for at in random_surface_points(&points.scene, 20_000, 5) {
+            let (position, normal) = (points.scene.position(at), points.scene.geometric_normal(at.tri));
+            let is_in_room = position.min_element() >= 0.0 && position.max_element() <= 1.0;
+            let is_of_wall = (position.x - 0.5).abs() < 0.5 * thickness + 1e-4;
+            if !is_in_room || is_of_wall && normal.x.abs() < 0.5 {
+                continue;
+            }
+            let is_lit = if is_of_wall { normal.x > 0.0 } else { position.x > 0.5 };
+            let found = f64::from(total.at(&*points.basis, at, &mut weights).0.x);
+            if is_lit {
+                lit.push(found)
+            } else {
+                dark.push(found.abs())
+            };
+        }
+        assert!(dark.len() > 3000 && lit.len() > 3000, "{what}: {} dark, {} lit", dark.len(), lit.len());
+        assert!(lit.iter().all(|found| *found > 0.05), "{what}: a dark place in the lit room");
+        let [mean_dark, mean_lit] = [dark, lit].map(|found| found.iter().sum::<f64>() / found.len() as f64);
+        println!("{what}: {:.1e}", mean_dark / mean_lit);
+        // Places at the very foot of the wall may be read from both of its sides.
+        assert!(mean_dark < bound * mean_lit, "{what}: {mean_dark} {mean_lit}");
+    }
 }
 
 #[test]
