@@ -42,6 +42,7 @@ mod occlusion;
 mod occlusion_entry;
 mod open;
 mod places;
+mod point_levels;
 mod progress;
 mod project;
 mod reading;

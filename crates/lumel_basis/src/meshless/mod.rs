@@ -214,24 +214,49 @@ impl Basis for MeshlessBasis {
 
 impl Hierarchy for MeshlessBasis {
     /// Level by level: what a value differs by from what the coarser levels say at its point (Shepard, in several levels).
-    fn analyze(&self, field: &mut Field) {
-        for level in 1..self.level_count() {
+    fn analyze(&self, field: &mut Field, known: Option<&[bool]>) {
+        for level in 0..self.level_count() {
             let nodes = self.nodes_of_level(level);
             let coarser = &self.levels[..level as usize];
-            let said = |node: u32| {
+            let is_known = |node: u32| known.is_none_or(|known| known[node as usize]);
+            let coefficients = |node: u32| {
                 let mut weights = NodeWeights::default();
-                self.push_weights(coarser, &self.points[node as usize], &mut weights);
+                if is_known(node) {
+                    self.push_weights(coarser, &self.points[node as usize], &mut weights);
+                }
                 let channel = |channel: usize| -> Vec3 {
-                    weights.iter().map(|(node, weight)| field.coefficients(node)[channel] * weight).sum()
+                    let value = |node: NodeId| field.coefficients(node)[channel];
+                    let said: Vec3 = weights.iter().map(|(node, weight)| value(node) * weight).sum();
+                    if is_known(node) { value(NodeId(node)) - said } else { Vec3::ZERO }
                 };
                 (0..field.channels()).map(channel).collect::<Vec<_>>()
             };
-            let said: Vec<Vec<Vec3>> = nodes.clone().into_par_iter().map(said).collect();
-            for (node, said) in nodes.zip(said) {
-                let values = field.coefficients_mut(NodeId(node));
-                values.iter_mut().zip(said).for_each(|(value, said)| *value -= said);
+            let found: Vec<Vec<Vec3>> = nodes.clone().into_par_iter().map(coefficients).collect();
+            for (node, found) in nodes.zip(found) {
+                field.coefficients_mut(NodeId(node)).copy_from_slice(&found);
             }
         }
+    }
+
+    fn level_count(&self) -> u32 {
+        Self::level_count(self)
+    }
+
+    fn nodes_of_level(&self, level: u32) -> Range<u32> {
+        Self::nodes_of_level(self, level)
+    }
+
+    fn finer(&self, level: u32, marked: &[bool]) -> Vec<NodeId> {
+        let Some(Level { grid, first }) = self.levels.get(level as usize) else { return Vec::new() };
+        let is_near = |&node: &u32| {
+            let point = &self.points[node as usize];
+            let mut is_near = false;
+            grid.weights_at(point.position, point.normal, |coarse, _| {
+                is_near |= marked[(first + coarse) as usize];
+            });
+            is_near
+        };
+        self.nodes_of_level(level + 1).into_par_iter().filter(is_near).map(NodeId).collect()
     }
 
     fn weights_up_to(&self, level: u32, at: SurfacePoint, weights: &mut NodeWeights) {

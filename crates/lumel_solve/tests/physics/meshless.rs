@@ -5,7 +5,10 @@ use glam::{EulerRot, Quat, Vec3};
 use lumel_basis::{Basis, Field, MeshlessBasis, NodeWeights, PointReceivers, reflecting_areas};
 use lumel_sample::SamplerKind;
 use lumel_scene::{Light, ObjectMesh, Scene, SceneBuilder};
-use lumel_solve::{Gather, Integrals, Operator, Schedule, Shoot, Silent, SolveState, Stop, solve};
+use lumel_solve::{
+    Gather, Halves, Integrals, Operator, RefinedLevels, Refinement, Schedule, Shoot, Silent, SolveState,
+    Stop, solve,
+};
 use lumel_testkit::mesh::{Facing, cuboid, equal_area_radius, quad, sphere};
 use lumel_testkit::scene::{ceiling_light, cube, grey, placed, scaled, scene, two_sided, varying_sphere};
 use lumel_testkit::{Estimate, ROUNDING, Solver, form_factor, measure, random_surface_points, rms, tracer};
@@ -42,7 +45,7 @@ impl Points {
     }
 
     fn operator(&self) -> Operator<'_> {
-        Operator { transport: &*self.transport, basis: &*self.basis }
+        Operator { transport: &*self.transport, basis: &*self.basis, active: None }
     }
 
     fn integrals(&self) -> Integrals {
@@ -246,6 +249,93 @@ fn light_does_not_pass_a_thin_wall() {
         }
     }
     assert!(lit > 1000 && dark > 1000, "{lit} {dark}");
+}
+
+/// Measures some of the points of a hierarchy.
+struct SomePoints {
+    like: CachedTransport<MeshlessBasis, PointReceivers>,
+    direct: CpuTransport<MeshlessBasis, PointReceivers>,
+    plan: Plan,
+}
+
+impl SomePoints {
+    fn new(points: &Points, plan: Plan) -> Self {
+        let receivers = Arc::new(PointReceivers::at_nodes(&points.basis));
+        let traced = || {
+            let (scene, basis) = (Arc::clone(&points.scene), Arc::clone(&points.basis));
+            CpuTransport::new(scene, tracer(&points.scene), basis, Arc::clone(&receivers), plan)
+        };
+        Self { like: CachedTransport::new(traced(), None), direct: traced(), plan }
+    }
+
+    /// What refines a hierarchy to an error finds, and which nodes of each level it measures.
+    fn solved(&self, points: &Points, error: f64) -> (Field, Vec<f64>) {
+        let (basis, control) = (&*points.basis, Control::default());
+        let refinement = Refinement { error, max_nodes: usize::MAX };
+        let hierarchy = basis.hierarchy().expect("several levels");
+        let refined = RefinedLevels::new(basis, hierarchy, self, refinement, &control, &Silent);
+        let refined = refined.expect("nobody cancels");
+        let mut state = SolveState::new();
+        refined.prepare(basis, &mut state);
+        let gather = Gather { stop: Stop::Bounces(6) };
+        let operator = refined.operator(basis);
+        solve(operator, &points.integrals(), &gather, &mut state, &control, &Silent).expect("nobody cancels");
+        let share = |level: u32| {
+            let nodes = basis.nodes_of_level(level);
+            let all = nodes.len() as f64;
+            nodes.filter(|node| refined.active()[*node as usize]).count() as f64 / all
+        };
+        (state.total(), (0..basis.level_count()).map(share).collect())
+    }
+}
+
+impl Halves for SomePoints {
+    fn operator(&self, half: u32, nodes: &[bool]) -> Box<dyn Transport> {
+        let plan = Plan { portion: half, indirect_samples: self.plan.indirect_samples / 2, ..self.plan };
+        Box::new(self.like.with_samples(plan, nodes))
+    }
+
+    fn direct(&self) -> Option<&dyn Transport> {
+        (!self.direct.needs_hemisphere()).then_some(&self.direct)
+    }
+}
+
+#[test]
+fn where_light_is_even_only_the_coarse_levels_are_measured() {
+    let points = Points::with_levels(varying_sphere(4), [800, 4], Solver::Stored, plan(3, 256));
+    // Facets leave a percent.
+    let (total, shares) = SomePoints::new(&points, plan(3, 256)).solved(&points, 0.05);
+    assert_eq!(shares, [1.0, 1.0, 0.0, 0.0]);
+    let mean = points.integrals().mean(&total);
+    assert!((mean / 2.0 - 1.0).abs() < 0.02, "{mean}, after six bounces of albedo 0.5");
+}
+
+#[test]
+fn a_hierarchy_that_follows_light_finds_what_all_of_its_points_find() {
+    // A light in a corner, close to the walls.
+    let light = Light::Rect(ceiling_light(Vec3::new(0.15, 0.15, 0.3), 0.1, 0.1, 100.0));
+    let builder = SceneBuilder { lights: vec![light], ..cube(1, [(); 6].map(|()| grey(0.6, 0.0))) };
+    let points = Points::with_levels(builder, [3000, 4], Solver::Stored, plan(2, 128));
+    let all = points.solved(Stop::Bounces(6)).total();
+    let some = SomePoints::new(&points, plan(2, 128));
+    let mut weights = NodeWeights::default();
+    let mut before = 0.0;
+    for (error, off, most) in [(0.2, 0.05, 0.3), (0.05, 0.02, 0.9)] {
+        let (total, shares) = some.solved(&points, error);
+        let places = random_surface_points(&points.scene, 4000, 9);
+        let read = |field: &Field, at, weights: &mut NodeWeights| {
+            f64::from(field.at(&*points.basis, at, weights).0.x)
+        };
+        let pairs: Vec<[f64; 2]> =
+            places.into_iter().map(|at| [&total, &all].map(|field| read(field, at, &mut weights))).collect();
+        let square = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(|pair| of(pair).powi(2)).sum::<f64>();
+        let found = (square(|[some, all]| some - all) / square(|[_, all]| *all)).sqrt();
+        let nodes = (0..4).map(|level| points.basis.nodes_of_level(level).len() as f64);
+        let share = nodes.clone().zip(&shares).map(|(n, share)| n * share).sum::<f64>() / nodes.sum::<f64>();
+        println!("error {error}: {found}, {share} of the nodes, by level {shares:?}");
+        assert!(found < off && share < most && share > before, "{error}: {found} {share}");
+        before = share;
+    }
 }
 
 /// A wall across the room at x = 0.5, from the floor to above the ceiling.
