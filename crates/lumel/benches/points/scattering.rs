@@ -13,25 +13,30 @@ use std::sync::Arc;
 const POINTS: u64 = 20_000;
 const LEVELS: u32 = 3;
 
-/// Times for each number of triangles: of a wall cut into so many, and of leaves of two triangles each, at random.
-pub(crate) fn measure(counts: &[String]) {
-    for count in counts {
-        let count: u32 = count.parse().expect("a number of triangles");
-        for (name, scene) in [("wall", wall(count)), ("leaves", leaves(count))] {
-            let scene = Arc::new(scene);
-            let cpu = ProcessTime::now();
-            let tracer = tracer_of(&scene);
-            let tree = cpu.elapsed().as_secs_f64();
-            let obstacles = SurfaceWalks { scene: &scene, tracer: &*tracer };
-            let spacing = MeshlessBasis::spacing_for(&scene, POINTS);
-            let cpu = ProcessTime::now();
-            let basis = MeshlessBasis::around_obstacles(Arc::clone(&scene), spacing, LEVELS, &obstacles);
-            println!(
-                "  {name:<7} {:>9} triangles: ray tracer {tree:6.2} s, {:>8} points of {LEVELS} levels {:6.2} s CPU",
-                scene.triangle_count(),
-                basis.node_count(),
-                cpu.elapsed().as_secs_f64(),
-            );
+/// Times for each number of triangles: of a wall cut into so many, or of leaves of two triangles each, at random.
+pub(crate) fn measure(arguments: &[String]) {
+    let mut make: (&str, fn(u32) -> Scene) = ("wall", wall);
+    for argument in arguments {
+        match argument.as_str() {
+            "wall" => make = ("wall", wall),
+            "leaves" => make = ("leaves", leaves),
+            count => {
+                let (name, make) = make;
+                let scene = Arc::new(make(count.parse().expect("a number of triangles")));
+                let cpu = ProcessTime::now();
+                let tracer = tracer_of(&scene);
+                let tree = cpu.elapsed().as_secs_f64();
+                let obstacles = SurfaceWalks { scene: &scene, tracer: &*tracer };
+                let spacing = MeshlessBasis::spacing_for(&scene, POINTS);
+                let cpu = ProcessTime::now();
+                let basis = MeshlessBasis::around_obstacles(Arc::clone(&scene), spacing, LEVELS, &obstacles);
+                println!(
+                    "  {name:<7} {:>9} triangles: ray tracer {tree:6.2} s, {:>8} points of {LEVELS} levels {:6.2} s CPU",
+                    scene.triangle_count(),
+                    basis.node_count(),
+                    cpu.elapsed().as_secs_f64(),
+                );
+            }
         }
     }
 }
