@@ -113,8 +113,8 @@ pub use settings::{
     Settings, SettingsError, SettingsPatch, Share, SolverKind, Tail, TargetError,
 };
 pub use sky_entry::{GradientEntry, SkyEntry, SkyImageEntry};
-pub use suggestion::suggested_light;
-pub use words::counted;
+pub use suggestion::{is_open, suggested_light};
+pub use words::{counted, ray_rate};
 pub use workload::Remainder;
 
 /// The table of all settings: names, help, bounds and defaults, for programs that let users choose them.

@@ -97,16 +97,16 @@ pub enum OpenError {
 
 /// Opens a mesh file, a project file (`.toml`) or a built-in scene.
 ///
-/// A file of the given name goes before a built-in scene.
+/// A file of the given name goes before a built-in scene. Paths need not be UTF-8.
 ///
 /// # Errors
 /// See [`OpenError`].
-pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
-    let path = Path::new(name);
+pub fn open(name: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened, OpenError> {
+    let path = name.as_ref();
     let mut opened = if Project::is_file_name(path) && path.exists() {
         open_project(path, options)?
     } else {
-        let (builder, warnings) = open_mesh(name, options.subdivide, options)?;
+        let (builder, warnings) = open_mesh(path, options.subdivide, options)?;
         Opened {
             builder,
             whole: None,
@@ -116,7 +116,7 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
             auto_edge: None,
         }
     };
-    two_sided(name, &options.two_sided, &mut opened.builder, &mut opened.warnings);
+    two_sided(&path.display().to_string(), &options.two_sided, &mut opened.builder, &mut opened.warnings);
     let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
     let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
     let is_adaptive = options.adaptive.unwrap_or(opened.settings.settings().refines_mesh());
@@ -135,16 +135,14 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Opened, OpenError> {
 }
 
 fn open_mesh(
-    name: &str,
+    path: &Path,
     subdivide: Option<u32>,
     options: &OpenOptions,
 ) -> Result<(SceneBuilder, Warnings), OpenError> {
-    let path = Path::new(name);
     if !path.exists() {
-        let scene = lumel_builtin::scene(name, subdivide.unwrap_or(0));
-        return scene
-            .map(|s| (s, Warnings::default()))
-            .ok_or_else(|| OpenError::NotFound { name: name.to_owned() });
+        let scene = path.to_str().and_then(|name| lumel_builtin::scene(name, subdivide.unwrap_or(0)));
+        let missing = || OpenError::NotFound { name: path.display().to_string() };
+        return scene.map(|s| (s, Warnings::default())).ok_or_else(missing);
     }
     if subdivide.is_some() {
         return Err(OpenError::NotBuiltin(path.to_owned()));
@@ -159,7 +157,7 @@ fn open_project(path: &Path, options: &OpenOptions) -> Result<Opened, OpenError>
     let (mut builder, mut warnings) = match (&project.scene, &project.builtin) {
         (Some(file), _) => {
             let file = resolve(path, file, options)?;
-            open_mesh(&file.to_string_lossy(), subdivide, options)?
+            open_mesh(&file, subdivide, options)?
         }
         (None, name) => {
             let name = name.clone().unwrap_or_default();
@@ -256,7 +254,7 @@ mod tests {
         let path = folder.path().join("a.lumel.toml");
         let project = Project { builtin: Some("cornell-box".into()), lights, ..Project::default() };
         project.write(&path).unwrap();
-        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        let opened = open(&path, &OpenOptions::default()).unwrap();
         assert_eq!(opened.project, Some(project));
         opened
     }
@@ -271,7 +269,7 @@ mod tests {
         let hash = |builder: SceneBuilder| builder.build().unwrap().0.geometry_hash();
         let opened = |max_edge, keeps_whole| {
             let options = OpenOptions { max_edge: Some(max_edge), keeps_whole, ..OpenOptions::default() };
-            open(&path.to_string_lossy(), &options).unwrap()
+            open(&path, &options).unwrap()
         };
         let whole = opened(MaxEdge::Length(0.3), true).whole.unwrap();
         assert_eq!(hash(whole), hash(opened(MaxEdge::Off, false).builder));
@@ -285,7 +283,7 @@ mod tests {
         let materials = vec![entry("white"), entry("gold")];
         let project = Project { builtin: Some("cornell-box".into()), materials, ..Project::default() };
         project.write(&path).unwrap();
-        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        let opened = open(&path, &OpenOptions::default()).unwrap();
         let white = opened.builder.materials.iter().find(|material| material.name == "white").unwrap();
         assert_eq!(white.albedo, Vec3::new(0.1, 0.2, 0.3));
         let warnings: Vec<String> = opened.warnings.iter().map(ToString::to_string).collect();
@@ -299,7 +297,7 @@ mod tests {
         let entry = |name: &str| ObjectEntry { name: name.into(), density_factor: 2.5 };
         let objects = vec![entry("floor"), entry("cellar")];
         Project { builtin: Some("cornell-box".into()), objects, ..Project::default() }.write(&path).unwrap();
-        let opened = open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+        let opened = open(&path, &OpenOptions::default()).unwrap();
         for object in &opened.builder.objects {
             assert_eq!(object.density_factor, (object.name == "floor").then_some(2.5), "{}", object.name);
         }
@@ -319,7 +317,7 @@ mod tests {
             let builtin = Some("furnace".into());
             Project { builtin, max_edge, bake, ..Project::default() }.write(&path).unwrap();
             let options = OpenOptions { vertex_budget, ..OpenOptions::default() };
-            let auto = open(&path.to_string_lossy(), &options).unwrap().auto_edge?;
+            let auto = open(&path, &options).unwrap().auto_edge?;
             Some((auto.length.is_some(), auto.vertex_budget))
         };
         let auto = Some(MaxEdge::Auto);

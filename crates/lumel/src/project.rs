@@ -5,7 +5,8 @@ use crate::light_entry::LightEntry;
 use crate::lightmap_entry::{LightBasis, LightmapEntry};
 use crate::max_edge::MaxEdge;
 use crate::occlusion_entry::OcclusionEntry;
-use crate::settings::{PointSpacing, SettingsPatch};
+use crate::setting;
+use crate::settings::{PointSpacing, SettingsError, SettingsPatch};
 use crate::sky_entry::SkyEntry;
 use glam::{DVec3, Vec3};
 use lumel_export::{ExportError, write_atomically};
@@ -206,8 +207,7 @@ impl Project {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ProjectError::Read { path: path.to_owned(), source })?;
         let invalid = |message: String| ProjectError::Invalid { path: path.to_owned(), message };
-        let project: Self =
-            text.parse().map_err(|e: toml::de::Error| invalid(e.to_string().trim_end().to_owned()))?;
+        let project: Self = text.parse().map_err(|error| invalid(fault(&text, &error)))?;
         project.problem().map_or(Ok(project), |problem| Err(invalid(problem)))
     }
 
@@ -296,6 +296,36 @@ impl Project {
         let twice = numbers.iter().enumerate().find(|(i, number)| numbers[..*i].contains(number));
         twice.map(|(_, number)| format!("there is more than one slot {number}"))
     }
+}
+
+/// What is wrong with a text, in the words of the command line where it is the value of a setting.
+fn fault(text: &str, error: &toml::de::Error) -> String {
+    let line = error.span().map(|span| 1 + text[..span.start].matches('\n').count());
+    let refused = text.parse().ok().and_then(|all: toml::Table| refused_setting(&all));
+    if let (Some(line), Some(error)) = (line, refused) {
+        return format!("line {line}: {error}");
+    }
+    let whole = |range: &str| format!("expected a whole number from 0 to {range}");
+    let text = error.to_string().replace("expected u32", &whole("4294967295"));
+    text.replace("expected u64", &whole("18446744073709551615")).trim_end().to_owned()
+}
+
+/// The first setting of a project, or of one of its slots, that cannot have the value that is given.
+fn refused_setting(all: &toml::Table) -> Option<SettingsError> {
+    let slots = all.get("slot").and_then(toml::Value::as_array).into_iter().flatten();
+    let bakes = slots.filter_map(|slot| slot.get("bake")).chain(all.get("bake"));
+    bakes.filter_map(toml::Value::as_table).find_map(|bake| {
+        setting::ALL.iter().find_map(|setting| {
+            let about = setting.about();
+            let names = about.former.iter().chain([&about.name]);
+            let value = names.filter_map(|name| bake.get(*name)).next()?;
+            let text = match value {
+                toml::Value::String(text) => text.clone(),
+                number => number.to_string(),
+            };
+            setting.parse(&text).err()
+        })
+    })
 }
 
 impl CameraEntry {
@@ -462,6 +492,24 @@ mod tests {
         let error =
             read_text(&format!("{head}[[camera]]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]")).unwrap_err();
         assert_eq!(error, "FILE: every `[[camera]]` needs a `name`");
+    }
+
+    #[test]
+    fn numbers_that_a_setting_cannot_be_are_refused_in_the_words_of_the_command_line() {
+        let refused = |line: &str| {
+            let error = read_text(&format!("builtin = \"furnace\"\n[bake]\n{line}")).unwrap_err();
+            error.strip_prefix("FILE: ").unwrap().to_owned()
+        };
+        for line in ["bounces = -3", "bounces = 4294967296", "bounces = 1.5"] {
+            let value = line.rsplit(' ').next().unwrap();
+            let words = "but must be a whole number from 0 to 10000, or all";
+            assert_eq!(refused(line), format!("line 3: bounces is \"{value}\" {words}"));
+        }
+        assert!(refused("seed = -1").contains("seed is \"-1\" but must be a whole number from 0 to 1844"));
+        assert!(refused("direct_samples = -4").contains("must be a whole number from 1 to 16777216"));
+        assert!(refused("memory = -1").contains("memory is \"-1\" but must be"));
+        let error = read_text("builtin = \"furnace\"\nsubdivide = -1").unwrap_err();
+        assert!(error.contains("expected a whole number from 0 to 4294967295"), "{error}");
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub fn suggested_light(scene: &Scene, tracer: &dyn RayTracer) -> String {
 }
 
 /// Whether much of what surfaces see above them is sky.
-fn is_open(scene: &Scene, tracer: &dyn RayTracer) -> bool {
+pub fn is_open(scene: &Scene, tracer: &dyn RayTracer) -> bool {
     let stream = Sampler::Sobol.stream(StreamKey::new(0), Dim::Area);
     let directions = Sampler::Sobol.stream(StreamKey::new(0), Dim::Hemisphere);
     let (mut upwards, mut escaped) = (0.0, 0.0);

@@ -27,7 +27,7 @@ fn light_2024_1() -> RectLight {
 
 fn open(mesh: &Path) -> Arc<Scene> {
     let mut opened = lumel::open(
-        &mesh.to_string_lossy(),
+        &mesh,
         &lumel::OpenOptions {
             max_edge: Some(lumel::MaxEdge::Off),
             two_sided: vec!["none".to_owned()],

@@ -47,7 +47,7 @@ fn opened(objects: &str, max_edge: Option<f64>) -> SceneBuilder {
         max_edge: Some(max_edge.map_or(MaxEdge::Off, |edge| MaxEdge::Length(edge as f32))),
         ..OpenOptions::default()
     };
-    let opened = lumel::open(&path.to_string_lossy(), &options).unwrap();
+    let opened = lumel::open(&path, &options).unwrap();
     assert!(opened.warnings.is_empty(), "{:?}", opened.warnings);
     opened.builder
 }
@@ -263,7 +263,7 @@ fn files_and_points_are_in_world_space() {
         let path = folder.path().join(name);
         baked.save(&path).unwrap();
         let as_it_is = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
-        let again = lumel::open(&path.to_string_lossy(), &as_it_is).unwrap().builder;
+        let again = lumel::open(&path, &as_it_is).unwrap().builder;
         let again = again.build().unwrap().0;
         assert!(again.world_positions().all(is_corner), "{name}");
     }
@@ -286,7 +286,7 @@ fn lights_and_views_of_projects_are_in_world_space() {
                 position = [1000000.0, 1000000.0, 1000000.9]\ntarget = [1000000.0, 1000000.0, 999999.0]\n\
                 up = [0.0, 1.0, 0.0]\nfov_deg = 60.0\n";
     std::fs::write(&path, text).unwrap();
-    let opened = lumel::open(&path.to_string_lossy(), &OpenOptions::default()).unwrap();
+    let opened = lumel::open(&path, &OpenOptions::default()).unwrap();
     let origin = opened.builder.origin;
     let lumel::Light::Rect(light) = opened.builder.lights[0] else { panic!("another light") };
     let expected = (DVec3::new(1e6, 1_000_000.99, 1_000_000.1) - origin).as_vec3();
@@ -295,6 +295,6 @@ fn lights_and_views_of_projects_are_in_world_space() {
     assert!((camera.forward - glam::Vec3::new(0.0, 0.0, -1.9)).length() < 1e-6);
     let copy = folder.path().join("b.lumel.toml");
     opened.project.unwrap().moved(origin).write(&copy).unwrap();
-    let again = lumel::open(&copy.to_string_lossy(), &OpenOptions::default()).unwrap();
+    let again = lumel::open(&copy, &OpenOptions::default()).unwrap();
     assert_eq!(again.builder.lights, opened.builder.lights);
 }

@@ -7,13 +7,14 @@ mod keep;
 use glam::{DVec3, Vec3};
 use keep::Keep;
 use lumel::{
-    Baker, Control, Layers, Light, Lumels, Memory, Method, Observer, Projection, Saved, Scene, SceneBuilder,
-    ScheduleKind, Settings, Silent, SolveState, SolverKind, Step,
+    Baker, Control, Layers, Light, Lumels, Memory, Method, Observer, OpenOptions, Projection, SamplerKind,
+    Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent, SolveState, SolverKind, Step,
 };
 use lumel_basis::Field;
 use lumel_export::{SolutionError, SolutionSelection};
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::scene::{bulb, ceiling_light, grey, scene};
+use lumel_testkit::{Estimate, rms};
 use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
 use std::sync::{Arc, Mutex};
 
@@ -121,6 +122,55 @@ fn shooting_finds_the_light_that_gathering_finds() {
         assert!(off < 2e-4, "{projection:?}: {off:e}");
         // The ambient term stands for what is unshot.
         assert!(shot.tail.is_some() && baker.remainder(&shot).unwrap() < 1e-4);
+    }
+}
+
+/// Solves with rays of their own find the same light but for their noise, which falls with the square root of their number.
+#[test]
+fn gathering_and_shooting_with_other_rays_agree_within_their_noise() {
+    const SEEDS: u64 = 5;
+    for name in ["cornell-box", "atrium"] {
+        let scene = built(lumel::open(name, &OpenOptions::default()).unwrap().builder);
+        let light = |schedule, rays, seed| {
+            let settings = Settings {
+                projection: Projection::Point,
+                sampler: SamplerKind::Random,
+                remainder: 1e-4,
+                direct_samples: rays,
+                indirect_samples: rays,
+                seed,
+                ..settings(Projection::Point)
+            };
+            solved(&scene, &Settings { schedule, ..settings }).1.total()
+        };
+        let difference = |rays, seed| -> Vec<DVec3> {
+            let gathered = light(ScheduleKind::Gather, rays, seed);
+            let shot = light(ScheduleKind::Shoot, rays, seed + 100);
+            let pairs = gathered.values().iter().zip(shot.values());
+            pairs.map(|(gathered, shot)| shot.as_dvec3() - gathered.as_dvec3()).collect()
+        };
+        let square = |light: &[DVec3]| rms(light.iter().map(|v| v.length()));
+        let few: Vec<Vec<DVec3>> = (0..SEEDS).map(|seed| difference(8, seed)).collect();
+        // No part of the mesh is brighter in the one than in the other: in standard errors, differences of means of five
+        // follow Student's t with four degrees of freedom, whose root mean square is 1.4.
+        const PARTS: usize = 12;
+        let standard_errors = |part: usize| {
+            let mean = |off: &Vec<DVec3>| {
+                let mine = off.chunks(off.len().div_ceil(PARTS)).nth(part).unwrap();
+                mine.iter().map(|v| v.y).sum::<f64>() / mine.len() as f64
+            };
+            let off = Estimate::new(few.iter().map(mean));
+            off.mean / off.error
+        };
+        let off = rms((0..PARTS).map(standard_errors));
+        assert!(off < 3.0, "{name}: parts are {off} standard errors off");
+        // A bias at vertices would not fall.
+        let [few, many] = [square(&few[0]), square(&difference(32, 50))];
+        println!(
+            "{name}: {off:.2} standard errors, {few:.4} with 8 rays, {many:.4} with 32, {:.3} of it",
+            many / few
+        );
+        assert!((many / few - 0.5).abs() < 0.05, "{name}: {few} {many}");
     }
 }
 

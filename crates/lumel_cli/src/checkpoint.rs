@@ -29,8 +29,9 @@ struct OnDisk {
 
 /// The checkpoint of a bake whose first output is this.
 pub(crate) fn path_for(first_output: &Path) -> PathBuf {
-    let stem = first_output.file_stem().unwrap_or_default().to_string_lossy();
-    first_output.with_file_name(format!("{stem}.checkpoint.npz"))
+    let mut name = first_output.file_stem().unwrap_or_default().to_owned();
+    name.push(".checkpoint.npz");
+    first_output.with_file_name(name)
 }
 
 impl Checkpoint {

@@ -1,5 +1,6 @@
 //! Everything that is printed: results on stdout, the rest on stderr.
 
+use crate::alike::{self, Group};
 use crate::failure;
 use crate::outcome::{FAILED, Outcome};
 use anyhow::Context;
@@ -10,8 +11,8 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Further warnings of a kind are only counted: a broken file can have one per face.
-pub(crate) const MAX_WARNINGS: usize = 20;
+/// Warnings of further kinds are only counted.
+const MAX_WARNINGS: usize = 20;
 
 /// How messages on stderr are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,16 +57,36 @@ impl Console {
         self.message("warning", "33", message, Some(hint));
     }
 
-    /// Warnings of a kind, up to some number; `more` says how many further ones there are, and where to find them.
+    /// Warnings, those that are alike as one; `more` says that there are so many further ones, and where to find them.
     pub(crate) fn warnings<W: ToString>(
         &self,
-        warnings: impl ExactSizeIterator<Item = W>,
+        warnings: impl Iterator<Item = W>,
         more: impl FnOnce(usize) -> String,
     ) {
-        let n_more = warnings.len().saturating_sub(MAX_WARNINGS);
-        warnings.take(MAX_WARNINGS).for_each(|warning| self.warning(&warning.to_string()));
-        if n_more > 0 {
-            self.warning(&more(n_more));
+        self.grouped_warnings(warnings.map(|warning| (warning.to_string(), None)), more);
+    }
+
+    /// The same, with what to do about them.
+    pub(crate) fn grouped_warnings(
+        &self,
+        warnings: impl Iterator<Item = (String, Option<String>)>,
+        more: impl FnOnce(usize) -> String,
+    ) {
+        let groups = alike::groups(warnings, |(message, _)| message);
+        let mut left_out = groups.iter().skip(MAX_WARNINGS).map(|group| group.count).sum();
+        for Group { first: (message, hint), count } in groups.iter().take(MAX_WARNINGS) {
+            let others = count - 1;
+            let message = match others {
+                0 => Cow::Borrowed(message),
+                _ => Cow::Owned(format!("{message}; and {others} more like it")),
+            };
+            self.n_warnings.fetch_add(1, Ordering::Relaxed);
+            self.message("warning", "33", &message, hint.as_deref());
+            left_out += others;
+        }
+        if left_out > 0 {
+            self.n_warnings.fetch_add(left_out, Ordering::Relaxed);
+            self.note(&more(left_out));
         }
     }
 
@@ -151,7 +172,13 @@ pub(crate) fn print_bytes(bytes: &[u8]) -> anyhow::Result<()> {
 }
 
 /// Prints clap's help, version or usage error. Returns the exit code.
-pub(crate) fn print_usage(message: &clap::Error) -> u8 {
+pub(crate) fn print_usage(message: &clap::Error, messages: Messages) -> u8 {
+    if message.use_stderr() && messages == Messages::Json {
+        let text = message.render().to_string();
+        let text = text.trim().strip_prefix("error: ").unwrap_or(text.trim());
+        Console::new(messages).error(&anyhow::anyhow!("{text}"));
+        return FAILED;
+    }
     match message.print() {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => FAILED,
         _ if message.use_stderr() => FAILED,

@@ -7,6 +7,18 @@ use lumel::Control;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// From now on, what would make a file longer than the limit of the process fails with an error, which names the file. The
+/// signal that comes with it would end the program.
+#[cfg(unix)]
+pub(crate) fn outlive_file_size_limits() {
+    // Without a handler the limit ends the program, as it does others.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
+}
+
+/// There are no such limits.
+#[cfg(not(unix))]
+pub(crate) fn outlive_file_size_limits() {}
+
 /// Requests of the user to stop.
 ///
 /// While a caller heeds them, the first signal only requests a stop; otherwise, and for the second signal, the program

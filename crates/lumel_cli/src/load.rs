@@ -1,19 +1,20 @@
 //! Scenes and settings from the command line.
 
 use crate::args::{Basis, SceneArgs, SettingsArgs, Tessellation};
-use crate::console::{Console, MAX_WARNINGS};
+use crate::console::Console;
 use crate::failure::{hinted, with_hint};
 use crate::parse::LightChoice;
 use crate::report;
 use glam::Vec3;
 use lumel::{
-    AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightFileError, LightmapEntry, MaxEdge, OpenError,
-    OpenOptions, Opened, PointNeed, PointSpacing, Project, Saved, Scene, SceneBuilder, SceneError, Settings,
+    AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightmapEntry, MaxEdge, OpenError, OpenOptions,
+    Opened, PointNeed, PointSpacing, Project, Saved, Scene, SceneBuilder, SceneError, Settings,
     SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
 };
 use lumel_export::SolutionMeta;
 use lumel_scene::TriId;
 use serde::Deserialize;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -76,13 +77,12 @@ pub(crate) fn load_whole(args: &SceneArgs) -> anyhow::Result<Loaded> {
 }
 
 /// The project file, if the scene is one that can be read.
-pub(crate) fn project(scene: &str) -> Option<Project> {
-    let path = Path::new(scene);
-    Project::is_file_name(path).then(|| Project::read(path).ok())?
+pub(crate) fn project(scene: &Path) -> Option<Project> {
+    Project::is_file_name(scene).then(|| Project::read(scene).ok())?
 }
 
 /// The length of edges that a project gives, if it is one and does.
-fn length_of_project(scene: &str) -> Option<MaxEdge> {
+fn length_of_project(scene: &Path) -> Option<MaxEdge> {
     project(scene)?.max_edge.filter(|max_edge| matches!(max_edge, MaxEdge::Length(_)))
 }
 
@@ -153,7 +153,7 @@ pub(crate) fn load_and_warn(
 
 /// Reports the warnings about a scene, up to some number.
 pub(crate) fn warn(warnings: &Warnings, args: &SceneArgs, console: &Console) {
-    let more = |n| format!("{n} more warnings about this scene; see `lumel info {}`", args.scene);
+    let more = |n| format!("{n} more warnings about this scene; see `lumel info {}`", args.scene.display());
     console.warnings(warnings.iter(), more);
 }
 
@@ -197,10 +197,11 @@ fn most_similar(name: &str) -> Option<String> {
 /// An error that names the scene.
 fn in_scene(error: impl Into<anyhow::Error>, args: &SceneArgs) -> anyhow::Error {
     let error = error.into();
-    if crate::failure::text(&error).contains(&args.scene) {
+    let scene = args.scene.display().to_string();
+    if crate::failure::text(&error).contains(&scene) {
         return error;
     }
-    error.context(format!("cannot use {}", args.scene))
+    error.context(format!("cannot use {scene}"))
 }
 
 /// The settings: those of the preset, replaced by the project's, replaced by the command line's.
@@ -289,9 +290,8 @@ fn shines(light: &Light) -> bool {
 pub(crate) fn warn_of_lost_light(baker: &Baker, console: &Console) -> bool {
     // Nothing cancels it: it takes a moment.
     let findings = baker.light_findings(&Control::default()).unwrap_or_default();
-    for finding in findings.iter().take(MAX_WARNINGS) {
-        console.warning_with_hint(&finding.to_string(), &finding.remedy());
-    }
+    let hinted = findings.iter().map(|finding| (finding.to_string(), Some(finding.remedy())));
+    console.grouped_warnings(hinted, |n| format!("{n} more warnings about lights that are lost"));
     !findings.is_empty()
 }
 
@@ -306,30 +306,21 @@ pub(crate) fn warn_of_darkness(baker: &Baker, state: &SolveState, console: &Cons
 }
 
 /// The files of a scene that the command line or the project names.
-pub(crate) fn source_files(scene: &str) -> Vec<PathBuf> {
-    let path = Path::new(scene);
-    let mut files = vec![path.to_owned()];
+pub(crate) fn source_files(scene: &Path) -> Vec<PathBuf> {
+    let mut files = vec![scene.to_owned()];
     if let Some(project) = project(scene) {
         let sky = project.sky.as_ref().and_then(|sky| sky.file());
         let named = project.scene.as_deref().into_iter().chain(sky);
-        files.extend(named.map(|file| path.parent().unwrap_or(Path::new("")).join(file)));
+        files.extend(named.map(|file| scene.parent().unwrap_or(Path::new("")).join(file)));
     }
     files
 }
 
 /// The name of a scene for output files: its file name without extensions.
-pub(crate) fn file_stem(scene: &str) -> String {
-    let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy();
-    let stem = stem.strip_suffix(".lumel").unwrap_or(&stem);
-    if stem.is_empty() { "scene".to_owned() } else { stem.to_owned() }
-}
-
-/// Adds a hint to the error for light that does not match the scene.
-pub(crate) fn light_hint(error: LightFileError) -> anyhow::Error {
-    match error {
-        LightFileError::OtherScene { .. } | LightFileError::OtherPositions { .. } => belongs_hint(error),
-        error => error.into(),
-    }
+pub(crate) fn file_stem(scene: &Path) -> OsString {
+    let Some(stem) = scene.file_stem() else { return "scene".into() };
+    let project = Path::new(stem).extension().is_some_and(|extension| extension == "lumel");
+    if project { Path::new(stem).file_stem().unwrap_or(stem).to_owned() } else { stem.to_owned() }
 }
 
 /// Adds a hint to the error for a solution that does not match the scene.
@@ -347,7 +338,8 @@ mod tests {
 
     #[test]
     fn files_are_named_after_the_scene() {
-        let stems = ["room.glb", "a/b/room.lumel.toml", "cornell-box", "room.v2.obj", ".."].map(file_stem);
+        let stems = ["room.glb", "a/b/room.lumel.toml", "cornell-box", "room.v2.obj", ".."]
+            .map(|scene| file_stem(Path::new(scene)));
         assert_eq!(stems, ["room", "room", "cornell-box", "room.v2", "scene"]);
     }
 }

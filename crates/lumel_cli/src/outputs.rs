@@ -4,13 +4,15 @@ use crate::args::{Basis, Png};
 use crate::commands::Lightmapped;
 use crate::failure::{hinted, with_hint};
 use crate::picture;
+use crate::source::SceneSource;
 use anyhow::{Context, bail};
 use lumel::{Baker, FileFormat, LightmapSolution, Scene, Solution, SolutionSelection, tracer_of};
 use lumel_export::{
-    LightmapTarget, PngDepth, Precision, check_obj, write_lightmap_exr, write_lightmap_glb,
-    write_lightmap_png, write_pages,
+    GlbOptions, LightmapTarget, Lock, PngDepth, Precision, check_obj, remove_strays, write_glb,
+    write_lightmap_exr, write_lightmap_glb, write_lightmap_png, write_pages,
 };
 use lumel_render_cpu::NormalMaps;
+use serde_json::Value;
 use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -68,6 +70,10 @@ pub(crate) struct Light<'a> {
     pub(crate) lightmapped: Option<&'a Lightmapped>,
     /// What a GLB file with a lightmap is made for.
     pub(crate) target: LightmapTarget,
+    /// How one with light at vertices is written.
+    pub(crate) glb: GlbOptions,
+    /// How the scene was opened, where that can be said.
+    pub(crate) source: Option<SceneSource>,
     /// What a PNG file with a lightmap holds.
     pub(crate) png: Png,
     /// Where green of normal maps points.
@@ -124,6 +130,11 @@ impl Output {
         Ok(())
     }
 
+    /// What the file says of how the scene was opened.
+    fn source(&self, light: &Light<'_>) -> Option<Value> {
+        light.source.as_ref()?.beside(&self.path)
+    }
+
     /// Writes the file, or one for each page. Returns each with its size in bytes.
     pub(crate) fn write(
         &self,
@@ -133,6 +144,12 @@ impl Output {
         let Light { baker, solution, target, png, green, .. } = light;
         let mut paths = vec![self.path.clone()];
         match (self.content, light.lightmapped) {
+            (Content::Light(FileFormat::Glb), _) => {
+                let scene = with_green_up(baker.scene(), *green);
+                let lighting = solution.lighting(&scene, &SolutionSelection::Sum)?;
+                write_glb(&self.path, &scene, &lighting, light.glb)?;
+            }
+            (Content::Light(FileFormat::Npz), _) => solution.save_from(self.source(light), &self.path)?,
             (Content::Light(format), _) => {
                 format.write(&self.path, &with_green_up(baker.scene(), *green), solution)?;
             }
@@ -168,8 +185,10 @@ impl Output {
                 paths = write_pages(&self.path, lightmap.atlas.pages().len(), write)?;
             }
             (Content::Lightmap, Some(Lightmapped { scene, lightmap, .. })) => {
-                LightmapSolution::new(scene, solution.meta.settings.clone(), Arc::clone(lightmap))
-                    .save(&self.path)?;
+                let settings = solution.meta.settings.clone();
+                let mut solution = LightmapSolution::new(scene, settings, Arc::clone(lightmap));
+                solution.meta.source = self.source(light);
+                solution.save(&self.path)?;
             }
             (Content::Pages | Content::LightmapGlb | Content::Lightmap, None) => {}
         }
@@ -183,10 +202,18 @@ pub(crate) fn sized(path: PathBuf) -> anyhow::Result<(PathBuf, u64)> {
     Ok((path, found.len()))
 }
 
-/// Checks before a long bake that all files can be written and that none would replace a source of the scene.
-pub(crate) fn check(paths: &[&Path], sources: &[PathBuf]) -> anyhow::Result<()> {
+/// The right to write files, until it is dropped.
+#[must_use]
+pub(crate) struct Claim(
+    #[expect(dead_code, reason = "locks are given back when they are dropped")] Vec<Lock>,
+);
+
+/// Checks before a long bake that all files can be written, that none would replace a source of the scene, and that nobody
+/// else writes them. Removes what killed processes have left beside them.
+pub(crate) fn claim(paths: &[&Path], sources: &[PathBuf]) -> anyhow::Result<Claim> {
     let sources: Vec<PathBuf> = sources.iter().filter_map(|path| path.canonicalize().ok()).collect();
     let mut seen = Vec::new();
+    let mut locks = Vec::new();
     for path in paths {
         check_writable(path)?;
         let place =
@@ -197,9 +224,12 @@ pub(crate) fn check(paths: &[&Path], sources: &[PathBuf]) -> anyhow::Result<()> 
         if path.canonicalize().is_ok_and(|path| sources.contains(&path)) {
             bail!("this file is part of the scene and would be replaced: {}", path.display());
         }
+        remove_strays(folder_of(path));
+        let lock = Lock::take(path);
+        locks.extend(lock.map_err(|error| with_hint(error, "wait for it, or choose another name"))?);
         seen.push(place);
     }
-    Ok(())
+    Ok(Claim(locks))
 }
 
 /// Checks that a file can be written by creating a temporary one in its folder.
@@ -207,6 +237,10 @@ pub(crate) fn check_writable(path: &Path) -> anyhow::Result<()> {
     let folder = folder_of(path);
     if path.file_name().is_none() || path.is_dir() {
         bail!("this is a folder, not a file that can be written: {}", path.display());
+    }
+    if fs::metadata(path).is_ok_and(|old| !old.is_file()) {
+        let message = format!("this is a device or a pipe, which cannot be written: {}", path.display());
+        return Err(hinted(message, "write a file, and copy it there"));
     }
     if !folder.is_dir() {
         let message = format!("the folder \"{}\" does not exist: {}", folder.display(), path.display());
@@ -279,9 +313,10 @@ mod tests {
     fn files_that_cannot_be_written_are_found_in_time() {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str| folder.path().join(name);
-        let text =
-            |paths: &[&Path], sources: &[PathBuf]| crate::failure::text(&check(paths, sources).unwrap_err());
-        assert!(check(&[&file("a.npz"), &file("b.npz")], &[]).is_ok());
+        let text = |paths: &[&Path], sources: &[PathBuf]| {
+            crate::failure::text(&claim(paths, sources).err().unwrap())
+        };
+        assert!(claim(&[&file("a.npz"), &file("b.npz")], &[]).is_ok());
         assert!(text(&[&file("missing/a.npz")], &[]).contains("does not exist"));
         assert!(text(&[folder.path()], &[]).contains("folder"));
         assert!(text(&[&file("a.npz"), &file("./a.npz")], &[]).contains("twice"));

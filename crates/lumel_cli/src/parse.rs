@@ -146,14 +146,19 @@ pub(crate) fn light_or_layer(text: &str) -> Result<LightChoice, String> {
 /// A viewpoint: a camera of the scene by name, or an explicit camera.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum CameraChoice {
+    /// Chosen to suit the scene.
+    Auto,
     /// By name.
     Named(String),
     /// `position=x,y,z target=x,y,z fov=deg`.
     Free(CameraEntry),
 }
 
-/// The name of a camera, or `position=x,y,z target=x,y,z fov=deg up=x,y,z` with the last two optional.
+/// `auto`, the name of a camera, or `position=x,y,z target=x,y,z fov=deg up=x,y,z` with the last two optional.
 pub(crate) fn camera(text: &str) -> Result<CameraChoice, String> {
+    if text == "auto" {
+        return Ok(CameraChoice::Auto);
+    }
     if !text.contains('=') {
         return Ok(CameraChoice::Named(text.to_owned()));
     }
@@ -205,6 +210,7 @@ mod tests {
 
     #[test]
     fn cameras_are_names_or_places() {
+        assert_eq!(camera("auto"), Ok(CameraChoice::Auto));
         assert_eq!(camera("front door"), Ok(CameraChoice::Named("front door".into())));
         let CameraChoice::Free(free) = camera(CAMERA_EXAMPLE).unwrap() else { panic!("not a name") };
         assert_eq!(free.camera().forward, Vec3::new(0.0, 0.0, -3.0));

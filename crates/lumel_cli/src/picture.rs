@@ -56,10 +56,11 @@ pub(crate) fn write_default(
     lighting: &dyn Lighting,
     cancel: &AtomicBool,
 ) -> anyhow::Result<()> {
-    let camera = camera_for(scene, tracer);
-    let subject = Subject { scene, tracer, lighting, camera: &camera, relief: Relief::default() };
     let [width, height] = DEFAULT_SIZE;
-    write(path, &subject, &Resolution::new(width, height), &Display::default(), cancel)?;
+    let resolution = Resolution::new(width, height);
+    let camera = camera_for(scene, tracer, resolution.aspect());
+    let subject = Subject { scene, tracer, lighting, camera: &camera, relief: Relief::default() };
+    write(path, &subject, &resolution, &Display::default(), cancel)?;
     Ok(())
 }
 

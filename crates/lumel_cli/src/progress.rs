@@ -303,7 +303,7 @@ impl Moment {
     }
 
     fn details(&self) -> Vec<String> {
-        let speed = self.mrays_per_second().map(|speed| format!("{speed:.2} Mrays/s"));
+        let speed = self.solve.rays_per_second.and_then(lumel::ray_rate);
         let left = self.solve.seconds_left.map(|left| format!("{} left", report::duration(left)));
         speed.into_iter().chain(left).collect()
     }

@@ -1,9 +1,13 @@
 //! Atomic file writing.
 
 use crate::ExportError;
+use crate::lock::TEMPORARY;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
+
+/// The beginning of the names of files that are there while others are written.
+pub(crate) const PREFIX: &str = ".lumel-";
 
 /// Links followed before a path counts as a loop; the limit of Linux.
 const MAX_LINKS: usize = 40;
@@ -12,7 +16,8 @@ const MAX_LINKS: usize = 40;
 ///
 /// Readers of `path` see either the old or the new content, never a part, even after a crash or a power failure. A new
 /// file gets default permissions; a replaced file keeps its own. A symbolic link is kept and the file it points to is
-/// replaced. A process killed while writing leaves a hidden `.lumel-*.tmp` beside the file.
+/// replaced. A process killed while writing leaves a hidden `.lumel-*.tmp` beside the file, which
+/// [`remove_strays`](crate::remove_strays) removes.
 ///
 /// # Errors
 /// [`ExportError`] names the file and the remedy. The temporary file is removed and the old content kept.
@@ -32,6 +37,8 @@ fn replace(
 ) -> io::Result<()> {
     let folder = folder_of(target);
     let (file, temporary) = create_temporary(folder)?.into_parts();
+    // Tells it apart from those that killed processes leave; where there are no locks, those stay.
+    let _ = file.try_lock();
     let mut out = BufWriter::with_capacity(1 << 18, file);
     write(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -64,7 +71,7 @@ fn check_replaceable(path: &Path, target: &Path) -> Result<Option<fs::Metadata>,
 }
 
 /// The file that a path refers to, whether it exists or not.
-fn follow_links(path: &Path) -> PathBuf {
+pub(crate) fn follow_links(path: &Path) -> PathBuf {
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
         let Ok(next) = fs::read_link(&target) else { break };
@@ -74,13 +81,13 @@ fn follow_links(path: &Path) -> PathBuf {
 }
 
 /// The folder of a file; the current folder for a bare name.
-fn folder_of(file: &Path) -> &Path {
+pub(crate) fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn create_temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".lumel-").suffix(".tmp");
+    builder.prefix(PREFIX).suffix(TEMPORARY);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

@@ -16,6 +16,8 @@ pub enum ColorScale {
     /// Chosen so that a white surface at the 98th percentile of irradiance is displayed as white.
     #[default]
     Auto,
+    /// Chosen so that nothing is clipped: the brightest value is displayed as white.
+    Unclipped,
     /// A fixed factor: radiance times this is displayed; 1 is white.
     Factor(f32),
 }
@@ -29,18 +31,24 @@ impl ColorScale {
                 let problem = format!("the exposure is {factor}; it must be finite and greater than zero");
                 Err(ExportError::content(path, problem))
             }
-            Self::Auto => Ok(auto_factor(irradiance)),
+            Self::Auto => Ok(factor_at(whites(irradiance), UNCLIPPED_SHARE)),
+            Self::Unclipped => Ok(factor_at(whites(irradiance), 1.0)),
         }
     }
 }
 
-fn auto_factor(irradiance: &[Vec3]) -> f32 {
-    let whites = irradiance.iter().map(|&e| white_radiance(e).max_element());
-    let mut lit: Vec<f32> = whites.filter(|&radiance| radiance > 0.0).collect();
+/// Brightness of white surfaces.
+fn whites(irradiance: &[Vec3]) -> impl Iterator<Item = f32> {
+    irradiance.iter().map(|&e| white_radiance(e).max_element())
+}
+
+/// The factor under which a share of all positive values is at most 1; 1 where there are none.
+pub(crate) fn factor_at(values: impl Iterator<Item = f32>, share: f64) -> f32 {
+    let mut lit: Vec<f32> = values.filter(|&radiance| radiance > 0.0).collect();
     if lit.is_empty() {
         return 1.0;
     }
-    let rank = ((lit.len() - 1) as f64 * UNCLIPPED_SHARE) as usize;
+    let rank = ((lit.len() - 1) as f64 * share) as usize;
     let (_, &mut white, _) = lit.select_nth_unstable_by(rank, f32::total_cmp);
     // Radiance below 1e-38 has no finite inverse.
     let factor = 1.0 / white;

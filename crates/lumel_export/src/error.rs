@@ -50,6 +50,14 @@ pub enum ExportError {
         /// The system's error.
         source: io::Error,
     },
+    /// The file would be longer than the system allows.
+    #[error("the file would be longer than the system allows; raise the limit of this process (ulimit -f) or choose another disk: \"{}\"", path.display())]
+    TooLong {
+        /// The file to write.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
     /// Any other error of the system.
     #[error("cannot write ({source}): \"{}\"", path.display())]
     Io {
@@ -81,6 +89,7 @@ impl ExportError {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::WriteZero => {
                 Self::DiskFull { path, source }
             }
+            io::ErrorKind::FileTooLarge => Self::TooLong { path, source },
             _ => Self::Io { path, source },
         }
     }

@@ -1,6 +1,7 @@
 //! Lit scenes as binary glTF 2.0.
 
 mod binary;
+mod lamps;
 mod lightmapped;
 mod lit;
 mod material;
@@ -11,6 +12,7 @@ mod unwrapped;
 use crate::{ExportError, write_atomically};
 use binary::Binary;
 use glam::DVec3;
+use lamps::Quads;
 use primitive::Streams;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -18,18 +20,33 @@ use std::io::Write;
 use std::path::Path;
 
 pub use lightmapped::{LightmapTarget, write_lightmap_glb};
-pub use lit::write_glb;
+pub use lit::{GlbOptions, GltfMaterials, write_glb};
 pub use unwrapped::write_unwrapped_glb;
 
 const JSON_CHUNK: &[u8; 4] = b"JSON";
 const BIN_CHUNK: &[u8; 4] = b"BIN\0";
 
 /// Writes what was prepared as a GLB file, atomically.
-fn write(path: &Path, streams: &Streams<'_>, extras: &Value) -> Result<(), ExportError> {
+fn write(path: &Path, streams: &Streams<'_>, mut extras: Value) -> Result<(), ExportError> {
+    let lamps = streams.materials.lamps();
     let mut binary = Binary::default();
     let mut document = json!({});
     add_meshes(&mut document, &mut binary, streams);
     streams.materials.add_to(&mut document, &mut binary);
+    let mut extensions = streams.materials.extensions().clone();
+    let quads = Quads::of(streams.scene, lamps);
+    quads.add_to(&mut document, &mut binary, streams.materials.of_rectangles());
+    lamps::add_cameras(&mut document, streams.scene);
+    if lamps::add_lights(&mut document, streams.scene, lamps) {
+        extensions.insert(lamps::PUNCTUAL);
+    }
+    if !extensions.is_empty() {
+        document["extensionsUsed"] = json!(extensions);
+    }
+    let left_out = lamps::left_out(streams.scene, lamps);
+    if !left_out.is_empty() {
+        extras["lights_left_out"] = json!(left_out);
+    }
     let generator = concat!("lumel ", env!("CARGO_PKG_VERSION"));
     document["asset"] = json!({ "version": "2.0", "generator": generator, "extras": extras });
     document["bufferViews"] = binary.views.into();
@@ -49,7 +66,8 @@ fn write(path: &Path, streams: &Streams<'_>, extras: &Value) -> Result<(), Expor
         out.write_all(&(binary.length as u32).to_le_bytes())?;
         out.write_all(BIN_CHUNK)?;
         streams.write(out)?;
-        streams.materials.write_images(out)
+        streams.materials.write_images(out)?;
+        quads.write(out)
     })
 }
 
@@ -79,11 +97,7 @@ fn add_meshes(document: &mut Value, binary: &mut Binary, streams: &Streams<'_>) 
     let (mut meshes, mut nodes) = (Vec::new(), Vec::new());
     for (object, primitives) in by_object {
         let name = &names[object as usize];
-        let mut node = json!({ "name": name, "mesh": meshes.len() });
-        if origin != DVec3::ZERO {
-            node["translation"] = json!(origin.to_array());
-        }
-        nodes.push(node);
+        nodes.push(mesh_node(name, meshes.len(), origin));
         meshes.push(json!({ "name": name, "primitives": primitives }));
     }
     let all: Vec<usize> = (0..nodes.len()).collect();
@@ -91,6 +105,25 @@ fn add_meshes(document: &mut Value, binary: &mut Binary, streams: &Streams<'_>) 
     document["scenes"] = json!([{ "name": streams.scene.name(), "nodes": all }]);
     document["nodes"] = nodes.into();
     document["meshes"] = meshes.into();
+}
+
+/// A node with a mesh that is relative to the origin of the scene.
+fn mesh_node(name: &str, mesh: usize, origin: DVec3) -> Value {
+    let mut node = json!({ "name": name, "mesh": mesh });
+    if origin != DVec3::ZERO {
+        node["translation"] = json!(origin.to_array());
+    }
+    node
+}
+
+/// Adds a node to one of the scenes.
+fn add_node(document: &mut Value, scene: usize, node: Value) {
+    let Some(nodes) = document["nodes"].as_array_mut() else { return };
+    nodes.push(node);
+    let index = nodes.len() - 1;
+    if let Some(all) = document["scenes"][scene]["nodes"].as_array_mut() {
+        all.push(json!(index));
+    }
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ mod display;
 mod error;
 mod glb;
 mod lightmap;
+mod lock;
 mod lumel_state;
 mod members;
 mod npy;
@@ -30,6 +31,7 @@ mod obj;
 mod pixels;
 mod ply;
 mod png;
+mod quiet;
 mod rad;
 mod refinement_state;
 mod solution;
@@ -40,10 +42,13 @@ pub use atomic::write_atomically;
 pub use checkpoint::{Checkpoint, CheckpointMeta, Saved, SavedShots};
 pub use display::ColorScale;
 pub use error::{ExportError, ReadError, SceneLabel, SolutionError};
-pub use glb::{LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb};
+pub use glb::{
+    GlbOptions, GltfMaterials, LightmapTarget, write_glb, write_lightmap_glb, write_unwrapped_glb,
+};
 pub use lightmap::{
     LightmapSolution, PngDepth, Precision, path_of_page, write_lightmap_exr, write_lightmap_png, write_pages,
 };
+pub use lock::{Lock, LockError, remove_strays};
 pub use lumel_state::{LumelMeta, LumelState};
 pub use npy::{Array, ArrayData};
 pub use npz::{NpzReader, NpzWriter, write_npz};

@@ -24,9 +24,10 @@ pub fn path_of_page(path: &Path, page: usize, pages: usize) -> PathBuf {
     if pages == 1 {
         return path.to_owned();
     }
-    let [stem, extension] =
-        [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
-    path.with_file_name(format!("{stem}-{page}.{extension}"))
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{page}."));
+    name.push(path.extension().unwrap_or_default());
+    path.with_file_name(name)
 }
 
 /// Writes something of several pages by `write(page, its file)`, in their order. Returns the files.

@@ -3,7 +3,9 @@
 //! The only module that knows the ZIP library.
 
 use crate::npy::{Array, unreadable};
+use crate::quiet::Quiet;
 use crate::{ExportError, ReadError, write_atomically};
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -32,15 +34,18 @@ fn write_members(
     out: &mut BufWriter<File>,
     write: impl FnOnce(&mut NpzWriter<'_>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut npz = NpzWriter { zip: ZipWriter::new(out) };
+    let failure = Cell::new(None);
+    let mut npz = NpzWriter { zip: ZipWriter::new(Quiet::new(out, &failure)), failure: &failure };
     write(&mut npz)?;
     npz.zip.finish()?;
-    Ok(())
+    failure.take().map_or(Ok(()), Err)
 }
 
 /// Takes the members of an archive, in their order.
 pub struct NpzWriter<'a> {
-    zip: ZipWriter<&'a mut BufWriter<File>>,
+    zip: ZipWriter<Quiet<'a, &'a mut BufWriter<File>>>,
+    /// What went wrong when bytes were written.
+    failure: &'a Cell<Option<io::Error>>,
 }
 
 impl NpzWriter<'_> {
@@ -50,7 +55,8 @@ impl NpzWriter<'_> {
     /// A name given twice, a shape that does not fit its numbers, and all that writing meets.
     pub fn array(&mut self, name: &str, array: &Array) -> io::Result<()> {
         self.start(&format!("{name}.npy"))?;
-        array.write(&mut self.zip)
+        array.write(&mut self.zip)?;
+        self.check()
     }
 
     /// Adds a member that is no array, such as `meta.json`; `numpy.load(file)[name]` returns its bytes.
@@ -59,7 +65,13 @@ impl NpzWriter<'_> {
     /// A name given twice, and all that writing meets.
     pub fn bytes(&mut self, name: &str, bytes: &[u8]) -> io::Result<()> {
         self.start(name)?;
-        self.zip.write_all(bytes)
+        self.zip.write_all(bytes)?;
+        self.check()
+    }
+
+    /// What has failed since the last time.
+    fn check(&self) -> io::Result<()> {
+        self.failure.take().map_or(Ok(()), Err)
     }
 
     fn start(&mut self, member: &str) -> io::Result<()> {

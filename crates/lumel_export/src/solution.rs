@@ -6,7 +6,7 @@ use crate::members::{
     read_optional, read_positions, read_splits, read_stacked, read_vectors, stacked, write_splits,
 };
 use crate::solution_points::SolutionPoints;
-use crate::{Array, ArrayData, NpzReader, ReadError, SolutionError, write_npz};
+use crate::{Array, ArrayData, LightmapSolution, NpzReader, ReadError, SolutionError, write_npz};
 use glam::{DVec3, Vec3};
 use lumel_basis::{Coefficients, VertexLighting};
 use lumel_scene::Scene;
@@ -97,6 +97,9 @@ pub struct SolutionMeta {
     /// opens the scene for this light needs the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vertex_budget: Option<u32>,
+    /// How the scene was opened, in the words of the program that did it: what opens it again for this light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<Value>,
     /// False for a bake that was stopped before it was done.
     pub complete: bool,
     /// What each array holds, and in which unit; filled in on saving.
@@ -139,6 +142,7 @@ impl SolutionMeta {
             lighting_hash: hash.lighting.to_hex().to_string(),
             settings,
             vertex_budget: None,
+            source: None,
             complete: true,
             arrays: BTreeMap::new(),
             layers: Vec::new(),
@@ -166,6 +170,14 @@ impl SolutionMeta {
     /// A file that is no solution, of a newer format, or damaged.
     pub fn load(path: &Path) -> Result<Self, SolutionError> {
         read_meta(&mut NpzReader::open(path)?, &KIND)
+    }
+
+    /// The same of a solution or a lightmap.
+    ///
+    /// # Errors
+    /// A file that is neither, of a newer format, or damaged.
+    pub fn load_any(path: &Path) -> Result<Self, SolutionError> {
+        if LightmapSolution::is_file(path) { LightmapSolution::load_meta(path) } else { Self::load(path) }
     }
 }
 
@@ -330,9 +342,17 @@ impl Solution {
     /// # Errors
     /// As [`Self::validate`], and all that writing meets.
     pub fn save(&self, path: &Path) -> Result<(), SolutionError> {
+        self.save_from(self.meta.source.clone(), path)
+    }
+
+    /// The same, with another [source](SolutionMeta::source).
+    ///
+    /// # Errors
+    /// As [`Self::save`].
+    pub fn save_from(&self, source: Option<Value>, path: &Path) -> Result<(), SolutionError> {
         self.validate()?;
         let layers = self.layers.iter().map(|layer| layer.name.clone()).collect();
-        let meta = SolutionMeta { arrays: self.descriptions(), layers, ..self.meta.clone() };
+        let meta = SolutionMeta { arrays: self.descriptions(), layers, source, ..self.meta.clone() };
         write_npz(path, |npz| {
             npz.bytes("meta.json", &serde_json::to_vec_pretty(&meta)?)?;
             npz.array("positions", &Array::from_positions(&self.positions))?;

@@ -98,6 +98,17 @@ pub(crate) fn decode_file(path: &Path, budget: &mut Budget) -> Result<DynamicIma
     decode_image(&bytes, &name, path.extension().and_then(|e| e.to_str()), budget)
 }
 
+/// The MIME type of an image that glTF files may hold as it is, if the header of these bytes is that of one.
+pub(crate) fn encoded_type(bytes: &[u8]) -> Option<&'static str> {
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?;
+    let mime_type = match reader.format()? {
+        ImageFormat::Png => "image/png",
+        ImageFormat::Jpeg => "image/jpeg",
+        _ => return None,
+    };
+    reader.into_dimensions().is_ok().then_some(mime_type)
+}
+
 /// The memory that is left for the images of a file.
 #[derive(Debug)]
 pub(crate) struct Budget {

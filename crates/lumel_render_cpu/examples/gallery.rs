@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         draw(&view, camera, &Resolution::new(480, 480), display, &AtomicBool::new(false))
     };
 
-    let camera = camera_for(&scene, &bvh);
+    let camera = camera_for(&scene, &bvh, 1.0);
     let shows =
         Show::ALL.iter().map(|&show| Ok(shot(&camera, &Display::of(show))?.labelled(&show.to_string())));
     save("shows", &Picture::beside(&shows.collect::<Result<Vec<_>, Box<dyn Error>>>()?)?)?;
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut bare = lumel_builtin::scene(&name, 0).ok_or("no such scene")?;
     bare.cameras.clear();
-    let found = camera_for(&bare.build()?.0, &bvh);
+    let found = camera_for(&bare.build()?.0, &bvh, 1.0);
     save("automatic", &shot(&found, &Display::default())?)?;
     Ok(())
 }

@@ -59,8 +59,11 @@ const MAX_METER_COLUMNS: u32 = 4 * METER_ROWS;
 /// The value to which the log-average luminance is brought: middle grey.
 const KEY: f64 = 0.18;
 
-/// The percentile of luminance that is brought to 1 at most.
+/// The percentile of luminance that is brought to [`HIGHLIGHT`] at most.
 const HIGHLIGHT_PERCENT: f64 = 95.0;
+
+/// Two stops above white.
+const HIGHLIGHT: f64 = 4.0;
 
 /// Luminances are raised to at least this fraction of the highlight, so that gaps and shadows do not brighten the
 /// picture.
@@ -68,11 +71,12 @@ const DARKEST: f64 = 1e-3;
 
 /// The exposure of a view, in stops, rounded to hundredths so that it can be repeated by hand.
 ///
-/// The meter looks at radiance through its own grid of rays, 96 rows of cell centres, and so reads the same for
-/// every size, number of samples and quantity shown. Of the luminances above zero, with `h` their 95th
-/// percentile and `g = exp(mean(ln(max(Y, h/1000))))`, the exposure is `log2(min(0.18/g, 1/h))`: the picture is
-/// middle grey on average, and at most 5 % of what is seen would clip without a tone mapper. Doubling the light lowers
-/// the reading by one stop. If nothing is lit, it is 0.
+/// The meter looks through its own grid of rays, 96 rows of cell centres, and so reads the same for every size, number
+/// of samples and quantity shown. It reads the light that surfaces reflect: lamps, glowing surfaces and the sky may be as
+/// bright as they like. Where nothing reflects, or most of what is seen glows, it reads all light. Of the luminances above
+/// zero, with `h` their 95th percentile and `g = exp(mean(ln(max(Y, h/1000))))`, the exposure is
+/// `log2(min(0.18/g, 4/h))`: surfaces are middle grey on average, and 95 % of them are within the two stops above white
+/// that tone curves bring back. Doubling the light lowers the reading by one stop. If nothing is lit, it is 0.
 ///
 /// The geometric mean follows Reinhard et al., *Photographic Tone Reproduction for Digital Images*, 2002.
 ///
@@ -82,19 +86,29 @@ pub fn meter(view: &View<'_>, camera: &Camera, aspect: f32) -> Result<f32, Pictu
     let lens = Lens::new(camera, aspect)?;
     let columns = ((METER_ROWS as f32 * aspect) as u32).clamp(1, MAX_METER_COLUMNS);
     let lights = VisibleLight::all_of(view.scene);
-    let luminance_at = |i: u32| {
+    let ray = |i: u32| {
         let cell = Vec2::new((i % columns) as f32, (i / columns) as f32) + Vec2::splat(0.5);
-        let ray = lens.ray(cell / Vec2::new(columns as f32, METER_ROWS as f32));
-        Show::Radiance.sample(view, &lights, ray).map_or(0.0, luminance)
+        lens.ray(cell / Vec2::new(columns as f32, METER_ROWS as f32))
     };
-    Ok(stops_for((0..columns * METER_ROWS).into_par_iter().map(luminance_at).collect()))
+    let cells = || (0..columns * METER_ROWS).into_par_iter();
+    let seen = |i| {
+        let at = view.surface(ray(i))?;
+        Some([view.reflected(at), view.scene.emission(at)].map(|light| luminance(light.0)))
+    };
+    let seen: Vec<[f32; 2]> = cells().filter_map(seen).collect();
+    let glowing = seen.iter().filter(|[reflected, emitted]| emitted > reflected).count();
+    if 2 * glowing <= seen.len() && seen.iter().any(|[reflected, _]| *reflected > 0.0) {
+        return Ok(stops_for(seen.iter().map(|[reflected, _]| *reflected).collect()));
+    }
+    let arriving = |i| Show::Radiance.sample(view, &lights, ray(i)).map_or(0.0, luminance);
+    Ok(stops_for(cells().map(arriving).collect()))
 }
 
 fn stops_for(mut luminances: Vec<f32>) -> f32 {
     luminances.retain(|y| y.is_finite() && *y > 0.0);
     let Some(highlight) = percentile(&mut luminances, HIGHLIGHT_PERCENT).map(f64::from) else { return 0.0 };
     let sum: f64 = luminances.iter().map(|y| f64::from(*y).max(DARKEST * highlight).log2()).sum();
-    let stops = (KEY.log2() - sum / luminances.len() as f64).min(-highlight.log2());
+    let stops = (KEY.log2() - sum / luminances.len() as f64).min((HIGHLIGHT / highlight).log2());
     let limit = f64::from(Exposure::MAX_STOPS);
     ((stops * 100.0).round() / 100.0).clamp(-limit, limit) as f32
 }
@@ -123,7 +137,7 @@ mod tests {
         // A tenth of the picture at 100: it would clip at the key's exposure.
         let mut light = vec![0.1; 90];
         light.extend([100.0; 10]);
-        assert_eq!(stops_for(light), -6.64);
+        assert_eq!(stops_for(light), -4.64);
         // A hundredth may clip.
         let mut light = vec![0.18; 990];
         light.extend([0.5; 10]);

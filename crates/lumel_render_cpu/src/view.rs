@@ -170,8 +170,12 @@ impl<'a> View<'a> {
     }
 
     fn surface_radiance(&self, at: SurfacePoint) -> Radiance {
-        let reflected = self.irradiance(at).reflected(self.scene.albedo(at));
-        self.scene.emission(at) + reflected.radiance()
+        self.scene.emission(at) + self.reflected(at)
+    }
+
+    /// The radiance that a surface reflects, `ρE/π`.
+    pub(crate) fn reflected(&self, at: SurfacePoint) -> Radiance {
+        self.irradiance(at).reflected(self.scene.albedo(at)).radiance()
     }
 }
 

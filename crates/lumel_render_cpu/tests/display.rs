@@ -8,7 +8,8 @@ use glam::Vec3;
 use lumel_accel::BruteForce;
 use lumel_basis::VertexLighting;
 use lumel_render_cpu::*;
-use lumel_scene::{Irradiance, Radiance, SurfacePoint, luminance};
+use lumel_scene::{Irradiance, Material, Radiance, SceneBuilder, SurfacePoint, luminance};
+use std::f32::consts::PI;
 use support::*;
 
 /// A square of albedo 0.5 under an irradiance of π: radiance 0.5.
@@ -95,6 +96,31 @@ fn a_picture_is_repeated_by_asking_for_its_exposure() {
     let auto = half_picture(level, 24, &Display::default());
     let exposure = auto.stops().unwrap().to_string().parse().unwrap();
     assert_eq!(half_picture(level, 24, &Display { exposure, ..Display::default() }), auto);
+}
+
+#[test]
+fn lamps_in_view_do_not_darken_the_picture() {
+    // A glowing surface beside one that is lit, and a lamp in front of both.
+    let level = Irradiance(Vec3::splat(0.5));
+    let stops = |glowing: f32, lamp: f32| {
+        let glow = Material { emission: Radiance::splat(900.0), ..grey(0.5) };
+        let mut meshes = vec![square(0.0, 9.0, 0), square(0.0, 9.0, 1)];
+        let edge = 5.0 - 10.0 * glowing;
+        for (mesh, [lo, hi]) in meshes.iter_mut().zip([[-9.0, edge], [edge, 9.0]]) {
+            mesh.positions.iter_mut().for_each(|p| p.x = p.x.clamp(lo, hi));
+        }
+        let lights = vec![rect_light(Vec3::new(-0.5, 0.0, 1.0), lamp * Vec3::X, lamp * Vec3::Y)];
+        let builder = SceneBuilder { lights, ..scene(meshes, vec![grey(0.5), glow]) };
+        picture(&built(builder), &move |_: SurfacePoint, _: Vec3| level, 24, &Display::default())
+            .stops()
+            .unwrap()
+    };
+    let grey = stops(0.0, 1e-3);
+    assert!((grey - (0.18f32 / (0.25 / PI)).log2()).abs() < 0.006, "{grey}");
+    assert_eq!(stops(0.4, 1e-3), grey);
+    assert_eq!(stops(0.4, 0.4), grey);
+    // It is what the picture shows, and no lamp, if there is little else.
+    assert!(stops(0.8, 1e-3) < -6.0);
 }
 
 #[test]

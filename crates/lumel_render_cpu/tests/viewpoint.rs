@@ -2,14 +2,14 @@
 
 mod support;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lumel_accel::Bvh;
 use lumel_render_cpu::{Lens, camera_for};
 use lumel_scene::{Camera, Light, PointLight, Radiance, Scene, SceneBuilder, Sides};
 use support::*;
 
 fn found(scene: &Scene) -> Camera {
-    let camera = camera_for(scene, &Bvh::build(scene));
+    let camera = camera_for(scene, &Bvh::build(scene), 1.0);
     assert!(camera.axes().is_some_and(|[_, up, _]| up.y > 0.0), "{camera:?}");
     camera
 }
@@ -72,6 +72,46 @@ fn two_sided_boxes_are_rooms_or_objects_by_where_their_light_is() {
     assert!(inside(middle, Radiance::ZERO));
     assert!(!inside(middle + 20.0 * Vec3::Y, Radiance::ZERO));
     assert!(!inside(middle, Radiance::splat(1.0)));
+}
+
+#[test]
+fn an_open_box_is_seen_through_its_opening() {
+    for scale in [1.0, 300.0] {
+        let (min, max) = (MIN * scale, (MIN + Vec3::splat(2.5)) * scale);
+        let mut walls = room(min, max, 0);
+        walls.retain(|wall| wall.positions.iter().any(|p| p.z < max.z));
+        assert_eq!(walls.len(), 5);
+        let scene = built(scene(walls, vec![grey(0.5)]));
+        let camera = found(&scene);
+        assert!(camera.position.z > scene.bounds().max.z && shows_all(&scene, &camera), "{camera:?}");
+        assert!(camera.forward.normalize().z < -0.99, "straight: {camera:?}");
+    }
+}
+
+#[test]
+fn a_house_on_its_ground_is_seen_from_above() {
+    let mut meshes = cube(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0), 0);
+    let ground = [[-20.0, 20.0], [20.0, 20.0], [20.0, -20.0], [-20.0, -20.0]];
+    meshes.push(quad(ground.map(|[x, z]| Vec3::new(x, 0.0, z)), 0));
+    let scene = built(SceneBuilder { sky: Radiance::splat(1.0).into(), ..scene(meshes, vec![grey(0.5)]) });
+    let camera = found(&scene);
+    assert!(camera.position.y > 2.0 && shows_all(&scene, &camera), "{camera:?}");
+}
+
+#[test]
+fn all_of_an_object_fills_the_picture() {
+    for size in [Vec3::ONE, Vec3::new(8.0, 1.0, 1.0), Vec3::new(1.0, 8.0, 1.0)] {
+        let scene = built(scene(cube(MIN, MIN + size, 0), vec![grey(0.5)]));
+        let camera = found(&scene);
+        let lens = Lens::new(&camera, 1.0).unwrap();
+        let places: Vec<_> = scene.positions().iter().map(|p| lens.project(*p).unwrap()).collect();
+        let (lo, hi) = places.iter().fold((Vec2::ONE, Vec2::ZERO), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        assert!(
+            lo.min_element() > 0.04 && hi.max_element() < 0.96 && (hi - lo).max_element() > 0.88,
+            "{lo} {hi}"
+        );
+        assert!((lo + hi - Vec2::ONE).abs().max_element() < 0.1, "it is about in the middle: {lo} {hi}");
+    }
 }
 
 #[test]

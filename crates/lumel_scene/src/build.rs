@@ -251,9 +251,11 @@ mod tests {
 
     #[test]
     fn a_sky_that_is_no_light_is_refused() {
+        let (scene, _) = builder(vec![quad("q")]).build().unwrap();
         for bad in [f32::NAN, -1.0, f32::INFINITY] {
             let mut b = builder(vec![quad("q")]);
             b.sky = Radiance::splat(bad).into();
+            assert_eq!(scene.under_sky(b.sky.clone()).unwrap_err(), SceneError::BadSky);
             assert_eq!(b.build().unwrap_err(), SceneError::BadSky);
         }
     }

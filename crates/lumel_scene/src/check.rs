@@ -2,7 +2,7 @@
 
 use crate::error::{MAX_TRIANGLES, SceneError};
 use crate::mesh::ObjectMesh;
-use crate::{DirectionalLight, Light, Material, RectLight, SceneBuilder, TextureId};
+use crate::{DirectionalLight, Light, Material, RectLight, SceneBuilder, Sky, TextureId};
 use glam::Vec3;
 
 /// Checks all that a scene is to be built from.
@@ -10,11 +10,14 @@ pub(crate) fn builder(builder: &SceneBuilder) -> Result<(), SceneError> {
     let n_textures = builder.textures.len();
     materials(&builder.materials, n_textures)?;
     lights(&builder.lights, n_textures)?;
-    if !builder.sky.is_sound() {
-        return Err(SceneError::BadSky);
-    }
+    sky(&builder.sky)?;
     size(&builder.name, &builder.objects)?;
     builder.objects.iter().try_for_each(|mesh| object(mesh, builder.materials.len()))
+}
+
+/// Checks the light from outside a scene.
+pub(crate) fn sky(sky: &Sky) -> Result<(), SceneError> {
+    if sky.is_sound() { Ok(()) } else { Err(SceneError::BadSky) }
 }
 
 /// Checks the lights of a scene with so many textures.

@@ -184,6 +184,18 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_under_another_sky_has_the_hash_of_one_built_with_it() {
+        let mut builder = squares();
+        let scene = builder.clone().build().unwrap().0;
+        builder.sky = Radiance::splat(0.3).into();
+        let under_sky = scene.under_sky(builder.sky.clone()).unwrap();
+        assert_eq!(under_sky.hash(), builder.build().unwrap().0.hash());
+        assert_ne!(under_sky.hash().lighting, scene.hash().lighting);
+        assert!(under_sky.has_surfaces_of(&scene));
+        assert_eq!(under_sky.relit(Vec::new()).unwrap().sky(), under_sky.sky());
+    }
+
+    #[test]
     fn a_repainted_scene_has_the_hash_of_one_built_with_its_albedos() {
         let mut builder = squares();
         let scene = builder.clone().build().unwrap().0;

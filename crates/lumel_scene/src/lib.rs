@@ -18,6 +18,7 @@ mod edge_length;
 mod edges;
 mod error;
 mod face_list;
+mod gloss;
 mod hash;
 mod input_mesh;
 mod light;
@@ -53,6 +54,7 @@ pub use builder::SceneBuilder;
 pub use camera::Camera;
 pub use edges::{Edge, Edges, Forest};
 pub use error::{MAX_TRIANGLES, SceneError};
+pub use gloss::{EncodedImage, Gloss, GlossTexture};
 pub use hash::SceneHash;
 pub use input_mesh::InputMesh;
 pub use light::{

@@ -1,7 +1,8 @@
 //! Diffuse materials.
 
-use crate::{NormalMap, Radiance, TextureId, Transparency};
+use crate::{Gloss, NormalMap, Radiance, TextureId, Transparency};
 use glam::{Vec2, Vec3};
+use std::fmt;
 
 /// The largest albedo per channel that a surface may have.
 ///
@@ -75,7 +76,7 @@ pub(crate) fn sound(color: Vec3) -> Vec3 {
 }
 
 /// A diffuse material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Material {
     /// Its name in the file.
     pub name: String,
@@ -93,6 +94,24 @@ pub struct Material {
     pub sides: Sides,
     /// How light passes through it.
     pub transparency: Transparency,
+    /// How it reflects beside diffusely, for files that are written.
+    pub gloss: Gloss,
+}
+
+impl fmt::Debug for Material {
+    /// All that light depends on: the hashes of scenes are made of this.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Material")
+            .field("name", &self.name)
+            .field("albedo", &self.albedo)
+            .field("albedo_texture", &self.albedo_texture)
+            .field("emission", &self.emission)
+            .field("emission_texture", &self.emission_texture)
+            .field("normal_texture", &self.normal_texture)
+            .field("sides", &self.sides)
+            .field("transparency", &self.transparency)
+            .finish()
+    }
 }
 
 impl Material {
@@ -107,6 +126,7 @@ impl Material {
             normal_texture: None,
             sides: Sides::Front,
             transparency: Transparency::default(),
+            gloss: Gloss::default(),
         }
     }
 

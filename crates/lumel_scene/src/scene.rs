@@ -24,16 +24,17 @@ use std::sync::{Arc, OnceLock};
 /// second is the back of the first.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Shared by all scenes that differ in their lights only.
+    /// Shared by all scenes that differ in their lights and skies only.
     unlit: Arc<Unlit>,
     lights: Vec<Light>,
+    sky: Sky,
     /// One for each light; no part of the hash.
     light_names: Arc<[String]>,
     /// Made when it is first asked for: every checkpoint names it.
     hash: OnceLock<SceneHash>,
 }
 
-/// All of a scene but its lights.
+/// All of a scene but its lights and its sky.
 #[derive(Clone, Debug)]
 struct Unlit {
     name: String,
@@ -45,7 +46,6 @@ struct Unlit {
     materials: Vec<Material>,
     textures: Arc<[Texture]>,
     cameras: Vec<Camera>,
-    sky: Sky,
     bounds: Bounds,
     usual_size: OnceLock<f64>,
     /// Made when something first asks.
@@ -71,14 +71,14 @@ impl Scene {
             materials: builder.materials,
             textures: builder.textures.into(),
             cameras: builder.cameras,
-            sky: builder.sky,
             usual_size: OnceLock::new(),
             shells: OnceLock::new(),
             geometry_hash: OnceLock::new(),
             surfaces_hash: OnceLock::new(),
         };
         let light_names = light_names::complete(builder.light_names, builder.lights.len()).into();
-        Self { unlit: Arc::new(unlit), lights: builder.lights, light_names, hash: OnceLock::new() }
+        let (lights, sky) = (builder.lights, builder.sky);
+        Self { unlit: Arc::new(unlit), lights, sky, light_names, hash: OnceLock::new() }
     }
 
     /// The same scene under other lights. Geometry, materials and textures are shared, not copied, and hashed once.
@@ -94,7 +94,27 @@ impl Scene {
             true => Arc::clone(&self.light_names),
             false => light_names::complete(Vec::new(), lights.len()).into(),
         };
-        Ok(Self { unlit: Arc::clone(&self.unlit), lights, light_names, hash: OnceLock::new() })
+        let (unlit, sky) = (Arc::clone(&self.unlit), self.sky.clone());
+        Ok(Self { unlit, lights, sky, light_names, hash: OnceLock::new() })
+    }
+
+    /// The same scene under another sky. As with other [lights](Self::relit), all else is shared.
+    ///
+    /// # Errors
+    /// A sky that [`SceneBuilder::build`] would refuse.
+    pub fn under_sky(&self, sky: Sky) -> Result<Self, SceneError> {
+        check::sky(&sky)?;
+        Ok(Self { sky, hash: OnceLock::new(), ..self.clone() })
+    }
+
+    /// The same scene under the lights and the sky of another one, whose textures it has.
+    ///
+    /// # Errors
+    /// Lights with textures that it does not have.
+    pub fn lit_like(&self, other: &Self) -> Result<Self, SceneError> {
+        let lit = self.relit(other.lights.clone())?;
+        let (sky, light_names) = (other.sky.clone(), Arc::clone(&other.light_names));
+        Ok(Self { sky, light_names, ..lit })
     }
 
     /// The same scene whose lights have other names; see [`SceneBuilder::light_names`].
@@ -117,8 +137,7 @@ impl Scene {
         for (material, &albedo) in unlit.materials.iter_mut().zip(albedos) {
             material.albedo = sound(albedo);
         }
-        let (lights, light_names) = (self.lights.clone(), Arc::clone(&self.light_names));
-        Self { unlit: Arc::new(unlit), lights, light_names, hash: OnceLock::new() }
+        Self { unlit: Arc::new(unlit), hash: OnceLock::new(), ..self.clone() }
     }
 
     /// The same scene with green of all normal maps the other way: that of files whose green points down is up then.
@@ -175,7 +194,7 @@ impl Scene {
         &self.unlit.faces
     }
 
-    /// Whether the two are one scene, [relit](Self::relit) or not: the same surfaces and materials.
+    /// Whether the two are one scene, under whatever lights and sky: the same surfaces and materials.
     pub fn has_surfaces_of(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.unlit, &other.unlit)
     }
@@ -293,7 +312,7 @@ impl Scene {
 
     /// Light from outside the scene.
     pub fn sky(&self) -> &Sky {
-        &self.unlit.sky
+        &self.sky
     }
 
     /// Bounds of all vertices.

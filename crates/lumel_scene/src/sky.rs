@@ -6,7 +6,7 @@ use lumel_sample::Equirectangular;
 use std::sync::Arc;
 
 /// Light that arrives from outside the scene. Up is +Y.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Sky {
     /// The same from all directions.
     Uniform(Radiance),
@@ -38,6 +38,18 @@ pub struct SkyImage {
     strength: f32,
     map: Equirectangular,
     mean: Vec3,
+}
+
+/// Images that are shared are not looked at.
+impl PartialEq for Sky {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Uniform(a), Self::Uniform(b)) => a == b,
+            (Self::Gradient(a), Self::Gradient(b)) => a == b,
+            (Self::Image(a), Self::Image(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => false,
+        }
+    }
 }
 
 impl Default for Sky {

@@ -200,13 +200,17 @@ fn rippling(screen: &Screen) {
     click(tab);
     let [x, y] = [tab[0], tab[1] + 100.0].map(|at| format!("{at:.0}"));
     screen.xdotool(&["mousemove", &x, &y, "click", "--repeat", "20", "5"]);
-    std::thread::sleep(Duration::from_secs(2));
     for material in ["white", "red", "green"] {
         let name = format!("Ripple of {material}");
-        let node =
-            |window: &mut Window| window.peer.nodes().into_iter().find(|node| node.text == name).unwrap();
-        click(node(&mut window).center);
-        assert!(node(&mut window).is_on, "{name}");
+        // A busy machine takes a while to scroll and to switch.
+        while let node = window.peer.nodes().into_iter().find(|node| node.text == name)
+            && !node.as_ref().is_some_and(|node| node.is_on)
+        {
+            if let Some(node) = node {
+                click(node.center);
+            }
+            std::thread::sleep(Duration::from_secs(1));
+        }
     }
     screen.hover_picture();
     let (ticks, begun, mut frames) = (window.ticks(), Instant::now(), 0);

@@ -6,7 +6,8 @@ use crate::compare::Comparison;
 use crate::dialogs::{Dialogs, FileDialog};
 use crate::dock::{self, Pane};
 use crate::document::{Document, OpenRequest};
-use crate::input::{self, Command};
+use crate::gauges::Gauges;
+use crate::input::{self, Command, Numpad};
 use crate::notice::Level;
 use crate::panels::Panels;
 use crate::pick::Pick;
@@ -18,7 +19,7 @@ use crate::selection::Selection;
 use crate::session::{Hand, LightUse, SOLUTION_FORMATS, Session, Surroundings};
 use crate::stage::Stage;
 use crate::theme::{self, Ground};
-use crate::viewport::{Subject, Viewport};
+use crate::viewport::{self, Subject, Viewport};
 use crate::wake::{Wake, Wakes};
 use crate::widgets::Toasts;
 use eframe::egui::{self, ViewportCommand};
@@ -53,6 +54,10 @@ pub struct StartUp {
     pub ground: Ground,
     /// Set from outside to close the window, keeping unsaved work: Ctrl-C, or the system going down.
     pub quit: Arc<AtomicBool>,
+    /// Whether the status bar has memory and frame time.
+    pub shows_gauges: bool,
+    /// Keys of the number pad, where they are told from digits.
+    pub numpad: Arc<Numpad>,
 }
 
 /// The program.
@@ -78,6 +83,8 @@ pub struct App {
     picture_folder: PathBuf,
     ground: Ground,
     quit: Arc<AtomicBool>,
+    numpad: Arc<Numpad>,
+    gauges: Option<Gauges>,
     rhythm: Arc<Rhythm>,
     dock: Tree<Pane>,
 }
@@ -135,6 +142,8 @@ impl App {
             picture_folder: start.picture_folder,
             ground: start.ground,
             quit: start.quit,
+            numpad: start.numpad,
+            gauges: start.shows_gauges.then(Gauges::default),
             rhythm,
             dock: tree.filter(dock::is_whole).unwrap_or_else(dock::default_tree),
         })
@@ -175,7 +184,9 @@ impl App {
                 }
             }
             Command::SaveMesh => {
-                self.dialogs.open(FileDialog::save_mesh(&self.session, self.prefs.view.selection))
+                let view = &self.prefs.view;
+                let stops = self.stage.as_ref().map_or(0.0, |stage| stage.stops(view));
+                self.dialogs.open(FileDialog::save_mesh(&self.session, view.selection, stops));
             }
             Command::SaveProject => self.save_project(),
             Command::SaveProjectAs => self.dialogs.open(FileDialog::save_project(&self.session)),
@@ -195,6 +206,14 @@ impl App {
             Command::RemoveLight => self.session.remove_light(),
             Command::ToggleLight => self.session.toggle_light(),
             Command::NextLight => self.session.next_light(),
+            Command::AimLight => self.aim_light(),
+            Command::Frame => viewport::frame(&mut self.session, self.pick.as_ref(), self.viewport.aspect()),
+            Command::View(side) => {
+                viewport::view_from(&mut self.session, self.pick.as_ref(), self.viewport.aspect(), side);
+            }
+            Command::Parallel => {
+                viewport::toggle_parallel(&mut self.session, self.pick.as_ref(), self.viewport.aspect());
+            }
             Command::AlignUp => self.session.camera.align_up(),
             Command::ResetCamera => self.session.reset_camera(),
             Command::Solve => self.session.solve(),
@@ -248,6 +267,13 @@ impl App {
         }
     }
 
+    fn aim_light(&mut self) {
+        match viewport::focus(&self.session, self.pick.as_ref(), self.viewport.aspect()) {
+            Some(at) => self.session.aim_light(at),
+            None => self.session.notices.push(Level::Warning, "Open a scene first"),
+        }
+    }
+
     /// Closes a dialog, else stops the solve, else clears the picked spot.
     fn escape(&mut self) {
         if self.dialogs.close_top() {
@@ -295,12 +321,13 @@ impl App {
     fn handle_keys(&mut self, ctx: &egui::Context) {
         self.viewport.release_keys(|key| ctx.input(|i| i.key_down(key)));
         // Keys belong to whoever writes a text.
+        let pressed = ctx.input(|i| input::pressed(i, &self.numpad));
         if ctx.text_edit_focused() {
             return;
         }
         let focused = ctx.memory(|memory| memory.focused());
         let elsewhere = focused.is_some() && focused != self.viewport.id();
-        for (command, key) in ctx.input(input::pressed) {
+        for (command, key) in pressed {
             // Space and Enter press the button that has the focus, Delete is for texts and tables.
             let belongs_to_widget = elsewhere && matches!(key, egui::Key::Space | egui::Key::Enter);
             // In flight Ctrl is for flying slowly, also where S or Q with it would do something.
@@ -321,10 +348,12 @@ impl App {
             stage: self.stage.as_mut(),
             comparison: &mut self.comparison,
             pick: &mut self.pick,
+            actions: &mut self.actions,
             in_dialog: self.dialogs.is_any_open(),
         };
-        let (viewport, atlas, actions) = (&mut self.viewport, &mut self.atlas, &mut self.actions);
-        let mut panels = Panels { subject, viewport, atlas, actions, ground: self.ground };
+        let (viewport, atlas) = (&mut self.viewport, &mut self.atlas);
+        let mut panels =
+            Panels { subject, viewport, atlas, gauges: self.gauges.as_ref(), ground: self.ground };
         if self.panels_visible { panels.all(&mut self.dock, ui) } else { panels.picture(ui) }
     }
 
@@ -373,17 +402,18 @@ impl eframe::App for App {
         }
     }
 
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
+        if let Some(gauges) = &mut self.gauges {
+            gauges.update(frame.info().cpu_usage);
+        }
         self.take_dropped(&ctx);
         self.handle_keys(&ctx);
         self.main_area(ui);
         self.do_actions(&ctx);
         self.dialogs.show(&mut self.session, &self.prefs, &mut self.actions, &ctx);
         self.do_actions(&ctx);
-        if let Some(request) = self.dialogs.show_question(&ctx) {
-            self.session.open(request);
-        }
+        self.dialogs.show_question(&mut self.session, &ctx);
         self.toasts.add(self.session.notices.take_fresh());
         self.toasts.show(&ctx, self.viewport.area());
         let software = self.stage.as_ref().is_some_and(|stage| stage.gpu().is_software());

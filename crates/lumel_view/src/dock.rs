@@ -21,7 +21,7 @@ pub enum Pane {
     Compare,
     /// What the scene consists of.
     Scene,
-    /// The terms of the series as pictures.
+    /// The terms of the series, bounce by bounce, as pictures.
     Operator,
     /// The pages of the lightmap.
     Atlas,
@@ -57,7 +57,7 @@ impl Pane {
             Self::Camera => "Camera",
             Self::Compare => "Compare",
             Self::Scene => "Scene",
-            Self::Operator => "Operator",
+            Self::Operator => "Bounces",
             Self::Atlas => "Atlas",
             Self::Convergence => "Convergence",
             Self::Log => "Log",
@@ -79,16 +79,15 @@ pub fn default_tree() -> Tree<Pane> {
         tiles.insert_tab_tile(children)
     };
     let bottom = tabs(&[Pane::Operator, Pane::Atlas, Pane::Convergence, Pane::Log]);
-    let upper = tabs(&[Pane::Solve, Pane::Scene]);
-    let lower = tabs(&[Pane::Lights, Pane::Display, Pane::Camera, Pane::Compare]);
+    // Together, so that each has the whole height: half of it cuts settings off in a small window.
+    let right = tabs(&[Pane::Solve, Pane::Lights, Pane::Display, Pane::Camera, Pane::Scene, Pane::Compare]);
     let linear = |tiles: &mut Tiles<Pane>, dir, parts: &[(TileId, f32)]| {
         let mut linear = Linear::new(dir, parts.iter().map(|(id, _)| *id).collect());
         parts.iter().for_each(|(id, share)| linear.shares.set_share(*id, *share));
         tiles.insert_new(Tile::Container(Container::Linear(linear)))
     };
     let left = linear(&mut tiles, LinearDir::Vertical, &[(view, 4.0), (bottom, 1.15)]);
-    let right = linear(&mut tiles, LinearDir::Vertical, &[(upper, 1.15), (lower, 1.0)]);
-    let root = linear(&mut tiles, LinearDir::Horizontal, &[(left, 2.7), (right, 1.0)]);
+    let root = linear(&mut tiles, LinearDir::Horizontal, &[(left, 2.4), (right, 1.0)]);
     Tree::new(id(), root, tiles)
 }
 

@@ -1,6 +1,7 @@
 //! The open scene, with everything that is made from it once.
 
 use crate::camera::FlyCamera;
+use crate::emissive::{EmissiveMaterial, emissive_materials};
 use crate::lights::{EditLight, default_name, shining};
 use crate::mesh::{Given, Mesh};
 use crate::selection::VertexValues;
@@ -8,12 +9,15 @@ use crate::slots::Slots;
 use glam::Vec3;
 use lumel::{
     Baker, MaterialEntry, OpenOptions, PointSpacing, Project, RayTracer, Scene, Settings, SettingsPatch,
-    tracer_of,
+    is_open, tracer_of,
 };
 use lumel_render_cpu::camera_for;
-use lumel_scene::{Light, TextureId, TriId};
+use lumel_scene::{Light, Sky, TextureId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Width over height of the view that a new scene is framed for; windows of other shapes show more of it or less.
+const VIEWPORT_ASPECT: f32 = 4.0 / 3.0;
 
 /// A scene to open.
 #[derive(Clone, Debug, Default)]
@@ -47,6 +51,12 @@ pub struct Document {
     pub scene: Arc<Scene>,
     /// The albedo that each material came with.
     pub albedos: Vec<Vec3>,
+    /// The sky that it came with.
+    pub sky: Sky,
+    /// Its surfaces that emit light, by material, the strongest first.
+    pub emissive: Vec<EmissiveMaterial>,
+    /// Whether much of what its surfaces see above them is sky.
+    pub is_outdoors: bool,
     /// The ray tracer of those triangles.
     pub tracer: Arc<dyn RayTracer>,
     /// What solves on them are made from; holds everything that depends only on the surfaces. While edges are split, and
@@ -93,7 +103,7 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
     warnings.append(more);
     let scene = Arc::new(scene);
     let tracer = tracer_of(&scene);
-    let camera = camera_for(&scene, &*tracer);
+    let camera = camera_for(&scene, &*tracer, VIEWPORT_ASPECT);
     let baker = Baker::with_tracer(Arc::clone(&scene), Arc::clone(&tracer), Settings::default());
     let project = opened.project;
     let contents = Contents {
@@ -125,6 +135,9 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         request: request.clone(),
         baker,
         albedos: albedos_of(&scene).collect(),
+        sky: scene.sky().clone(),
+        emissive: emissive_materials(&scene),
+        is_outdoors: is_open(&scene, &*tracer),
         scene,
         tracer,
     };
@@ -182,10 +195,7 @@ impl Document {
     /// Shows other triangles of the same surfaces.
     pub fn show(&mut self, mesh: &Mesh) {
         // Lights of the solve that it comes from are not those that the scene came with.
-        let lit = mesh.scene.relit(self.scene.lights().to_vec());
-        let names = self.scene.light_names().to_vec();
-        self.scene =
-            lit.map_or_else(|_| Arc::clone(&mesh.scene), |lit| Arc::new(lit.with_light_names(names)));
+        self.scene = mesh.scene.lit_like(&self.scene).map_or_else(|_| Arc::clone(&mesh.scene), Arc::new);
         self.tracer = Arc::clone(&mesh.tracer);
         self.indicator.clone_from(&mesh.indicator);
     }
@@ -215,7 +225,7 @@ impl Document {
     pub fn shines(&self, lights: &[EditLight]) -> bool {
         lights.iter().any(|light| light.on && light.brightness() > 0.0)
             || !self.scene.sky().is_zero()
-            || (0..self.scene.triangle_count() as u32).any(|t| self.scene.material(TriId(t)).emits())
+            || !self.emissive.is_empty()
     }
 
     /// Length from corner to corner, metres: the scale of speeds and sizes.

@@ -1,7 +1,10 @@
 //! Every key and what it does: the one table that handles them, explains them and fills the menus.
 
+use crate::camera::ViewSide;
 use crate::prefs::ViewMode;
 use eframe::egui::{self, Key, Modifiers};
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
 
 /// Something that can be done by a key, from a menu or by a button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -42,6 +45,14 @@ pub enum Command {
     ToggleLight,
     /// Make the next light the active one.
     NextLight,
+    /// Turn the active light towards the picked spot, or what is in the middle of the picture.
+    AimLight,
+    /// Move until the picked object, or everything, fits the picture.
+    Frame,
+    /// Look from a side.
+    View(ViewSide),
+    /// Switch between a perspective and a nearly parallel projection.
+    Parallel,
     /// Level the horizon.
     AlignUp,
     /// Go back to where the scene was opened.
@@ -206,6 +217,10 @@ pub const BINDINGS: &[Binding] = &[
     bind(Command::ToggleLight, Key::H, "Hide or show the light", Group::Lights),
     bind(Command::NextLight, Key::N, "Select the next light", Group::Lights),
     with(
+        Modifiers::SHIFT,
+        bind(Command::AimLight, Key::T, "Aim the light at the picked spot", Group::Lights),
+    ),
+    with(
         Modifiers::COMMAND,
         bind(Command::Undo, Key::Z, "Undo a change to lights, materials or slots", Group::Lights),
     ),
@@ -261,15 +276,85 @@ pub const MOTIONS: &[(Motion, Key, &str)] = &[
 /// What mouse and modifiers do; the viewport handles them.
 pub const MOUSE: &[(&str, &str, Group)] = &[
     ("Left drag", "Look around", Group::Camera),
-    ("Middle drag", "Pan", Group::Camera),
-    ("Right drag", "Dolly", Group::Camera),
+    ("Middle drag, Alt + left", "Orbit around the picked spot", Group::Camera),
+    ("Shift + middle drag", "Pan", Group::Camera),
+    ("Right, Ctrl + middle drag", "Dolly", Group::Camera),
     ("Wheel", "Fly faster or slower", Group::Camera),
+    ("Ctrl + wheel", "Move nearer or away", Group::Camera),
+    ("F tapped", "Frame the picked object, or all", Group::Camera),
     ("Shift, Ctrl", "Hold to fly faster, slower", Group::Camera),
     ("Alt + digit", "Save camera, lights and settings", Group::Camera),
     ("Digit", "Recall camera, lights and settings", Group::Camera),
     ("Click", "Inspect the light on a surface", Group::View),
-    ("Drag a handle", "Move or resize the active light", Group::Lights),
+    ("Drag a handle", "Move, turn or resize the active light", Group::Lights),
+    ("Ctrl + drag a handle", "Snap to a grid, to 15°, to surfaces", Group::Lights),
 ];
+
+/// The key that flies when it is held and frames when it is tapped.
+pub const FRAME_KEY: Key = Key::F;
+
+/// A key of the number pad, which the window system tells from the digits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pad {
+    /// A digit.
+    Digit(u8),
+    /// The decimal point.
+    Decimal,
+}
+
+impl Pad {
+    /// Whether this key of the pad may have caused a key event, whatever the lock of the pad makes of it.
+    fn may_be(self, key: Key, physical: Option<Key>) -> bool {
+        match self {
+            Self::Digit(digit) => [Some(key), physical].contains(&Some(DIGITS[usize::from(digit)])),
+            Self::Decimal => matches!(key, Key::Period | Key::Comma | Key::Delete),
+        }
+    }
+}
+
+/// What keys of the number pad do: alone, with Ctrl the opposite.
+pub const NUMPAD: &[(Pad, bool, Command, &str)] = &[
+    (Pad::Digit(1), false, Command::View(ViewSide::Front), "View from the front"),
+    (Pad::Digit(1), true, Command::View(ViewSide::Back), "View from the back"),
+    (Pad::Digit(3), false, Command::View(ViewSide::Right), "View from the right"),
+    (Pad::Digit(3), true, Command::View(ViewSide::Left), "View from the left"),
+    (Pad::Digit(7), false, Command::View(ViewSide::Top), "View from the top"),
+    (Pad::Digit(7), true, Command::View(ViewSide::Bottom), "View from below"),
+    (Pad::Digit(5), false, Command::Parallel, "Nearly parallel projection, or perspective"),
+    (Pad::Decimal, false, Command::Frame, "Frame the picked object, or all"),
+];
+
+fn pad_keys(pad: Pad, ctrl: bool) -> String {
+    let key = match pad {
+        Pad::Digit(digit) => digit.to_string(),
+        Pad::Decimal => ".".to_owned(),
+    };
+    format!("{}Numpad {key}", if ctrl { "Ctrl+" } else { "" })
+}
+
+/// Presses of keys on the number pad that have not been handled: egui takes them for digits.
+#[derive(Debug, Default)]
+pub struct Numpad(Mutex<VecDeque<Pad>>);
+
+impl Numpad {
+    /// Notes that a key was pressed; its event comes next.
+    pub fn press(&self, pad: Pad) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push_back(pad);
+    }
+
+    /// Takes the key that a key event came from, if that was one of the pad.
+    fn take(&self, key: Key, physical: Option<Key>) -> Option<Pad> {
+        let mut presses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let pad = *presses.front().filter(|pad| pad.may_be(key, physical))?;
+        presses.pop_front();
+        Some(pad)
+    }
+}
+
+fn pad_command(pad: Pad, modifiers: Modifiers) -> Option<Command> {
+    let ctrl = modifiers.ctrl || modifiers.command;
+    NUMPAD.iter().find(|(key, with, ..)| *key == pad && *with == ctrl).map(|(_, _, command, _)| *command)
+}
 
 const DIGITS: [Key; 10] = [
     Key::Num0,
@@ -332,13 +417,17 @@ impl Command {
             Self::CompareSolution => "Load a solution for comparison",
             Self::SaveSlot(_) => "Save camera, lights and settings",
             Self::RecallSlot(_) => "Recall camera, lights and settings",
-            _ => BINDINGS.iter().find(|b| b.command == self).map_or("", |b| b.text),
+            _ => match BINDINGS.iter().find(|b| b.command == self) {
+                Some(binding) => binding.text,
+                None => NUMPAD.iter().find(|pad| pad.2 == self).map_or("", |pad| pad.3),
+            },
         }
     }
 
     /// Its first key, as text for menus; empty when it has none.
     pub fn keys(self) -> String {
-        BINDINGS.iter().find(|b| b.command == self).map(Binding::keys).unwrap_or_default()
+        let pad = || NUMPAD.iter().find(|pad| pad.2 == self).map(|pad| pad_keys(pad.0, pad.1));
+        BINDINGS.iter().find(|b| b.command == self).map(Binding::keys).or_else(pad).unwrap_or_default()
     }
 }
 
@@ -379,6 +468,9 @@ pub fn help(group: Group) -> Vec<(String, &'static str)> {
     lines.extend(
         MOUSE.iter().filter(|(_, _, g)| *g == group).map(|(keys, text, _)| ((*keys).to_owned(), *text)),
     );
+    if group == Group::Camera {
+        lines.extend(NUMPAD.iter().map(|(pad, ctrl, _, text)| (pad_keys(*pad, *ctrl), *text)));
+    }
     let mut of_command: Vec<(Command, usize)> = Vec::new();
     for binding in BINDINGS.iter().filter(|b| b.group == group) {
         match of_command.iter().find(|(command, _)| *command == binding.command) {
@@ -393,10 +485,14 @@ pub fn help(group: Group) -> Vec<(String, &'static str)> {
 }
 
 /// Commands of the keys pressed in this frame, with the keys that must not move the camera while they stay down.
-pub fn pressed(input: &egui::InputState) -> Vec<(Command, Key)> {
+pub fn pressed(input: &egui::InputState, numpad: &Numpad) -> Vec<(Command, Key)> {
     let command = |event: &egui::Event| match event {
-        egui::Event::Key { key, pressed: true, repeat: false, modifiers, .. } => {
-            Some((command_of(*key, *modifiers)?, *key))
+        egui::Event::Key { key, pressed: true, repeat: false, modifiers, physical_key } => {
+            let command = match numpad.take(*key, *physical_key) {
+                Some(pad) => pad_command(pad, *modifiers),
+                None => command_of(*key, *modifiers),
+            };
+            Some((command?, *key))
         }
         _ => None,
     };
@@ -428,6 +524,10 @@ mod tests {
                 binding.keys()
             );
         }
+        for (pad, ctrl, command, _) in NUMPAD {
+            let modifiers = if *ctrl { Modifiers::CTRL } else { Modifiers::NONE };
+            assert_eq!(pad_command(*pad, modifiers), Some(*command), "{}", command.keys());
+        }
         assert_eq!(command_of(Key::Num3, Modifiers::ALT), Some(Command::SaveSlot(3)));
         assert_eq!(command_of(Key::Num3, Modifiers::NONE), Some(Command::RecallSlot(3)));
         assert_eq!(command_of(Key::W, Modifiers::NONE), None);
@@ -436,6 +536,19 @@ mod tests {
         // Flying fast, one may still put the light somewhere.
         assert_eq!(command_of(Key::Space, Modifiers::SHIFT), Some(Command::PlaceLight));
         assert_eq!(command_of(Key::Enter, Modifiers::SHIFT), Some(Command::SolveAnew));
+    }
+
+    #[test]
+    fn keys_of_the_number_pad_are_told_from_digits_by_the_order_of_events() {
+        let numpad = Numpad::default();
+        assert_eq!(numpad.take(Key::Num1, Some(Key::Num1)), None);
+        numpad.press(Pad::Digit(1));
+        numpad.press(Pad::Decimal);
+        assert_eq!(numpad.take(Key::Num3, None), None);
+        // Without its lock, the pad has other keys.
+        assert_eq!(numpad.take(Key::End, Some(Key::Num1)), Some(Pad::Digit(1)));
+        assert_eq!(numpad.take(Key::Comma, None), Some(Pad::Decimal));
+        assert_eq!(numpad.take(Key::Num1, Some(Key::Num1)), None);
     }
 
     #[test]

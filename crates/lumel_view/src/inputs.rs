@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// All that the light of a solve depends on.
 #[derive(Clone)]
 pub struct Inputs {
-    /// The surfaces with their materials. Its lights are not compared: see `lights`.
+    /// The surfaces with their materials, and the sky. Its lights are not compared: see `lights`.
     pub scene: Arc<Scene>,
     /// The lights that shine; `None` for light from a file that belongs to other lights or materials.
     pub lights: Option<Vec<Light>>,
@@ -23,7 +23,7 @@ pub struct Inputs {
 pub struct Changes {
     /// Surfaces.
     pub geometry: bool,
-    /// Lights that shine.
+    /// Lights that shine, or the sky.
     pub lights: bool,
     /// Materials.
     pub materials: bool,
@@ -48,7 +48,7 @@ impl Inputs {
             |old: &Settings, new: &Settings| Settings { projection: new.projection, ..old.clone() };
         Changes {
             geometry: !same_surfaces && self.scene.geometry_hash() != now.scene.geometry_hash(),
-            lights: self.lights.is_none() || self.lights != now.lights,
+            lights: self.lights.is_none() || self.lights != now.lights || self.scene.sky() != now.scene.sky(),
             materials: !same_surfaces && self.scene.materials() != now.scene.materials(),
             sites,
             samples: !sites && same_bounces.is_none(),
@@ -128,6 +128,9 @@ mod tests {
         rect.center += Vec3::X;
         let moved = Inputs { lights: Some(lights), ..old.clone() };
         assert_eq!(old.changes(&moved), Changes { lights: true, ..none });
+        let sky = lumel::Radiance::splat(0.5).into();
+        let bright = Inputs { scene: Arc::new(old.scene.under_sky(sky).unwrap()), ..old.clone() };
+        assert_eq!(old.changes(&bright), Changes { lights: true, ..none });
         let white = vec![Vec3::ONE; old.scene.materials().len()];
         let painted = Inputs { scene: Arc::new(old.scene.repainted(&white)), ..old.clone() };
         assert_eq!(old.changes(&painted), Changes { materials: true, ..none });

@@ -162,6 +162,14 @@ impl EditLight {
         debug_assert!(self.rect.normal().is_none_or(|n| n.dot(forward) > 0.99));
     }
 
+    /// Turns it towards a point, with its edges level where there is a horizon; nothing for the point where it is.
+    pub fn aim_at(&mut self, at: Vec3) {
+        let camera = lumel::Camera::looking_at("", self.rect.center, at, 1.0);
+        if let Some(axes) = camera.axes() {
+            self.place(self.rect.center, axes);
+        }
+    }
+
     /// Where it looks: degrees to the left about +Y from -z, and degrees upwards.
     pub fn direction_deg(&self) -> Vec2 {
         let n = self.rect.normal().unwrap_or(Vec3::NEG_Y);

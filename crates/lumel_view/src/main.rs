@@ -6,7 +6,7 @@ use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup};
 use lumel_view::app::{APP_ID, App, StartUp};
 use lumel_view::cli::Cli;
 use lumel_view::theme::Ground;
-use lumel_view::{instance, screenshot};
+use lumel_view::{event_loop, instance, screenshot};
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -64,8 +64,10 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         threads: cli.threads,
         ground: Ground::Window,
         quit: Arc::default(),
+        shows_gauges: true,
+        numpad: Arc::default(),
     };
-    let quit = Arc::clone(&start.quit);
+    let (quit, numpad) = (Arc::clone(&start.quit), Arc::clone(&start.numpad));
     let create = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
         let ctx = cc.egui_ctx.clone();
         // Without a handler the program dies at once, and what was done since the last bounce with it.
@@ -78,6 +80,6 @@ fn window(cli: &Cli) -> anyhow::Result<()> {
         }
         Ok(Box::new(App::new(cc, start)?))
     };
-    eframe::run_native(APP_ID, options, Box::new(create))
+    event_loop::run(APP_ID, options, Box::new(create), numpad)
         .map_err(|error| anyhow::anyhow!("cannot open a window: {error}\n  hint: {}", instance::WINDOW_HINT))
 }

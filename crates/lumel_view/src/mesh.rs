@@ -83,12 +83,11 @@ impl Given {
     }
 }
 
-/// A scene with the lights and the albedos of another one of the same materials.
+/// A scene with the lights, the sky and the albedos of another one of the same materials.
 ///
 /// # Errors
 /// Lights that cannot be.
 pub fn lit_like(scene: &Scene, other: &Scene) -> Result<Arc<Scene>, String> {
     let albedos: Vec<_> = other.materials().iter().map(|material| material.albedo).collect();
-    let lit = scene.repainted(&albedos).relit(other.lights().to_vec()).map_err(|e| error_text(&e))?;
-    Ok(Arc::new(lit.with_light_names(other.light_names().to_vec())))
+    scene.repainted(&albedos).lit_like(other).map(Arc::new).map_err(|e| error_text(&e))
 }

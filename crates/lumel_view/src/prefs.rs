@@ -277,6 +277,8 @@ pub struct ViewPrefs {
     pub rays: bool,
     /// Dots where the most light is still to be reflected.
     pub shooters: bool,
+    /// A grid on the ground of open scenes.
+    pub ground: bool,
     /// The lights' outlines and handles.
     pub gizmo: bool,
     /// Smooth edges by four samples.
@@ -313,6 +315,7 @@ impl Default for ViewPrefs {
             sample_points: false,
             rays: true,
             shooters: false,
+            ground: true,
             gizmo: true,
             antialias: true,
             unit: Unit::default(),

@@ -12,7 +12,7 @@
 use crate::camera::FlyCamera;
 use crate::document::{OpenRequest, error_text};
 use glam::Vec3;
-use lumel::{Checkpoint, LightEntry, MaxEdge, OpenOptions, PathPolicy, Settings, SlotEntry};
+use lumel::{Checkpoint, LightEntry, MaxEdge, OpenOptions, PathPolicy, Settings, SkyEntry, SlotEntry};
 use lumel_export::write_atomically;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, TryLockError};
@@ -41,6 +41,9 @@ pub struct Note {
     pub paths_anywhere: bool,
     /// All lights.
     pub lights: Vec<LightEntry>,
+    /// The sky, if it is another one than that of the scene.
+    #[serde(default)]
+    pub sky: Option<SkyEntry>,
     /// The albedo of each material.
     #[serde(default)]
     pub albedos: Vec<Vec3>,
@@ -245,6 +248,7 @@ mod tests {
             two_sided: Vec::new(),
             paths_anywhere: false,
             lights: Vec::new(),
+            sky: None,
             albedos: Vec::new(),
             slots: Vec::new(),
             settings: Settings::default(),

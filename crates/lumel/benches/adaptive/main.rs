@@ -83,7 +83,7 @@ fn open(name: &str) -> Result<Scene, String> {
             .ok_or_else(|| format!("files are read from the folder that {} names", shared::VARIABLE))?,
     };
     let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
-    let mut builder = lumel::open(&path.to_string_lossy(), &options).map_err(|e| e.to_string())?.builder;
+    let mut builder = lumel::open(&path, &options).map_err(|e| e.to_string())?.builder;
     if name == "sponza" {
         builder.materials.iter_mut().for_each(|material| material.sides = Sides::Both);
         builder.lights = vec![Light::Rect(sponza::light())];

@@ -96,7 +96,7 @@ impl Case {
             vertex_budget: Some(preset.vertex_budget()),
             ..OpenOptions::default()
         };
-        let mut builder = lumel::open(&path.to_string_lossy(), &options).map_err(|e| e.to_string())?.builder;
+        let mut builder = lumel::open(&path, &options).map_err(|e| e.to_string())?.builder;
         if self.name == "sponza" {
             builder.materials.iter_mut().for_each(|material| material.sides = Sides::Both);
             builder.lights = vec![Light::Rect(sponza::light())];

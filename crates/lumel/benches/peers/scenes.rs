@@ -41,7 +41,7 @@ pub(crate) fn open(name: &str, places: Places, detail: Detail) -> Scene {
         }
         _ => panic!("there is no scene {name} to compare renderers in"),
     };
-    let mut scene = lumel::open(&file.to_string_lossy(), &options).unwrap().builder;
+    let mut scene = lumel::open(&file, &options).unwrap().builder;
     if matches!(detail, Detail::Given) {
         for object in &mut scene.objects {
             object.normals.clear();

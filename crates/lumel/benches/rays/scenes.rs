@@ -30,7 +30,7 @@ pub(crate) fn open(name: &'static str) -> Result<TestScene, String> {
         other => (PathBuf::from(other), None, 0.04),
     };
     let opened = lumel::open(
-        &from.to_string_lossy(),
+        &from,
         &OpenOptions {
             max_edge: Some(max_edge.map_or(MaxEdge::Off, MaxEdge::Length)),
             ..OpenOptions::default()

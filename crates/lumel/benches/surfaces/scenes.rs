@@ -72,7 +72,7 @@ fn build(from: Source, max_edge: Option<f32>) -> Result<Scene, String> {
         max_edge: Some(max_edge.map_or(MaxEdge::Off, MaxEdge::Length)),
         ..OpenOptions::default()
     };
-    let mut builder = lumel::open(&path.to_string_lossy(), &options).map_err(|e| e.to_string())?.builder;
+    let mut builder = lumel::open(&path, &options).map_err(|e| e.to_string())?.builder;
     match from {
         Source::BuiltIn(_) | Source::Shared(_) => {}
         Source::Sponza => {

@@ -365,7 +365,7 @@ settings! {
     /// After shooting, that is the ambient term: as much on all surfaces as the light that is unshot would bring on average.
     TAIL = tail: Tail {
         presets: always(Tail::Auto),
-        label: "Estimate the rest",
+        label: "Later bounces",
         placeholder: "KIND",
         influence: Influence::Sum,
         bounds: Bounds::Any,
@@ -413,7 +413,7 @@ settings! {
     /// Hemisphere rays per vertex and bounce.
     INDIRECT_SAMPLES = indirect_samples: u32 {
         presets: [64, 256, 1024],
-        label: "Hemisphere",
+        label: "Indirect samples",
         placeholder: "N",
         influence: Influence::Rays,
         bounds: Bounds::Within(1.0, MAX_SAMPLES),

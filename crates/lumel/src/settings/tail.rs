@@ -30,9 +30,9 @@ impl Tail {
 
 choices! {
     Tail {
-        Off = "off", "Nothing", "nothing";
-        Geometric = "geometric", "Geometric series",
+        Off = "off", "Left out", "nothing";
+        Geometric = "geometric", "Estimated",
             "the last bounce times the sum of a geometric series: an estimate";
-        Auto = "auto", "After all bounces", "the geometric series, where all bounces are computed";
+        Auto = "auto", "Automatic", "the geometric series, where all bounces are computed";
     }
 }

@@ -1,6 +1,7 @@
 //! The command line. Its doc comments are the help texts and the manual.
 
 mod atlas;
+mod gltf;
 mod settings;
 mod shared;
 mod unwrap;
@@ -10,6 +11,7 @@ pub(crate) use atlas::AtlasArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use glam::{DVec3, Vec3};
+use gltf::GltfArgs;
 use lumel::{LightBasis, LightmapEntry, LightmapTarget, OcclusionEntry, Shading, SolutionSelection, spec};
 use lumel_render_cpu::{Exposure, MAX_SAMPLES, NormalMaps, Show, ToneMapper};
 pub(crate) use settings::SettingsArgs;
@@ -118,6 +120,9 @@ pub(crate) struct BakeArgs {
     /// What a .glb file with a lightmap is made for. [default: any]
     #[arg(long, value_enum, value_name = "TARGET", help_heading = "Atlas")]
     pub(crate) target: Option<Target>,
+
+    #[command(flatten)]
+    pub(crate) gltf: GltfArgs,
 
     /// What a .png file of a lightmap holds.
     #[arg(long, value_enum, value_name = "WHAT", default_value_t = Png::Picture, help_heading = "Atlas")]
@@ -238,6 +243,16 @@ pub(crate) enum Target {
     Occlusion,
 }
 
+impl From<LightmapTarget> for Target {
+    fn from(target: LightmapTarget) -> Self {
+        match target {
+            LightmapTarget::Three => Self::Three,
+            LightmapTarget::Any => Self::Any,
+            LightmapTarget::Occlusion => Self::Occlusion,
+        }
+    }
+}
+
 impl From<Target> for LightmapTarget {
     fn from(target: Target) -> Self {
         match target {
@@ -257,16 +272,18 @@ Lights as for `lumel bake`, 'sun direction=x,y,z ...', say that the solution was
 
 /// Render an image of a scene lit by a solution.
 ///
-/// Use the same scene, --max-edge and --subdivide as for the bake: the solution must match the vertices. Materials and
-/// lights may have changed since the bake; lumel warns if they have.
+/// A solution alone is enough: it remembers where its scene is, and how it was opened. Of a scene that is named, use the same
+/// --max-edge and --subdivide as for the bake: the solution must match the vertices. Materials and lights may have changed
+/// since the bake; lumel warns if they have.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  lumel render cornell-box --solution cornell.npz -o cornell.png
-  lumel render cornell-box --solution cornell.npz -o direct.png --bounce 0
+  lumel render cornell.npz -o cornell.png
+  lumel render cornell.npz -o direct.png --bounce 0
   lumel render room.glb --solution room.npz -o lux.png --show false-color --range 0,500
   lumel render room.glb --solution room.npz -o door.png \\
       --camera 'position=0,1.6,3 target=0,1,0 fov=60'")]
+#[command(mut_arg("scene", |scene| scene.value_name("SCENE|SOLUTION.npz")))]
 #[command(mut_arg("lights", |light| {
     light
         .value_name("LIGHT|NAME")
@@ -280,13 +297,13 @@ pub(crate) struct RenderArgs {
 
     /// The light: an .npz file from `lumel bake`, or a .rad file.
     ///
-    /// Required unless albedo or normals are shown.
-    #[arg(long, value_name = "FILE", required_unless_present = "show")]
+    /// Required unless albedo or normals are shown, or a solution stands in the place of the scene.
+    #[arg(long, value_name = "FILE")]
     pub(crate) solution: Option<PathBuf>,
 
-    /// The image to write, a .png file.
+    /// The image to write, a .png file. [default: NAME.png in the current folder]
     #[arg(short, long, value_name = "IMAGE.png")]
-    pub(crate) output: PathBuf,
+    pub(crate) output: Option<PathBuf>,
 
     /// Size of the image in pixels.
     #[arg(long, value_name = "WxH", default_value = "960x720", value_parser = parse::size)]
@@ -297,11 +314,12 @@ pub(crate) struct RenderArgs {
     #[arg(allow_negative_numbers = true)]
     pub(crate) samples: u32,
 
-    /// The camera: a camera of the scene by name, or 'position=x,y,z target=x,y,z fov=deg'.
+    /// The camera: a camera of the scene by name, 'position=x,y,z target=x,y,z fov=deg', or auto.
     ///
     /// Positions are in metres; fov is the vertical field of view in degrees (default 60); up=x,y,z is optional
-    /// (default 0,1,0). Without --camera: the first camera of the scene, or else one chosen to suit the scene.
-    #[arg(long, value_name = "NAME|VIEW", value_parser = parse::camera)]
+    /// (default 0,1,0). auto suits the scene, whatever cameras it has: it looks across a room, and has all of an object
+    /// in the picture. Without --camera: the first camera of the scene, or else auto.
+    #[arg(long, value_name = "NAME|VIEW|auto", value_parser = parse::camera)]
     pub(crate) camera: Option<CameraChoice>,
 
     /// The bounce to show: the light after K reflections (0: direct light), or the sum of all.
@@ -312,9 +330,9 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "WHAT", default_value = "radiance", value_parser = parse::named_show())]
     pub(crate) show: Show,
 
-    /// Whether normal maps are shown. Light tilts with them where the solution knows its directions.
-    #[arg(long, value_name = "WHICH", default_value = "up", value_parser = parse::named_normal_maps())]
-    pub(crate) normal_maps: NormalMaps,
+    /// Whether normal maps are shown. Light tilts with them where the solution knows its directions. [default: up]
+    #[arg(long, value_name = "WHICH", value_parser = parse::named_normal_maps())]
+    pub(crate) normal_maps: Option<NormalMaps>,
 
     /// How light on tilted normals is found, where the solution knows its directions.
     #[arg(long, value_name = "HOW", default_value = "nonlinear", value_parser = parse::named_shading())]

@@ -5,16 +5,17 @@ use crate::console::Messages;
 use crate::parse::{self, LightChoice};
 use clap::{Args, ValueEnum};
 use lumel::{LightKind, MaxEdge, OpenOptions, PathPolicy, SkyEntry, spec};
+use std::path::PathBuf;
 
 /// The largest number of threads; machines with more cores than that are not built.
 const MAX_THREADS: u32 = 1024;
 
 /// Which scene, and what to change about it.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct SceneArgs {
     /// A mesh file (.obj, .gltf, .glb, .ply), a project file (.lumel.toml) or a built-in scene.
     #[arg(value_name = "SCENE", long_help = scene_help())]
-    pub(crate) scene: String,
+    pub(crate) scene: PathBuf,
 
     /// A light: its kind, then key=value words, such as 'sun direction=-1,-2,-1 irradiance=5,5,5'. May be repeated.
     #[arg(long = "light", value_name = "LIGHT", value_parser = parse::light, help_heading = "Scene")]

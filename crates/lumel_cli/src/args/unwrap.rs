@@ -25,7 +25,7 @@ pub(crate) struct UnwrapArgs {
 
     /// A file to write; its extension selects the format. May be repeated.
     ///
-    /// .glb: the scene with its places in the atlas as TEXCOORD_1, without lights and cameras. .png: a picture of the
+    /// .glb: the scene with its places in the atlas as TEXCOORD_1, with cameras and all lights but areas. .png: a picture of the
     /// atlas; of several pages, NAME-0.png, NAME-1.png and so on. Without -o only the summary is printed.
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) outputs: Vec<PathBuf>,

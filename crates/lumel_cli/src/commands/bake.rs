@@ -10,7 +10,8 @@ use crate::failure::{hinted, with_hint};
 use crate::load::{self, Loaded, Meshes};
 use crate::memory;
 use crate::outcome::Outcome;
-use crate::outputs::{self, Light, Output};
+use crate::outputs::{self, Claim, Light, Output};
+use crate::source::SceneSource;
 use anyhow::bail;
 use lumel::{
     AmbientOcclusion, Baker, Control, Ended, LightmapEntry, LightmapTarget, Preset, RefinementState,
@@ -53,6 +54,8 @@ struct Wanted {
     occlusion: Option<AmbientOcclusion>,
     outputs: Vec<Output>,
     checkpoint: PathBuf,
+    /// The right to write them.
+    _claim: Claim,
 }
 
 impl Wanted {
@@ -67,7 +70,8 @@ impl Wanted {
         let mut outputs = outputs.collect::<anyhow::Result<Vec<_>>>()?;
         if outputs.is_empty() {
             let extension = if basis == Basis::Lightmap { "exr" } else { "npz" };
-            let name = format!("{}.{extension}", load::file_stem(&args.scene.scene));
+            let mut name = load::file_stem(&args.scene.scene);
+            name.push(format!(".{extension}"));
             outputs.push(Output::new(Path::new(&name), basis)?);
         }
         let checkpoint = checkpoint::path_for(&outputs[0].path);
@@ -76,6 +80,7 @@ impl Wanted {
             bail!("this name is reserved for the checkpoint; choose another: {}", checkpoint.display());
         }
         paths.push(&checkpoint);
+        args.gltf.check((basis == Basis::Lightmap).then(|| lightmap.target.unwrap_or_default()))?;
         let needs_occlusion = match lightmap.target {
             Some(LightmapTarget::Occlusion) => Some("--target occlusion"),
             _ => occlusion.falloff.map(|_| "--ao-falloff"),
@@ -83,9 +88,10 @@ impl Wanted {
         if let (Some(option), None) = (needs_occlusion, occlusion.distance) {
             return Err(hinted(format!("{option} needs ambient occlusion"), "add --ao METRES"));
         }
-        outputs::check(&paths, &load::source_files(&args.scene.scene))?;
+        let claim = outputs::claim(&paths, &load::source_files(&args.scene.scene))?;
         outputs.iter().try_for_each(Output::check_company)?;
-        Ok(Self { basis, lightmap, occlusion: occlusion.occlusion(), outputs, checkpoint })
+        let occlusion = occlusion.occlusion();
+        Ok(Self { basis, lightmap, occlusion, outputs, checkpoint, _claim: claim })
     }
 }
 
@@ -187,6 +193,8 @@ fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Ba
             solution: &solution,
             lightmapped: lightmapped.as_ref(),
             target: wanted.lightmap.target.unwrap_or_default(),
+            glb: args.gltf.options(),
+            source: SceneSource::of(&args.scene, args.normal_maps),
             png: args.png,
             green: args.normal_maps,
         };

@@ -36,7 +36,7 @@ pub(crate) fn prepare(
     (entry, preset): (LightmapEntry, Preset),
     run: &CommandRun,
 ) -> anyhow::Result<Option<Prepared>> {
-    let name = &*args.scene.scene;
+    let name = &*args.scene.scene.to_string_lossy();
     let to_unwrap = ToUnwrap { scene: &scene, name, entry, usual_lumels: preset.lumel_budget() };
     let (unwrapped, seconds) = run.timed("unwrap", || atlas::of(&to_unwrap, &args.atlas, run));
     Ok(unwrapped?.map(|Unwrapped { atlas, report }| Prepared {

@@ -6,7 +6,7 @@ use crate::console::{self, Console};
 use crate::failure::{hinted, with_hint};
 use crate::load::{self, Loaded, Meshes};
 use crate::outcome::Outcome;
-use crate::outputs;
+use crate::outputs::{self, Claim};
 use crate::points::Points;
 use crate::report;
 use anyhow::Context;
@@ -23,9 +23,7 @@ use std::sync::Arc;
 
 /// Measures.
 pub(crate) fn run(args: &MeasureArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
-    if let Some(output) = &args.output {
-        check_output(args, output)?;
-    }
+    let _claim = args.output.as_ref().map(|output| claim_output(args, output)).transpose()?;
     let points = Points::from_args(args)?;
     let pool = thread_pool(&args.run.threads)?;
     let mut run = CommandRun::start(args.run.progress, console)?;
@@ -46,14 +44,14 @@ pub(crate) fn run(args: &MeasureArgs, console: &Arc<Console>) -> anyhow::Result<
     Ok(console.outcome(args.run.strict))
 }
 
-fn check_output(args: &MeasureArgs, output: &Path) -> anyhow::Result<()> {
+fn claim_output(args: &MeasureArgs, output: &Path) -> anyhow::Result<Claim> {
     if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz")) {
         let message = format!("measurements can only be written as .npz: {}", output.display());
         return Err(hinted(message, "use a file name that ends in .npz"));
     }
     let mut sources = load::source_files(&args.scene.scene);
     sources.extend(args.solution.clone());
-    outputs::check(&[output], &sources)
+    outputs::claim(&[output], &sources)
 }
 
 /// Measures on the threads of the pool. `None` if cancelled.

@@ -1,47 +1,104 @@
 //! `lumel render`
 
-use crate::args::{Basis, ProgressMode, RenderArgs};
+use crate::args::{Basis, ProgressMode, RenderArgs, SceneArgs};
 use crate::command_run::{CommandRun, thread_pool};
 use crate::console::{self, Console};
-use crate::failure::hinted;
+use crate::failure::{hinted, with_hint};
 use crate::load::{self, Loaded, Meshes};
 use crate::outcome::Outcome;
 use crate::outputs::{self, Output};
 use crate::parse::{CameraChoice, LightChoice};
 use crate::picture::{self, Subject};
 use crate::report;
+use crate::source::{self, SceneSource};
 use anyhow::Context;
 use glam::Vec3;
 use lumel::{
-    Camera, Coefficients, Directional, LightFile, Lighting, LightmapSolution, RayTracer, Scene,
-    SolutionSelection, VertexLighting, tracer_of,
+    Camera, Coefficients, Directional, LightFile, LightFileError, Lighting, LightmapSolution, RayTracer,
+    Scene, SolutionSelection, VertexLighting, tracer_of,
 };
 use lumel_render_cpu::{
-    Display, Exposure, FalseColor, Picture, Relief, Resolution, Show, ToneMapper, camera_for,
+    Display, Exposure, FalseColor, NormalMaps, Picture, Relief, Resolution, Show, ToneMapper,
+    camera_chosen_for, camera_for,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// What is to be drawn, and where.
+struct Request<'a> {
+    args: &'a RenderArgs,
+    scene: SceneArgs,
+    solution: Option<PathBuf>,
+    /// Whether the solution says what the scene is.
+    is_remembered: bool,
+    normal_maps: NormalMaps,
+    output: PathBuf,
+}
+
+impl<'a> Request<'a> {
+    /// That of the command line; a solution alone names its scene.
+    fn new(args: &'a RenderArgs) -> anyhow::Result<Self> {
+        let given = &args.scene.scene;
+        let output = args.output.clone().unwrap_or_else(|| {
+            let mut name = load::file_stem(given);
+            name.push(".png");
+            name.into()
+        });
+        let normal_maps = args.normal_maps.unwrap_or_default();
+        if !source::is_solution(given) {
+            let (scene, solution) = (args.scene.clone(), args.solution.clone());
+            return Ok(Self { args, scene, solution, is_remembered: false, normal_maps, output });
+        }
+        if args.solution.is_some() {
+            let message = format!("this is a solution, not a scene: {}", given.display());
+            return Err(hinted(message, "leave out --solution, or name the scene of that solution"));
+        }
+        let remembered = SceneSource::load(given)?;
+        Ok(Self {
+            args,
+            normal_maps: args.normal_maps.or(remembered.normal_maps()).unwrap_or_default(),
+            scene: remembered.overridden_by(&args.scene),
+            solution: Some(given.clone()),
+            is_remembered: true,
+            output,
+        })
+    }
+
+    /// The error for light of a different scene.
+    fn other_scene(&self, error: impl Into<anyhow::Error>) -> anyhow::Error {
+        if !self.is_remembered {
+            return load::belongs_hint(error);
+        }
+        let scene = self.scene.scene.display();
+        let error = error.into().context(format!("the scene has changed since the bake: {scene}"));
+        with_hint(error, "bake it again, or name the scene as it was: lumel render SCENE --solution FILE")
+    }
+}
 
 /// Draws.
 pub(crate) fn run(args: &RenderArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
-    let display = display(args)?;
-    if !Output::new(&args.output, Basis::Vertex).is_ok_and(|output| output.is_picture()) {
-        let message = format!("images can only be written as .png: {}", args.output.display());
+    let request = Request::new(args)?;
+    let display = display(&request)?;
+    if !Output::new(&request.output, Basis::Vertex).is_ok_and(|output| output.is_picture()) {
+        let message = format!("images can only be written as .png: {}", request.output.display());
         return Err(hinted(message, "use a file name that ends in .png"));
     }
-    outputs::check(&[&args.output], &load::source_files(&args.scene.scene))?;
+    let mut sources = load::source_files(&request.scene.scene);
+    sources.extend(request.solution.clone());
+    let _claim = outputs::claim(&[&request.output], &sources)?;
     let pool = thread_pool(&args.threads)?;
     let run = CommandRun::start(ProgressMode::None, console)?;
-    let Some(picture) = pool.install(|| render(args, &display, &run))? else {
+    let Some(picture) = pool.install(|| render(&request, &display, &run))? else {
         console.note("stopped; no image was written");
         return Ok(Outcome::Cancelled);
     };
-    console::print(&summary(args, &picture)?)?;
+    console::print(&summary(&request.output, &picture)?)?;
     Ok(console.outcome(args.strict))
 }
 
 /// The display settings. Options without effect are rejected.
-fn display(args: &RenderArgs) -> anyhow::Result<Display> {
+fn display(request: &Request<'_>) -> anyhow::Result<Display> {
+    let args = request.args;
     let show = args.show;
     let unused = |option: &str, of: &str| {
         hinted(format!("{option} has no effect with --show {show}"), format!("use it with --show {of}"))
@@ -55,7 +112,7 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
     if args.tone != ToneMapper::default() && !show.is_exposed() {
         return Err(unused("--tone", "radiance or irradiance"));
     }
-    if args.solution.is_none() && !matches!(show, Show::Albedo | Show::Normals) {
+    if request.solution.is_none() && !matches!(show, Show::Albedo | Show::Normals) {
         let message = format!("--show {show} needs light");
         return Err(hinted(message, "add --solution FILE.npz, a solution from `lumel bake`"));
     }
@@ -64,21 +121,25 @@ fn display(args: &RenderArgs) -> anyhow::Result<Display> {
 }
 
 /// Draws and writes the image. `None` if cancelled.
-fn render(args: &RenderArgs, display: &Display, run: &CommandRun) -> anyhow::Result<Option<Picture>> {
-    if let Some(path) = args.solution.as_deref().filter(|path| LightmapSolution::is_file(path)) {
-        let Loaded { scene, warnings, .. } = load::load_whole(&args.scene)?;
-        load::warn(&warnings, &args.scene, &run.console);
-        let (solution, layer) = lightmap(args, path, &scene, &run.console)?;
+fn render(request: &Request<'_>, display: &Display, run: &CommandRun) -> anyhow::Result<Option<Picture>> {
+    if let Some(path) = request.solution.as_deref().filter(|path| LightmapSolution::is_file(path)) {
+        let Loaded { scene, warnings, .. } = load::load_whole(&request.scene)?;
+        load::warn(&warnings, &request.scene, &run.console);
+        let (solution, layer) = lightmap(request, path, &scene, &run.console)?;
         let light = solution.lightmap.by_direction(layer);
-        check_directions(args, light.kind())?;
-        return draw(args, display, &scene, &light, run);
+        check_directions(request.args, light.kind())?;
+        return draw(request, display, &scene, &light, run);
     }
-    let tessellation = args.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
-    let Loaded { scene, .. } = load::load_and_warn(&args.scene, &tessellation, Meshes::Split, &run.console)?;
-    let (light, directional) = light(args, &scene, &run.console)?;
-    check_directions(args, directional.as_ref().map_or(Directional::Off, Coefficients::kind))?;
+    let tessellation = request.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
+    let loaded = load::load_and_warn(&request.scene, &tessellation, Meshes::Split, &run.console);
+    // Edges of a scene that has changed may not be there to be split.
+    let splits_fail = !tessellation.splits.is_empty() && request.is_remembered;
+    let Loaded { scene, .. } =
+        loaded.map_err(|error| if splits_fail { request.other_scene(error) } else { error })?;
+    let (light, directional) = light(request, &scene, &run.console)?;
+    check_directions(request.args, directional.as_ref().map_or(Directional::Off, Coefficients::kind))?;
     let lighting = VertexLighting::new(&scene, &light)?.with_incident(directional.as_ref())?;
-    draw(args, display, &scene, &lighting, run)
+    draw(request, display, &scene, &lighting, run)
 }
 
 /// Whether light by direction of a kind has what is to be shown.
@@ -95,20 +156,21 @@ fn check_directions(args: &RenderArgs, kind: Directional) -> anyhow::Result<()> 
 
 /// Draws and writes the image of a lit scene. `None` if cancelled.
 fn draw(
-    args: &RenderArgs,
+    request: &Request<'_>,
     display: &Display,
     scene: &Scene,
     lighting: &dyn Lighting,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Picture>> {
+    let args = request.args;
     let tracer = tracer_of(scene);
-    let camera = camera(args.camera.as_ref(), scene, &*tracer)?;
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
-    let relief = Relief { maps: args.normal_maps, shading: args.shading };
+    let camera = camera(args.camera.as_ref(), scene, &*tracer, resolution.aspect())?;
+    let relief = Relief { maps: request.normal_maps, shading: args.shading };
     let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera, relief };
     let _heeding = run.interrupt.heed();
-    let result = picture::write(&args.output, &subject, &resolution, display, run.interrupt.picture());
+    let result = picture::write(&request.output, &subject, &resolution, display, run.interrupt.picture());
     if result.is_err() && run.interrupt.is_requested() {
         return Ok(None);
     }
@@ -116,12 +178,18 @@ fn draw(
 }
 
 fn light(
-    args: &RenderArgs,
+    request: &Request<'_>,
     scene: &Scene,
     console: &Console,
 ) -> anyhow::Result<(Vec<Vec3>, Option<Coefficients>)> {
-    let Some(path) = &args.solution else { return Ok((vec![Vec3::ZERO; scene.vertex_count()], None)) };
-    let fitting = LightFile::irradiance_for(path, scene, &selection(args)?).map_err(load::light_hint)?;
+    let Some(path) = &request.solution else { return Ok((vec![Vec3::ZERO; scene.vertex_count()], None)) };
+    let fitting = LightFile::irradiance_for(path, scene, &selection(request.args)?);
+    let fitting = fitting.map_err(|error| match error {
+        LightFileError::OtherScene { .. } | LightFileError::OtherPositions { .. } => {
+            request.other_scene(error)
+        }
+        error => error.into(),
+    })?;
     if !fitting.same_lighting {
         warn_of_changes(path, console);
     }
@@ -133,17 +201,17 @@ fn light(
 
 /// A lightmap of the scene and the layer to show.
 fn lightmap(
-    args: &RenderArgs,
+    request: &Request<'_>,
     path: &Path,
     scene: &Scene,
     console: &Console,
 ) -> anyhow::Result<(LightmapSolution, usize)> {
     let solution = LightmapSolution::load(path)?;
-    solution.check_belongs_to(scene).map_err(load::belongs_hint)?;
+    solution.check_belongs_to(scene).map_err(|error| request.other_scene(error))?;
     if !solution.has_lighting_of(scene) {
         warn_of_changes(path, console);
     }
-    let layer = solution.layer(&selection(args)?)?;
+    let layer = solution.layer(&selection(request.args)?)?;
     Ok((solution, layer))
 }
 
@@ -168,9 +236,15 @@ fn selection(args: &RenderArgs) -> anyhow::Result<SolutionSelection> {
     }
 }
 
-fn camera(choice: Option<&CameraChoice>, scene: &Scene, tracer: &dyn RayTracer) -> anyhow::Result<Camera> {
+fn camera(
+    choice: Option<&CameraChoice>,
+    scene: &Scene,
+    tracer: &dyn RayTracer,
+    aspect: f32,
+) -> anyhow::Result<Camera> {
     match choice {
-        None => Ok(camera_for(scene, tracer)),
+        None => Ok(camera_for(scene, tracer, aspect)),
+        Some(CameraChoice::Auto) => Ok(camera_chosen_for(scene, tracer, aspect)),
         Some(CameraChoice::Free(entry)) => Ok(entry.moved(-scene.origin()).camera()),
         Some(CameraChoice::Named(name)) => {
             let found = scene.cameras().iter().find(|camera| camera.name == *name).cloned();
@@ -187,8 +261,7 @@ fn camera(choice: Option<&CameraChoice>, scene: &Scene, tracer: &dyn RayTracer) 
     }
 }
 
-fn summary(args: &RenderArgs, picture: &Picture) -> anyhow::Result<String> {
-    let path = &args.output;
+fn summary(path: &Path, picture: &Picture) -> anyhow::Result<String> {
     let bytes = std::fs::metadata(path).with_context(|| format!("cannot find {}", path.display()))?.len();
     let (width, height) = (picture.width(), picture.height());
     let mut text = format!("wrote {}, {width}x{height}, {}", path.display(), report::bytes(bytes));

@@ -480,7 +480,8 @@ impl Summary {
         lines.push(format!("total {total:.2} s"));
         let threads = counted(self.threads, "thread", "threads");
         if self.rays > 0 {
-            lines.push(format!("rays {}, {:.2} Mrays/s on {threads}", self.rays, self.mrays_per_second));
+            let rate = lumel::ray_rate(1e6 * self.mrays_per_second).map(|rate| format!(", {rate}"));
+            lines.push(format!("rays {}{} on {threads}", self.rays, rate.unwrap_or_default()));
         }
         lines.extend(self.memory.text());
         lines.push(self.remainder_text());

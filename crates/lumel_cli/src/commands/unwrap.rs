@@ -33,14 +33,15 @@ enum Format {
 pub(crate) fn run(args: &UnwrapArgs, console: &Arc<Console>) -> anyhow::Result<Outcome> {
     let formats = args.outputs.iter().map(|path| format_of(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let paths: Vec<&Path> = args.outputs.iter().map(PathBuf::as_path).collect();
-    outputs::check(&paths, &load::source_files(&args.scene.scene))?;
+    let _claim = outputs::claim(&paths, &load::source_files(&args.scene.scene))?;
     let pool = thread_pool(&args.threads)?;
     let run = CommandRun::start(ProgressMode::None, console)?;
     let (Loaded { scene, warnings, lightmap, .. }, _) = load::load_as_it_is(&args.scene)?;
     load::warn(&warnings, &args.scene, console);
     let begun = run.clock.seconds();
     let entry = lightmap.overridden_by(args.atlas.entry());
-    let to_unwrap = ToUnwrap { scene: &scene, name: &args.scene.scene, entry, usual_lumels: LUMELS };
+    let to_unwrap =
+        ToUnwrap { scene: &scene, name: &args.scene.scene.to_string_lossy(), entry, usual_lumels: LUMELS };
     let unwrapped = pool.install(|| atlas::of(&to_unwrap, &args.atlas, &run))?;
     let Some(unwrapped) = unwrapped else {
         console.note("stopped; no file was written");

@@ -7,6 +7,8 @@ mod bake;
 mod broken;
 mod common;
 mod compare;
+#[cfg(unix)]
+mod failures;
 mod help;
 mod info;
 mod lightmaps;
@@ -21,6 +23,7 @@ mod resume;
 mod shooting;
 mod shown;
 mod three;
+mod tutorial;
 mod unwrap;
 #[cfg(unix)]
 mod view;

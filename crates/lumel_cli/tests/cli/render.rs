@@ -1,4 +1,5 @@
 use crate::common::{Place, TINY, run};
+use crate::project::FLOOR;
 use image::RgbImage;
 
 fn picture(place: &Place, name: &str) -> RgbImage {
@@ -194,4 +195,56 @@ fn normal_maps_are_lit_from_the_side_of_the_light() {
         assert!(shown.abs_diff(down) <= 2, "{command}: {shown} {down}");
     }
     run(&mut place.lumel("bake floor.obj --normal-maps off")).failed("up or down");
+}
+
+#[test]
+fn a_solution_alone_is_enough_for_a_picture() {
+    let place = Place::new();
+    place.write("scenes/floor.obj", FLOOR);
+    let lamp = "rect center=0,1,0 u=0.2,0,0 v=0,0,0.2 radiance=10,9,8 name=lamp";
+    let options = ["--light", lamp, "--sky", "0.1,0.2,0.3", "--max-edge", "0.2", "--two-sided", "none"];
+    let bake = |line: &str| run(place.lumel(line).args(TINY).args(options)).done();
+    bake("bake scenes/floor.obj --layers lights -o a.npz");
+    let size = "--size 24x18 --samples 1";
+    let draw = |line: &str| run(&mut place.lumel(&format!("render {line} {size}"))).done();
+    assert!(draw("a.npz").stdout.starts_with("wrote a.png, "));
+    run(place.lumel(&format!("render scenes/floor.obj --solution a.npz -o b.png {size}")).args(options))
+        .done();
+    assert_eq!(picture(&place, "a.png"), picture(&place, "b.png"));
+    assert_ne!(picture(&place, "a.png"), {
+        draw("a.npz -o lamp.png --light lamp");
+        picture(&place, "lamp.png")
+    });
+    // Both may move together; the solution knows the way.
+    std::fs::create_dir(place.path("moved")).unwrap();
+    for name in ["a.npz", "scenes"] {
+        std::fs::rename(place.path(name), place.path(&format!("moved/{name}"))).unwrap();
+    }
+    draw("moved/a.npz -o c.png");
+    assert_eq!(picture(&place, "a.png"), picture(&place, "c.png"));
+    let failed =
+        |line: &str, words: &str| run(&mut place.lumel(&format!("render {line} {size}"))).failed(words);
+    failed("moved/a.npz --solution moved/a.npz", "this is a solution, not a scene");
+    place.write("moved/scenes/floor.obj", &FLOOR.replace("0.5 0 -0.5", "0.5 0 -0.6"));
+    let changed = failed("moved/a.npz", "the scene has changed since the bake: moved/scenes/floor.obj");
+    assert!(changed.stderr.contains("bake it again"), "{}", changed.stderr);
+    std::fs::remove_file(place.path("moved/scenes/floor.obj")).unwrap();
+    let gone = failed("moved/a.npz", "is no longer there: moved/scenes/floor.obj");
+    assert!(gone.stderr.contains("lumel render SCENE --solution moved/a.npz"), "{}", gone.stderr);
+}
+
+#[test]
+fn lightmaps_and_built_in_scenes_are_remembered_too() {
+    let place = Place::new();
+    let tiny = TINY.join(" ");
+    let line = format!("bake furnace {tiny} --basis lightmap --lumels 2000 --subdivide 1 -o map.npz");
+    run(&mut place.lumel(&line)).done();
+    run(&mut place.lumel(&format!("bake sphere {tiny} --adaptive 5% --max-vertices 2000 -o adaptive.npz")))
+        .done();
+    for (solution, scene) in [("map", "furnace --subdivide 1"), ("adaptive", "sphere")] {
+        let size = "--size 24x18 --samples 1";
+        run(&mut place.lumel(&format!("render {solution}.npz {size}"))).done();
+        run(&mut place.lumel(&format!("render {scene} --solution {solution}.npz -o b.png {size}"))).done();
+        assert_eq!(picture(&place, &format!("{solution}.png")), picture(&place, "b.png"));
+    }
 }

@@ -1,6 +1,7 @@
 //! Scenes with their lightmap.
 
-use super::material::{Appearance, Materials};
+use super::lamps::LampPlace;
+use super::material::{Appearance, Look, Materials};
 use super::page_image::PageImages;
 use super::primitive::Streams;
 use super::unwrapped::{extras, placed_attributes, split_by_place};
@@ -37,7 +38,9 @@ const LOOKS: u32 = 4;
 ///
 /// Geometry and materials are those of [`write_unwrapped_glb`](crate::write_unwrapped_glb). The first layer is in PNG images of
 /// 8 bits, dithered, one for each page, or two where emission is in them: what emits has its own. Materials are there
-/// once for each page that they are on, and show it by `TEXCOORD_1`. The lights that were baked are left out.
+/// once for each page that they are on, and show it by `TEXCOORD_1`. Cameras and rectangles that emit are those of
+/// [`write_glb`](crate::write_glb); the other lights are in a scene of their own, the second of the file, unless viewers are to light
+/// the surfaces.
 ///
 /// - [`LightmapTarget::Three`]: `MOZ_lightmap` has linear irradiance over its `intensity`, which three.js multiplies by the albedo.
 ///   Materials that emit keep their emission. Bytes are coarse for what is dark; the `extras` of images name a view of the buffer,
@@ -93,7 +96,13 @@ pub fn write_lightmap_glb(
         LightmapTarget::Three | LightmapTarget::Any => PageImages::new(atlas.pages(), &light, curve),
     };
     let pages = pages.map_err(io)?;
-    let materials = Materials::new(scene, &primitives, appearance, Some(&pages)).map_err(io)?;
+    // The light of lamps is on the surfaces already, which viewers would light a second time.
+    let lamps = match target {
+        LightmapTarget::Occlusion => LampPlace::Scene,
+        LightmapTarget::Three | LightmapTarget::Any => LampPlace::Apart,
+    };
+    let look = Look { pages: Some(&pages), lamps, ..Look::of(appearance) };
+    let materials = Materials::new(scene, &primitives, &look).map_err(io)?;
     let mut attributes = placed_attributes(scene, atlas);
     if target == LightmapTarget::Any && scene.alphas().is_empty() {
         // Tints multiply the albedo, which is in the image.
@@ -101,7 +110,7 @@ pub fn write_lightmap_glb(
     }
     let mut extras = extras(scene, atlas);
     extras["lightmap"]["value"] = json!(meaning);
-    write(path, &Streams { scene, materials: &materials, primitives: &primitives, attributes }, &extras)
+    write(path, &Streams { scene, materials: &materials, primitives: &primitives, attributes }, extras)
 }
 
 /// Radiance by lumel that some of the triangles leave: the mean over what they cover of each. All other lumels have that of

@@ -1,18 +1,20 @@
 //! The materials and images of a GLB file.
 
 use super::binary::Binary;
+use super::lamps::{LampPlace, rectangles};
 use super::page_image::{FineImage, PageImages};
 use super::primitive::Primitive;
 use crate::pixels::{self, linear_pixels, opacity_pixels, srgb_pixels};
 use crate::png::encode_png;
 use glam::Vec3;
 use lumel_scene::{
-    AlphaMode, Filter, MAX_ALBEDO, Material, MaterialId, Scene, Texture, TextureId, TextureRef, Transparency,
-    UvTransform, Wrap,
+    AlphaMode, EncodedImage, Filter, Gloss, GlossTexture, MAX_ALBEDO, Material, MaterialId, Scene, Texture,
+    TextureId, TextureRef, Transparency, UvTransform, Wrap,
 };
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
+use std::sync::Arc;
 
 /// Magnification and minification of linear and nearest filters. Smaller pictures of a lightmap would mix charts.
 const LINEAR: [u32; 2] = [9729, 9987];
@@ -34,6 +36,9 @@ pub(super) struct Materials {
     normal_mapped: BTreeSet<MaterialId>,
     /// Whether it shows the light of pages.
     by_page: bool,
+    lamps: LampPlace,
+    /// Indices in the file of the materials of [`rectangles`].
+    rectangles: Vec<usize>,
     json: Vec<Value>,
     images: Vec<Image>,
     extensions: BTreeSet<&'static str>,
@@ -65,6 +70,24 @@ pub(super) enum Appearance {
     Emitters,
 }
 
+/// How materials are written.
+pub(super) struct Look<'a> {
+    pub(super) appearance: Appearance,
+    /// The light that they show, if it is in pages.
+    pub(super) pages: Option<&'a PageImages>,
+    /// The factor of what they emit.
+    pub(super) exposure: f32,
+    /// Where lights are.
+    pub(super) lamps: LampPlace,
+}
+
+impl Look<'_> {
+    /// Without pages, with emission as it is, and lights among the surfaces.
+    pub(super) fn of(appearance: Appearance) -> Self {
+        Self { appearance, pages: None, exposure: 1.0, lamps: LampPlace::Scene }
+    }
+}
+
 impl Appearance {
     fn of(self, material: &Material) -> Shown {
         match self {
@@ -88,9 +111,16 @@ impl Shown {
 
 struct Image {
     name: String,
-    png: Vec<u8>,
+    mime_type: &'static str,
+    bytes: Vec<u8>,
     sampler: Value,
     fine: Option<FineImage>,
+}
+
+impl Image {
+    fn png(name: String, bytes: Vec<u8>, sampler: Value) -> Self {
+        Self { name, mime_type: "image/png", bytes, sampler, fine: None }
+    }
 }
 
 /// What an image holds of a texture.
@@ -110,22 +140,22 @@ struct Images {
     index: BTreeMap<(TextureId, Content), usize>,
     /// By place in [`PageImages`].
     pages: BTreeMap<usize, usize>,
+    /// Those that are as they were read, with their index.
+    encoded: Vec<(Arc<EncodedImage>, [Wrap; 2], Filter, usize)>,
     extensions: BTreeSet<&'static str>,
 }
 
 impl Materials {
-    /// Those of the primitives, with the light of pages if there are any.
-    pub(super) fn new(
-        scene: &Scene,
-        primitives: &[Primitive],
-        appearance: Appearance,
-        pages: Option<&PageImages>,
-    ) -> io::Result<Self> {
+    /// Those of the primitives, and those of the lights that can be seen.
+    pub(super) fn new(scene: &Scene, primitives: &[Primitive], look: &Look<'_>) -> io::Result<Self> {
+        let Look { appearance, pages, .. } = *look;
         let mut materials = Self {
             index: BTreeMap::new(),
             textured: BTreeSet::new(),
             normal_mapped: BTreeSet::new(),
             by_page: pages.is_some(),
+            lamps: look.lamps,
+            rectangles: Vec::new(),
             json: Vec::new(),
             images: Vec::new(),
             extensions: BTreeSet::new(),
@@ -134,13 +164,14 @@ impl Materials {
         let mut images = Images::default();
         for (id, page) in used {
             let material = &scene.materials()[id.index()];
-            let mut json = describe(scene, material, appearance.of(material), &mut images)?;
+            let mut json = describe(scene, material, look, &mut images)?;
             if json.get("normalTexture").is_some() {
                 materials.normal_mapped.insert(id);
             }
             let surface = &json["pbrMetallicRoughness"];
-            let slots = [&surface["baseColorTexture"], &json["emissiveTexture"], &json["normalTexture"]];
-            if slots.iter().any(|slot| !slot.is_null()) {
+            let of_surface = [&surface["baseColorTexture"], &surface["metallicRoughnessTexture"]];
+            let slots = of_surface.into_iter().chain([&json["emissiveTexture"], &json["normalTexture"]]);
+            if slots.into_iter().any(|slot| !slot.is_null()) {
                 materials.textured.insert(id);
             }
             if let Some(pages) = pages {
@@ -148,6 +179,17 @@ impl Materials {
             }
             materials.index.insert((id, page), materials.json.len());
             materials.json.push(json);
+        }
+        for (name, light) in rectangles(scene, look.lamps) {
+            let texture = light.texture.map(TextureRef::plain);
+            let material = Material {
+                emission: light.radiance,
+                emission_texture: texture,
+                ..Material::diffuse(name, Vec3::ZERO)
+            };
+            let look = Look { appearance: Appearance::Surfaces, pages: None, ..*look };
+            materials.rectangles.push(materials.json.len());
+            materials.json.push(describe(scene, &material, &look, &mut images)?);
         }
         (materials.images, materials.extensions) = (images.list, images.extensions);
         Ok(materials)
@@ -160,6 +202,21 @@ impl Materials {
     /// Index in the file.
     pub(super) fn index(&self, primitive: &Primitive) -> usize {
         self.index[&self.key(primitive)]
+    }
+
+    /// Indices in the file of the materials of [`rectangles`].
+    pub(super) fn of_rectangles(&self) -> &[usize] {
+        &self.rectangles
+    }
+
+    /// Where lights are in the file.
+    pub(super) fn lamps(&self) -> LampPlace {
+        self.lamps
+    }
+
+    /// The extensions that they use.
+    pub(super) fn extensions(&self) -> &BTreeSet<&'static str> {
+        &self.extensions
     }
 
     /// Whether it has textures that are placed by `TEXCOORD_0`.
@@ -182,8 +239,9 @@ impl Materials {
             document["samplers"] = self.images.iter().map(|image| image.sampler.clone()).collect();
             document["images"] = (self.images.iter())
                 .map(|image| {
-                    let view = binary.add_view(image.png.len() as u64, json!({}));
-                    let mut json = json!({ "name": image.name, "mimeType": "image/png", "bufferView": view });
+                    let view = binary.add_view(image.bytes.len() as u64, json!({}));
+                    let mut json =
+                        json!({ "name": image.name, "mimeType": image.mime_type, "bufferView": view });
                     if let Some(FineImage { size, words }) = &image.fine {
                         let view = binary.add_view(words.len() as u64, json!({}));
                         json["extras"] = json!({ "rgb9e5": { "bufferView": view, "size": size } });
@@ -192,16 +250,13 @@ impl Materials {
                 })
                 .collect();
         }
-        if !self.extensions.is_empty() {
-            document["extensionsUsed"] = json!(self.extensions);
-        }
     }
 
     /// Writes the images in the order of [`Self::add_to`].
     pub(super) fn write_images(&self, out: &mut impl Write) -> io::Result<()> {
-        for Image { png, fine, .. } in &self.images {
-            out.write_all(png)?;
-            out.write_all(&[0; 3][..png.len().next_multiple_of(4) - png.len()])?;
+        for Image { bytes, fine, .. } in &self.images {
+            out.write_all(bytes)?;
+            out.write_all(&[0; 3][..bytes.len().next_multiple_of(4) - bytes.len()])?;
             if let Some(FineImage { words, .. }) = fine {
                 out.write_all(words)?;
             }
@@ -211,7 +266,8 @@ impl Materials {
 }
 
 /// Albedo in the base colour, emission in the emissive slots, each with its own texture.
-fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Images) -> io::Result<Value> {
+fn describe(scene: &Scene, material: &Material, look: &Look<'_>, images: &mut Images) -> io::Result<Value> {
+    let shown = look.appearance.of(material);
     let mut json = json!({
         "name": material.name,
         "doubleSided": false,
@@ -242,6 +298,9 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
     if let Some(texture) = albedo_texture {
         surface["baseColorTexture"] = texture;
     }
+    if matches!(look.appearance, Appearance::Surfaces | Appearance::Occluded) {
+        images.add_gloss(&mut surface, &material.gloss);
+    }
     json["pbrMetallicRoughness"] = surface;
     match mode {
         AlphaMode::Mask { cutoff } => {
@@ -253,7 +312,7 @@ fn describe(scene: &Scene, material: &Material, shown: Shown, images: &mut Image
     }
     if material.emits() && shown != Shown::Emission {
         let (emission, texture) =
-            images.slot(scene, material.emission.0, material.emission_texture, false)?;
+            images.slot(scene, material.emission.0 * look.exposure, material.emission_texture, false)?;
         let strength = emission.max_element().max(1.0);
         json["emissiveFactor"] = json!((emission / strength).to_array());
         if let Some(texture) = texture {
@@ -295,7 +354,7 @@ impl Images {
         let index = *self.pages.entry(place).or_insert_with(|| {
             let name = format!("lightmap {place}");
             let (png, fine) = (image.png.clone(), image.fine.clone());
-            list.push(Image { name, png, sampler: sampler([CLAMP; 2], LIGHTMAP), fine });
+            list.push(Image { fine, ..Image::png(name, png, sampler([CLAMP; 2], LIGHTMAP)) });
             list.len() - 1
         });
         if appearance == Appearance::Occluded {
@@ -336,12 +395,38 @@ impl Images {
                 self.list.len() - 1
             }
         };
+        Ok(self.placed(index, &texture.transform))
+    }
+
+    /// A reference to a texture of the file.
+    fn placed(&mut self, index: usize, uv: &UvTransform) -> Value {
         let mut json = json!({ "index": index });
-        if let Some(transform) = transform(&texture.transform) {
+        if let Some(transform) = transform(uv) {
             json["extensions"] = json!({ TRANSFORM: transform });
             self.extensions.insert(TRANSFORM);
         }
-        Ok(json)
+        json
+    }
+
+    /// Metal and roughness, with their image as it was read.
+    fn add_gloss(&mut self, surface: &mut Value, gloss: &Gloss) {
+        surface["metallicFactor"] = json!(gloss.metallic);
+        surface["roughnessFactor"] = json!(gloss.roughness);
+        let Some(GlossTexture { image, transform, wrap, filter }) = &gloss.texture else { return };
+        let is_same = |(known, wraps, how, _): &&(Arc<EncodedImage>, [Wrap; 2], Filter, usize)| {
+            Arc::ptr_eq(known, image) && wraps == wrap && how == filter
+        };
+        let index = self.encoded.iter().find(is_same).map(|(.., index)| *index);
+        let index = index.unwrap_or_else(|| {
+            let EncodedImage { name, mime_type, bytes } = &**image;
+            let sampler = sampler_of(*wrap, *filter);
+            let image_of = Image { mime_type, ..Image::png(name.clone(), bytes.clone(), sampler) };
+            self.list.push(image_of);
+            let index = self.list.len() - 1;
+            self.encoded.push((Arc::clone(image), *wrap, *filter, index));
+            index
+        });
+        surface["metallicRoughnessTexture"] = self.placed(index, transform);
     }
 }
 
@@ -374,16 +459,21 @@ fn encode(texture: &Texture, content: Content) -> io::Result<Image> {
             encode_png(&mut png, width, height, &flipped.collect::<Vec<_>>(), &[])?;
         }
     }
-    let wrap = [texture.wrap_u, texture.wrap_v].map(|wrap| match wrap {
+    let sampler = sampler_of([texture.wrap_u, texture.wrap_v], texture.filter);
+    Ok(Image::png(texture.name.clone(), png, sampler))
+}
+
+fn sampler_of(wrap: [Wrap; 2], filter: Filter) -> Value {
+    let wrap = wrap.map(|wrap| match wrap {
         Wrap::Repeat => 10497,
         Wrap::Mirror => 33648,
         Wrap::Clamp => CLAMP,
     });
-    let filter = match texture.filter {
+    let filter = match filter {
         Filter::Linear => LINEAR,
         Filter::Nearest => NEAREST,
     };
-    Ok(Image { name: texture.name.clone(), png, sampler: sampler(wrap, filter), fine: None })
+    sampler(wrap, filter)
 }
 
 fn sampler([s, t]: [u32; 2], [mag, min]: [u32; 2]) -> Value {

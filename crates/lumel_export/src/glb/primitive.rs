@@ -2,17 +2,17 @@
 
 use super::binary::Binary;
 use super::material::Materials;
-use glam::{Vec2, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use lumel_scene::{Bounds, MaterialId, ObjectId, Scene, TriId};
 use lumel_uv::Atlas;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, Write};
 
-const U32: u32 = 5125;
-const F32: u32 = 5126;
-const VERTICES: u32 = 34962;
-const INDICES: u32 = 34963;
+pub(super) const U32: u32 = 5125;
+pub(super) const F32: u32 = 5126;
+pub(super) const VERTICES: u32 = 34962;
+pub(super) const INDICES: u32 = 34963;
 
 /// The triangles of one object with one material, on one page of an atlas.
 pub(super) struct Primitive {
@@ -23,6 +23,13 @@ pub(super) struct Primitive {
     indices: Vec<u32>,
     /// For every vertex, one of the scene's corners (`3 * triangle + corner`) that it is at.
     corners: Vec<u32>,
+}
+
+impl Primitive {
+    /// For every vertex, a corner of the scene that it is at.
+    pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
+        self.corners.iter().copied()
+    }
 }
 
 /// Sorts the scene's triangles. A vertex that several primitives use is in each of them; one that has several places in
@@ -112,6 +119,18 @@ pub(super) fn tangents(scene: &Scene) -> Option<Attribute<'_>> {
     };
     let attribute = Attribute { only: Only::NormalMapped, ..Attribute::new("TANGENT", tangent) };
     (!scene.tangents().is_empty()).then_some(attribute)
+}
+
+/// Tints and alphas, where there are any.
+pub(super) fn tints(scene: &Scene) -> Option<Attribute<'_>> {
+    let tint = |corner: u32| scene.tints()[vertex(scene, corner)].clamp(Vec3::ZERO, Vec3::ONE);
+    if !scene.alphas().is_empty() {
+        let with_alpha =
+            move |_, corner| tint(corner).extend(scene.alphas()[vertex(scene, corner)]).to_array();
+        return Some(Attribute::new("COLOR_0", with_alpha));
+    }
+    let has_any = scene.tints().iter().any(|tint| *tint != Vec3::ONE);
+    has_any.then(|| Attribute::new("COLOR_0", move |_, corner| tint(corner).to_array()))
 }
 
 /// All numbers of a file, attribute by attribute: indices first.

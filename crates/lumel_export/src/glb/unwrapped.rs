@@ -1,10 +1,10 @@
 //! Scenes whose vertices know their place in an atlas.
 
-use super::material::{Appearance, Materials};
-use super::primitive::{Attribute, Primitive, Streams, place, split, tangents, vertex};
+use super::lamps::LampPlace;
+use super::material::{Appearance, Look, Materials};
+use super::primitive::{Attribute, Primitive, Streams, place, split, tangents, tints, vertex};
 use super::write;
 use crate::ExportError;
-use glam::Vec3;
 use lumel_scene::Scene;
 use lumel_uv::Atlas;
 use serde_json::{Value, json};
@@ -15,20 +15,21 @@ use std::path::Path;
 /// `TEXCOORD_1` is the place on the page, 0 to 1, `v` down; `TEXCOORD_0` is there with it, zero where the scene has none.
 /// Meshes, nodes, materials and textures are those of [`write_glb`](crate::write_glb), but lit by viewers, and an object
 /// that lies on several pages has primitives of its own for each, whose `extras` name it as `lightmap_page`. Back sides
-/// are triangles of their own. `COLOR_0` is the tint and alpha of vertices, in scenes that have any. Lights and cameras
-/// are left out. Pages, density, gutter and the hash of the atlas are in the `extras` of `asset`.
+/// are triangles of their own. `COLOR_0` is the tint and alpha of vertices, in scenes that have any. Cameras and lights are
+/// those of [`write_glb`](crate::write_glb), but for rectangles, which have no place in the atlas. Pages, density, gutter and the hash of the atlas are in the `extras` of `asset`.
 ///
 /// # Errors
 /// An atlas of another scene, a scene beyond the format's limit of 4 GiB, and the errors of
 /// [`write_atomically`](crate::write_atomically).
 pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<(), ExportError> {
     let primitives = split_by_place(path, scene, atlas)?;
-    let materials = Materials::new(scene, &primitives, Appearance::Surfaces, None)
-        .map_err(|error| ExportError::io(path, error))?;
+    let look = Look { lamps: LampPlace::Unseen, ..Look::of(Appearance::Surfaces) };
+    let materials =
+        Materials::new(scene, &primitives, &look).map_err(|error| ExportError::io(path, error))?;
     let attributes = placed_attributes(scene, atlas);
     let extras = extras(scene, atlas);
     let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
-    write(path, &streams, &extras)
+    write(path, &streams, extras)
 }
 
 /// The primitives of a scene by pages, once it is clear that the atlas is its own.
@@ -54,14 +55,7 @@ pub(super) fn placed_attributes<'a>(scene: &'a Scene, atlas: &'a Atlas) -> Vec<A
         Attribute::new("POSITION", |_, corner| scene.positions()[vertex(scene, corner)].to_array()),
         Attribute::new("NORMAL", |_, corner| scene.normals()[vertex(scene, corner)].to_array()),
     ];
-    let tint = |corner: u32| scene.tints()[vertex(scene, corner)].clamp(Vec3::ZERO, Vec3::ONE);
-    if !scene.alphas().is_empty() {
-        attributes.push(Attribute::new("COLOR_0", move |_, corner| {
-            tint(corner).extend(scene.alphas()[vertex(scene, corner)]).to_array()
-        }));
-    } else if scene.tints().iter().any(|tint| *tint != Vec3::ONE) {
-        attributes.push(Attribute::new("COLOR_0", move |_, corner| tint(corner).to_array()));
-    }
+    attributes.extend(tints(scene));
     attributes.extend(tangents(scene));
     attributes.extend([
         Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array()),

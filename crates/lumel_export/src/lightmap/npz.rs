@@ -143,6 +143,14 @@ impl LightmapSolution {
         NpzReader::open(path).is_ok_and(|mut npz| read_format(&mut npz).as_deref() == Some(KIND.format))
     }
 
+    /// Reads where a lightmap comes from and leaves its light.
+    ///
+    /// # Errors
+    /// A file that is no lightmap, of a newer format, or damaged.
+    pub fn load_meta(path: &Path) -> Result<SolutionMeta, SolutionError> {
+        read_meta(&mut NpzReader::open(path)?, &KIND)
+    }
+
     /// Whether both are light at the same lumels of the same surfaces.
     pub fn same_lumels_as(&self, other: &Self) -> bool {
         self.meta.geometry_hash == other.meta.geometry_hash

@@ -220,7 +220,7 @@ fn irradiance_is_exact_and_what_is_seen_is_displayed_radiance() {
 
 #[test]
 fn lamps_and_screens_are_bright() {
-    let (glb, _) = written(&colourful(), ColorScale::Auto);
+    let (glb, _) = written(&colourful(), ColorScale::Factor(0.5));
     let lamp = glb.material_named("lamp");
     assert_eq!(lamp["pbrMetallicRoughness"]["baseColorFactor"], serde_json::json!([1.0, 1.0, 1.0, 1.0]));
     let emission = lamp["extras"]["emission"].clone();
@@ -234,11 +234,11 @@ fn lamps_and_screens_are_bright() {
     let screen = glb.material_named("screen");
     assert_eq!(screen["pbrMetallicRoughness"]["baseColorFactor"], serde_json::json!([0.0, 0.0, 0.0, 1.0]));
     assert!(screen["pbrMetallicRoughness"]["baseColorTexture"].is_null());
-    // Twice the largest texel, which is 4.
+    // Twice the largest texel, which is 4, times the exposure.
     assert_eq!(screen["emissiveFactor"], serde_json::json!([1.0, 1.0, 1.0]));
     assert_eq!(
         screen["extensions"],
-        serde_json::json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 8.0 } })
+        serde_json::json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 4.0 } })
     );
     let texture = &glb.json["textures"][number(&screen["emissiveTexture"]["index"])];
     let image = &glb.json["images"][number(&texture["source"])];
@@ -306,7 +306,7 @@ fn albedo_and_emission_keep_textures_of_their_own() {
     };
     let painted = Material { emission_texture: None, name: "painted".into(), ..screen.clone() };
     let scene = textured_square(vec![screen, painted], vec![texture("paint", [255, 0, 0]), glow]);
-    let (glb, _) = written(&scene, ColorScale::Auto);
+    let (glb, _) = written(&scene, ColorScale::Factor(1.0));
     let image_of = |slot: &Value| {
         let texture = &glb.json["textures"][number(&slot["index"])];
         let sampler = &glb.json["samplers"][number(&texture["sampler"])];
@@ -420,6 +420,33 @@ fn light_that_does_not_fit_is_refused() {
     assert!(refused(Vec3::INFINITY, 4, ColorScale::Auto).contains("at vertex 0 is not a finite number"));
     assert!(refused(Vec3::ONE, 4, ColorScale::Factor(0.0)).contains("exposure is 0"));
     assert!(!path.exists());
+}
+
+#[test]
+fn nothing_is_clipped_if_that_is_wanted() {
+    let scene = colourful();
+    let (glb, exposure) = written(&scene, ColorScale::Unclipped);
+    let light = light_on(&scene);
+    let mut brightest = 0.0_f32;
+    for primitive in glb.primitives() {
+        let colors = glb.vectors(&primitive["attributes"]["COLOR_0"]);
+        brightest = colors.iter().fold(brightest, |most, color| most.max(color.max_element()));
+    }
+    assert!((brightest - 1.0).abs() < 1e-6);
+    // The spot of 400 on a white surface.
+    let white = Irradiance(light[1]).reflected(Albedo::splat(1.0)).radiance().0.max_element();
+    assert!((exposure * white - 1.0).abs() < 1e-6, "{exposure} {white}");
+    // An exposure that clips shows the same but for that.
+    let (clipped, factor) = written(&scene, ColorScale::Auto);
+    assert!(factor > 10.0 * exposure);
+    let pairs = glb.primitives().zip(clipped.primitives());
+    for (all, part) in pairs {
+        let [all, part] =
+            [(&glb, all), (&clipped, part)].map(|(glb, p)| glb.vectors(&p["attributes"]["COLOR_0"]));
+        for (all, part) in all.iter().zip(part) {
+            assert!(((*all * (factor / exposure)).min(Vec3::ONE) - part).length() < 1e-4);
+        }
+    }
 }
 
 /// Lets Khronos' validator look at a file, where it is installed.

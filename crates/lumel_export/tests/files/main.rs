@@ -5,6 +5,8 @@ mod damage;
 #[cfg(test)]
 mod glb;
 #[cfg(test)]
+mod kept;
+#[cfg(test)]
 mod lighting;
 #[cfg(test)]
 mod lightmap;

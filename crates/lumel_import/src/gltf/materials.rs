@@ -9,8 +9,8 @@ use gltf_json::material::NormalTexture;
 use gltf_json::texture::Info;
 use gltf_json::validation::Checked;
 use lumel_scene::{
-    AlphaMode, Encoding, Material, MaterialId, NormalMap, Radiance, Sides, Texture, TextureRef, Transparency,
-    UvTransform, Warnings,
+    AlphaMode, Encoding, Gloss, Material, MaterialId, NormalMap, Radiance, Sides, Texture, TextureRef,
+    Transparency, UvTransform, Warnings,
 };
 use std::collections::BTreeMap;
 
@@ -132,6 +132,17 @@ impl<'a> Materials<'a> {
             Some(NormalMap { image: bind(Some(Slot::normal(normal)))?, scale: Vec2::splat(normal.scale) })
         });
 
+        // Coordinates are those of the other textures: alone, it would change what is baked.
+        let gloss_texture = (pbr.metallic_roughness_texture.as_ref())
+            .map(|info| Slot::color("metallic-roughness", info))
+            .filter(|slot| Some(slot.uv_set) == uv_set)
+            .and_then(|slot| self.textures.encoded(slot.texture, slot.transform));
+        let gloss = Gloss {
+            metallic: share(pbr.metallic_factor.0),
+            roughness: share(pbr.roughness_factor.0),
+            texture: gloss_texture,
+        };
+
         let [red, green, blue, alpha] = pbr.base_color_factor.0;
         let base = Vec3::new(red, green, blue);
         let transmission = transmission_factor(material) * (1.0 - pbr.metallic_factor.0.clamp(0.0, 1.0));
@@ -151,9 +162,15 @@ impl<'a> Materials<'a> {
             normal_texture,
             sides: if material.double_sided { Sides::Both } else { Sides::Front },
             transparency,
+            gloss,
         };
         (material, uv_set)
     }
+}
+
+/// A number within 0..=1; 1 for what is none.
+fn share(factor: f32) -> f32 {
+    if factor.is_nan() { 1.0 } else { factor.clamp(0.0, 1.0) }
 }
 
 const TRANSMISSION: &str = "KHR_materials_transmission";

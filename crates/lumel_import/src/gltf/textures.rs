@@ -4,15 +4,17 @@ use super::buffers::Buffers;
 use super::document::Document;
 use super::uri;
 use crate::TextureError;
-use crate::image::{Budget, TextureCache, TextureKey, decode};
+use crate::image::{Budget, TextureCache, TextureKey, decode, encoded_type};
 use crate::paths::Resolver;
 use crate::text::escaped;
 use gltf_json::Image;
 use gltf_json::texture::{MagFilter, WrappingMode};
 use gltf_json::validation::Checked;
-use lumel_scene::{Encoding, Filter, Texture, TextureId, Wrap};
+use lumel_scene::{EncodedImage, Encoding, Filter, GlossTexture, Texture, TextureId, UvTransform, Wrap};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The textures of a document, each decoded when it is first used.
 pub(super) struct Textures<'a> {
@@ -20,34 +22,30 @@ pub(super) struct Textures<'a> {
     buffers: &'a Buffers<'a>,
     resolver: &'a Resolver,
     cache: TextureCache,
+    /// Images that are kept as they are, by index in the document; `None` for those that cannot be.
+    encoded: BTreeMap<usize, Option<Arc<EncodedImage>>>,
+}
+
+/// What a texture of the document is.
+struct Parts<'d> {
+    image: &'d Image,
+    image_index: usize,
+    source: Source,
+    wrap: [Wrap; 2],
+    filter: Filter,
 }
 
 impl<'a> Textures<'a> {
     pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, resolver: &'a Resolver) -> Self {
-        Self { document, buffers, resolver, cache: TextureCache::default() }
+        Self { document, buffers, resolver, cache: TextureCache::default(), encoded: BTreeMap::new() }
     }
 
     /// The scene's texture for one of the document's, or why it is unavailable.
     ///
     /// Uses of the same image with the same wrapping, filter and encoding share a texture.
     pub(super) fn get(&mut self, index: usize, encoding: Encoding) -> Result<TextureId, String> {
-        let Self { document, buffers, resolver, cache } = self;
-        let texture = document.textures.get(index).and_then(Option::as_ref);
-        let texture = texture.ok_or_else(|| format!("texture {index} does not exist or cannot be read"))?;
-        // A texture without an image, as those in foreign formats are, has the largest index of all here.
-        let image_index = texture.source.value();
-        let image = document.images.get(image_index).and_then(Option::as_ref);
-        let image =
-            image.ok_or_else(|| format!("texture {index} has no image in a format that lumel reads"))?;
-        let sampler = texture.sampler.and_then(|sampler| document.samplers.get(sampler.value())?.as_ref());
-        let (wrap_u, wrap_v) =
-            sampler.map_or_else(Default::default, |s| (wrapping(s.wrap_s), wrapping(s.wrap_t)));
-        // Baked light is seen from near by: how a texture is made smaller does not matter.
-        let filter = match sampler.and_then(|sampler| sampler.mag_filter) {
-            Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
-            _ => Filter::Linear,
-        };
-        let source = Source::of(image, image_index, resolver)?;
+        let Parts { image, image_index, source, wrap: [wrap_u, wrap_v], filter } = self.parts(index)?;
+        let Self { buffers, cache, .. } = self;
         // Files have absolute paths, so no file is called that.
         let inline = || PathBuf::from(format!("image {image_index}"));
         let unique = source.file.clone().unwrap_or_else(inline);
@@ -57,6 +55,39 @@ impl<'a> Textures<'a> {
             decode(&bytes, &source.name, source.extension(image), encoding, budget)
         };
         cache.get_or_load(key, load).map_err(|error| error.to_string())
+    }
+
+    /// One of the document's textures with its image as it is; `None` if it is no PNG or JPEG image that can be read.
+    pub(super) fn encoded(&mut self, index: usize, transform: UvTransform) -> Option<GlossTexture> {
+        let Parts { image, image_index, source, wrap, filter } = self.parts(index).ok()?;
+        let buffers = self.buffers;
+        let read = || {
+            let bytes = source.bytes(image, buffers).ok()?;
+            let mime_type = encoded_type(&bytes)?;
+            Some(Arc::new(EncodedImage { name: source.name.clone(), mime_type, bytes: bytes.into_owned() }))
+        };
+        let image = self.encoded.entry(image_index).or_insert_with(read).clone()?;
+        Some(GlossTexture { image, transform, wrap, filter })
+    }
+
+    fn parts(&self, index: usize) -> Result<Parts<'a>, String> {
+        let document = self.document;
+        let texture = document.textures.get(index).and_then(Option::as_ref);
+        let texture = texture.ok_or_else(|| format!("texture {index} does not exist or cannot be read"))?;
+        // A texture without an image, as those in foreign formats are, has the largest index of all here.
+        let image_index = texture.source.value();
+        let image = document.images.get(image_index).and_then(Option::as_ref);
+        let image =
+            image.ok_or_else(|| format!("texture {index} has no image in a format that lumel reads"))?;
+        let sampler = texture.sampler.and_then(|sampler| document.samplers.get(sampler.value())?.as_ref());
+        let wrap = sampler.map_or_else(Default::default, |s| [wrapping(s.wrap_s), wrapping(s.wrap_t)]);
+        // Baked light is seen from near by: how a texture is made smaller does not matter.
+        let filter = match sampler.and_then(|sampler| sampler.mag_filter) {
+            Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
+            _ => Filter::Linear,
+        };
+        let source = Source::of(image, image_index, self.resolver)?;
+        Ok(Parts { image, image_index, source, wrap, filter })
     }
 
     /// All textures, in the order of their ids.

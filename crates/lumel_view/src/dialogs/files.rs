@@ -1,5 +1,6 @@
 //! The file dialog: a path to type, a button for the system's dialog, and a list of scenes.
 
+use super::export::{self, ExportChoice};
 use super::open;
 use crate::actions::{Action, Actions};
 use crate::document::OpenRequest;
@@ -42,6 +43,8 @@ pub struct FileDialog {
     pub path: String,
     /// Longest edge after tessellation; `None` for what is usual.
     pub max_edge: Option<MaxEdge>,
+    /// How a mesh is saved.
+    export: Option<ExportChoice>,
     note: String,
     problem: Option<String>,
     browsing: Option<Background<Option<PathBuf>>>,
@@ -51,7 +54,7 @@ pub struct FileDialog {
 impl FileDialog {
     fn new(purpose: FilePurpose, path: String) -> Self {
         let (note, max_edge) = (String::new(), None);
-        Self { purpose, path, max_edge, note, problem: None, browsing: None, focus: true }
+        Self { purpose, path, max_edge, export: None, note, problem: None, browsing: None, focus: true }
     }
 
     /// Asks for a scene.
@@ -61,13 +64,15 @@ impl FileDialog {
     }
 
     /// Asks where to save the lit mesh.
-    pub fn save_mesh(session: &Session, selection: Selection) -> Self {
-        let note = if session.light.is_empty() {
-            "There is no solution yet: the mesh is saved without light.".to_owned()
+    ///
+    /// `stops` is the exposure of the picture.
+    pub fn save_mesh(session: &Session, selection: Selection, stops: f32) -> Self {
+        let (note, export) = if session.light.is_empty() {
+            ("There is no solution yet: the mesh is saved without light.".to_owned(), None)
         } else {
-            format!("The mesh is saved with {selection}, as shown.")
+            (String::new(), Some(ExportChoice::new(selection, stops)))
         };
-        Self { note, ..Self::new(FilePurpose::SaveMesh, suggestion(session, "lit.glb")) }
+        Self { note, export, ..Self::new(FilePurpose::SaveMesh, session.path_beside_scene("lit.glb")) }
     }
 
     /// Asks where to save the project.
@@ -75,23 +80,23 @@ impl FileDialog {
         let note =
             "Saves lights, view, settings and slots. Save it next to the mesh, or in a folder above it."
                 .to_owned();
-        Self { note, ..Self::new(FilePurpose::SaveProject, suggestion(session, "lumel.toml")) }
+        Self { note, ..Self::new(FilePurpose::SaveProject, session.path_beside_scene("lumel.toml")) }
     }
 
     /// Asks for a solution.
     pub fn load_solution(session: &Session) -> Self {
-        Self::new(FilePurpose::LoadSolution, suggestion(session, "npz"))
+        Self::new(FilePurpose::LoadSolution, session.path_beside_scene("npz"))
     }
 
     /// Asks for a solution to compare with.
     pub fn compare_solution(session: &Session) -> Self {
-        Self::new(FilePurpose::CompareSolution, suggestion(session, "npz"))
+        Self::new(FilePurpose::CompareSolution, session.path_beside_scene("npz"))
     }
 
     /// Asks where to save the solution.
     pub fn save_solution(session: &Session) -> Self {
         let note = ".npz holds every bounce; .rad holds their sum divided by pi.".to_owned();
-        Self { note, ..Self::new(FilePurpose::SaveSolution, suggestion(session, "npz")) }
+        Self { note, ..Self::new(FilePurpose::SaveSolution, session.path_beside_scene("npz")) }
     }
 
     /// Asks where to save the lightmap.
@@ -102,7 +107,10 @@ impl FileDialog {
         } else {
             "There is no lightmap yet: choose it as the basis under Solve, and solve."
         };
-        Self { note: note.to_owned(), ..Self::new(FilePurpose::SaveLightmap, suggestion(session, "exr")) }
+        Self {
+            note: note.to_owned(),
+            ..Self::new(FilePurpose::SaveLightmap, session.path_beside_scene("exr"))
+        }
     }
 
     fn title(&self) -> &'static str {
@@ -171,16 +179,6 @@ impl FileDialog {
     }
 }
 
-/// A name beside the scene, or in the current folder for built-in ones.
-fn suggestion(session: &Session, extension: &str) -> String {
-    let Some(document) = &session.document else { return String::new() };
-    let source = Path::new(&document.request.name);
-    let file = source.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = file.split('.').next().unwrap_or_default();
-    let name = format!("{stem}.{extension}");
-    if source.exists() { source.with_file_name(name).to_string_lossy().into_owned() } else { name }
-}
-
 /// What was decided.
 enum Decision {
     Do,
@@ -205,6 +203,9 @@ impl FileDialog {
             ui.add_space(6.0);
             if self.purpose == FilePurpose::OpenScene {
                 chosen = open::choices(ui, &prefs.recent, &mut self.max_edge, session.document.as_ref());
+            }
+            if let Some(export) = &mut self.export {
+                export::show(ui, export, &mut self.path, session);
             }
             decision = path_row(ui, &mut self, session.wake());
             if !self.note.is_empty() {
@@ -282,7 +283,10 @@ fn act(
             request.options.max_edge = dialog.max_edge;
             actions.push(Action::Open(request));
         }
-        FilePurpose::SaveMesh => session.save_mesh(path, &prefs.view)?,
+        FilePurpose::SaveMesh => {
+            let export = dialog.export.unwrap_or(ExportChoice::new(prefs.view.selection, 0.0)).export();
+            session.save_mesh(path, export, &prefs.view.relief)?;
+        }
         FilePurpose::SaveProject => session.save_project(path)?,
         FilePurpose::SaveSolution => session.save_solution(path)?,
         FilePurpose::SaveLightmap => session.save_lightmap(path, &prefs.view)?,

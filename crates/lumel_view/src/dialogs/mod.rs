@@ -1,5 +1,6 @@
 //! Dialogs.
 
+mod export;
 mod files;
 mod help;
 mod open;
@@ -12,7 +13,7 @@ use crate::document::OpenRequest;
 use crate::prefs::Prefs;
 use crate::session::Session;
 use eframe::egui;
-use question::{Question, Restore};
+use question::{Answer, Question, Restore};
 
 /// All that may be open.
 #[derive(Default)]
@@ -69,11 +70,15 @@ impl Dialogs {
         }
     }
 
-    /// Draws the question whether to open a scene although work would be lost; the scene, once that is answered with yes.
-    pub fn show_question(&mut self, ctx: &egui::Context) -> Option<OpenRequest> {
-        let open = self.question.as_ref()?.show(ctx)?;
-        let question = self.question.take()?;
-        open.then_some(question.request)
+    /// Draws the question whether to open a scene although work would be lost, and does what is answered.
+    pub fn show_question(&mut self, session: &mut Session, ctx: &egui::Context) {
+        let Some(answer) = self.question.as_ref().and_then(|question| question.show(ctx)) else { return };
+        let Some(Question { request, .. }) = self.question.take() else { return };
+        match answer {
+            Answer::SaveAndOpen => session.save_and_open(request),
+            Answer::Open => session.open(request),
+            Answer::Cancel => {}
+        }
     }
 
     fn restore(&mut self, session: &mut Session, ctx: &egui::Context) {

@@ -12,8 +12,8 @@ pub(super) struct Question {
 }
 
 impl Question {
-    /// Asks; whether to open the scene, once that is answered.
-    pub(super) fn show(&self, ctx: &egui::Context) -> Option<bool> {
+    /// Asks; the answer, once there is one.
+    pub(super) fn show(&self, ctx: &egui::Context) -> Option<Answer> {
         let mut answer = None;
         modal(ctx, "question", 420.0, |ui| {
             ui.heading(format!("Open {}?", self.request.title()));
@@ -22,16 +22,27 @@ impl Question {
             ui.label(RichText::new("Opening another scene discards it.").color(theme::WEAK));
             ui.add_space(10.0);
             ui.horizontal(|ui| {
-                if primary_button(ui, "Open anyway", 130.0).clicked() {
-                    answer = Some(true);
+                let about = "Saves it beside the scene, under a name that is not taken";
+                if primary_button(ui, "Save and open", 130.0).on_hover_text(about).clicked() {
+                    answer = Some(Answer::SaveAndOpen);
                 }
-                if ui.add_sized([100.0, 30.0], egui::Button::new("Cancel")).clicked() {
-                    answer = Some(false);
+                for (text, choice) in [("Open anyway", Answer::Open), ("Cancel", Answer::Cancel)] {
+                    if ui.add_sized([110.0, 30.0], egui::Button::new(text)).clicked() {
+                        answer = Some(choice);
+                    }
                 }
             });
         });
         answer
     }
+}
+
+/// What to do with unsaved work before another scene is opened.
+#[derive(Clone, Copy)]
+pub(super) enum Answer {
+    SaveAndOpen,
+    Open,
+    Cancel,
 }
 
 /// What to do with the unsaved work of an earlier run.

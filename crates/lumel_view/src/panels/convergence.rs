@@ -4,6 +4,7 @@ use super::course;
 use super::order::NO_BOUNCES;
 use crate::prefs::PlotKind;
 use crate::session::Session;
+use crate::solver::BounceStats;
 use crate::theme;
 use crate::values::percent;
 use crate::widgets::hint;
@@ -45,10 +46,11 @@ fn by_bounce(session: &Session, ui: &mut Ui) {
     }
     let stats = &session.stats;
     if stats.is_empty() {
-        hint(ui, "Power, change and remaining energy are plotted here for each bounce of a solve.");
+        hint(ui, "Power, change and what is still missing are plotted here for each bounce of a solve.");
         return;
     }
     let all: f64 = stats.iter().map(|s| s.power).sum();
+    let missing = missing(stats);
     // Decades, because each bounce is a share of the one before.
     let log = |share: f64| (share > 0.0).then(|| share.log10());
     let series = |value: &dyn Fn(usize) -> Option<f64>| -> Vec<[f64; 2]> {
@@ -57,7 +59,7 @@ fn by_bounce(session: &Session, ui: &mut Ui) {
     let lines = [
         ("Power of the bounce / total", series(&|k| log(stats[k].power / all))),
         ("RMS change / light so far", series(&|k| log(stats[k].change))),
-        ("Remaining energy", series(&|k| stats[k].unfinished.and_then(log))),
+        ("Light still missing", series(&|k| log(missing[k]))),
     ];
     Plot::new("convergence")
         .legend(Legend::default().position(Corner::RightTop))
@@ -91,6 +93,23 @@ fn by_bounce(session: &Session, ui: &mut Ui) {
         });
 }
 
+/// The share of all light that was missing after each bounce: what later ones have brought since, and what is estimated to
+/// come after the last.
+///
+/// An estimate after each bounce alone may rise with the next one; this falls.
+fn missing(stats: &[BounceStats]) -> Vec<f64> {
+    let known: f64 = stats.iter().map(|s| s.power).sum();
+    let to_come = known * stats.last().and_then(|last| last.unfinished).unwrap_or(0.0);
+    let mut later = to_come;
+    let mut shares = Vec::with_capacity(stats.len());
+    for bounce in stats.iter().rev() {
+        shares.push(if known > 0.0 { later / (known + to_come) } else { 0.0 });
+        later += bounce.power;
+    }
+    shares.reverse();
+    shares
+}
+
 /// Marks at 1, 2 and 5 times each power of ten.
 pub(super) fn decades((lo, hi): (f64, f64)) -> Vec<GridMark> {
     let range = lo.max(-12.0).floor() as i32..=hi.min(12.0).ceil() as i32;
@@ -101,4 +120,19 @@ pub(super) fn decades((lo, hi): (f64, f64)) -> Vec<GridMark> {
 /// A decade as a share.
 pub(super) fn share(decades: f64) -> String {
     percent(10f64.powf(decades))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_falls_even_where_its_estimates_rise() {
+        let bounce = |power, unfinished| BounceStats { power, change: 0.0, unfinished, seconds: 0.0 };
+        let stats =
+            [bounce(6.0, None), bounce(1.0, Some(0.1)), bounce(2.0, Some(0.5)), bounce(1.0, Some(0.25))];
+        let shares = missing(&stats);
+        assert_eq!(shares, [0.52, 0.44, 0.28, 0.2]);
+        assert_eq!(missing(&[bounce(0.0, None)]), [0.0]);
+    }
 }

@@ -76,6 +76,10 @@ pub(super) fn show(session: &Session, stage: Option<&Stage>, view: &mut ViewPref
         &mut view.shooters,
     );
     check(ui, "Rays of the picked vertex", "Its hemisphere rays of the first bounce", &mut view.rays);
+    let is_outdoors = session.document.as_ref().is_some_and(|document| document.is_outdoors);
+    if is_outdoors {
+        check(ui, "Ground grid", "Lines on the ground, for a sense of size", &mut view.ground);
+    }
     check(ui, "Light handles", "Outlines of the lights, and handles for the active one", &mut view.gizmo);
 }
 

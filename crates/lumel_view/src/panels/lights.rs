@@ -23,6 +23,7 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
             (Command::PlaceLight, "Place here"),
             (Command::AddLight, "Add"),
             (Command::RemoveLight, "Remove"),
+            (Command::AimLight, "Aim here"),
         ] {
             let keys = format!("{} ({})", command.text(), command.keys());
             if ui.button(text).on_hover_text(keys).clicked() {
@@ -32,11 +33,12 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
     });
     list(session, ui);
     layers(session, ui);
-    let Some(light) = session.active_light() else {
-        hint(ui, "No lights. Press Space to add one at the camera.");
-        return;
-    };
-    properties(ui, light, (origin, diagonal));
+    match session.active_light() {
+        Some(light) => properties(ui, light, (origin, diagonal)),
+        None => hint(ui, "No lights. Press Space to add one at the camera."),
+    }
+    super::sky::show(session, ui);
+    super::emissive::show(session, ui);
 }
 
 fn list(session: &mut Session, ui: &mut Ui) {
@@ -116,21 +118,25 @@ fn properties(ui: &mut Ui, light: &mut EditLight, (origin, diagonal): (DVec3, f3
     if light.kind() != LightKind::Point {
         direction(ui, light);
     }
-    let text = "Drag the handles in the picture to move or resize it.";
+    let text = "Drag the handles in the picture to move, turn or resize it; with Ctrl they snap.";
     ui.label(RichText::new(text).color(theme::WEAK).small());
 }
 
-/// What the light is.
-fn kind(ui: &mut Ui, light: &mut EditLight) {
-    let mut kind = light.kind();
-    let label = |kind| match kind {
+/// What a kind of light is called.
+pub(super) fn kind_name(kind: LightKind) -> &'static str {
+    match kind {
         LightKind::Rect => "Rectangle",
         LightKind::Disk => "Disk",
         LightKind::Point => "Point",
         LightKind::Spot => "Spot",
         LightKind::Sun => "Sun",
-    };
-    choice(ui, "Kind", "What shines", &mut kind, &LightKind::ALL, |kind| label(kind).to_owned());
+    }
+}
+
+/// What the light is.
+fn kind(ui: &mut Ui, light: &mut EditLight) {
+    let mut kind = light.kind();
+    choice(ui, "Kind", "What shines", &mut kind, &LightKind::ALL, |kind| kind_name(kind).to_owned());
     light.set_kind(kind);
 }
 

@@ -1,6 +1,8 @@
 //! The menus, from the table of commands.
 
+use super::lights::kind_name;
 use crate::actions::{Action, Actions};
+use crate::camera::ViewSide;
 use crate::dock::Pane;
 use crate::document::OpenRequest;
 use crate::input::Command;
@@ -8,7 +10,7 @@ use crate::prefs::ViewMode;
 use crate::session::Session;
 use crate::theme;
 use eframe::egui::{self, Button, MenuBar, RichText, Ui};
-use lumel::Directional;
+use lumel::{Directional, LightKind};
 
 pub(super) fn show(session: &mut Session, recent: &[String], actions: &mut Actions, ui: &mut Ui) {
     MenuBar::new().ui(ui, |ui| {
@@ -25,13 +27,20 @@ pub(super) fn show(session: &mut Session, recent: &[String], actions: &mut Actio
         });
         ui.menu_button("Edit", |ui| items(session, actions, ui, &[Command::Undo, Command::Redo]));
         ui.menu_button("Camera", |ui| {
-            items(session, actions, ui, &[Command::AlignUp, Command::ResetCamera]);
+            use Command::{AlignUp, Frame, Parallel, ResetCamera};
+            items(session, actions, ui, &[Frame, ResetCamera, AlignUp]);
+            ui.separator();
+            items(session, actions, ui, &ViewSide::ALL.map(Command::View));
+            items(session, actions, ui, &[Parallel]);
             ui.separator();
             slots(session, ui);
         });
         ui.menu_button("Light", |ui| {
-            use Command::{AddLight, NextLight, PlaceLight, RemoveLight, ToggleLight};
-            items(session, actions, ui, &[PlaceLight, AddLight, RemoveLight, ToggleLight, NextLight]);
+            use Command::{AddLight, AimLight, NextLight, PlaceLight, RemoveLight, ToggleLight};
+            items(session, actions, ui, &[PlaceLight, AimLight, AddLight]);
+            kinds(session, ui);
+            ui.separator();
+            items(session, actions, ui, &[RemoveLight, ToggleLight, NextLight]);
         });
         ui.menu_button("Solve", |ui| {
             items(session, actions, ui, &[Command::Solve, Command::SolveAnew, Command::Stop]);
@@ -87,6 +96,7 @@ fn items(session: &Session, actions: &mut Actions, ui: &mut Ui, commands: &[Comm
             Command::LumelGrid => session.layout().is_some(),
             Command::SaveLightmap => session.has_whole_lightmap(),
             Command::Stop => session.phase().is_some(),
+            Command::Solve | Command::SolveAnew => session.obstacle_to_solve().is_none(),
             _ => true,
         };
         let button = Button::new(command.text()).shortcut_text(command.keys());
@@ -110,11 +120,30 @@ fn reopen(names: &[String], actions: &mut Actions, ui: &mut Ui) {
     });
 }
 
+/// Adds lights of other kinds than the usual one.
+fn kinds(session: &mut Session, ui: &mut Ui) {
+    let has_scene = session.document.is_some();
+    for kind in LightKind::ALL.into_iter().filter(|kind| *kind != LightKind::Rect) {
+        let text = format!("Add a {}", kind_name(kind).to_lowercase());
+        if ui.add_enabled(has_scene, Button::new(text)).clicked() {
+            session.add_light_of(kind);
+            ui.close();
+        }
+    }
+    if ui.add_enabled(has_scene, Button::new("Use a clear sky")).clicked() {
+        session.use_sky();
+        ui.close();
+    }
+}
+
 fn slots(session: &mut Session, ui: &mut Ui) {
-    for digit in 0..10 {
-        let kept = session.slots.get(digit).is_some();
+    let filled: Vec<u8> = session.slots.digits().collect();
+    if filled.is_empty() {
+        ui.label(RichText::new("No slot is filled: Alt+digit fills one").color(theme::WEAK));
+    }
+    for digit in filled {
         let text = format!("Recall slot {digit}");
-        if ui.add_enabled(kept, Button::new(text).shortcut_text(digit.to_string())).clicked() {
+        if ui.add(Button::new(text).shortcut_text(digit.to_string())).clicked() {
             session.recall_slot(digit);
             ui.close();
         }

@@ -6,6 +6,7 @@ mod compare;
 mod convergence;
 mod course;
 mod display;
+mod emissive;
 mod lights;
 mod log;
 mod lumels;
@@ -15,14 +16,15 @@ mod order;
 mod relief;
 mod scene;
 mod settings;
+mod sky;
 mod solve;
 mod status;
 
 pub(crate) use order::NO_BOUNCES;
 
-use crate::actions::Actions;
 use crate::atlas_view::AtlasView;
 use crate::dock::{self, Pane};
+use crate::gauges::Gauges;
 use crate::theme::{self, Ground};
 use crate::viewport::{Subject, Viewport};
 use eframe::egui::{self, CentralPanel, Frame, Margin, Panel, ScrollArea, Ui, WidgetText};
@@ -33,7 +35,7 @@ pub(crate) struct Panels<'a> {
     pub(crate) subject: Subject<'a>,
     pub(crate) viewport: &'a mut Viewport,
     pub(crate) atlas: &'a mut AtlasView,
-    pub(crate) actions: &'a mut Actions,
+    pub(crate) gauges: Option<&'a Gauges>,
     pub(crate) ground: Ground,
 }
 
@@ -47,21 +49,23 @@ impl Panels<'_> {
     pub(crate) fn all(&mut self, dock: &mut Tree<Pane>, ui: &mut Ui) {
         let frame = self.ground.frame().inner_margin(Margin::symmetric(8, 3));
         Panel::top("menu").frame(frame).show(ui, |ui| {
-            menu::show(self.subject.session, &self.subject.prefs.recent, self.actions, ui);
+            let Subject { session, prefs, actions, .. } = &mut self.subject;
+            menu::show(session, &prefs.recent, actions, ui);
         });
         Panel::bottom("status").frame(frame).show(ui, |ui| {
             let Subject { session, stage, prefs, .. } = &self.subject;
-            status::show(session, stage.as_deref(), prefs, ui);
+            status::show(session, stage.as_deref(), prefs, self.gauges, ui);
         });
         CentralPanel::default().frame(Frame::new()).show(ui, |ui| dock.ui(self, ui));
     }
 
     fn panel(&mut self, pane: Pane, ui: &mut Ui) {
-        let Subject { session, prefs, stage, comparison, .. } = &mut self.subject;
-        let actions = &mut *self.actions;
+        if pane == Pane::Operator {
+            return operator::show(self.viewport, &mut self.subject, ui);
+        }
+        let Subject { session, prefs, stage, comparison, actions, .. } = &mut self.subject;
         match pane {
-            Pane::View => {}
-            Pane::Operator => operator::show(self.viewport, &mut self.subject, ui),
+            Pane::View | Pane::Operator => {}
             Pane::Atlas => {
                 let stops = stage.as_deref().map_or(0.0, |stage| stage.stops(&prefs.view));
                 atlas::show(session, &prefs.view, stops, self.atlas, ui);

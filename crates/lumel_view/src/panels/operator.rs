@@ -11,6 +11,10 @@ use eframe::egui::{
     self, Align2, Color32, CornerRadius, FontId, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
 
+/// What the symbols mean.
+const ABOUT: &str =
+    "emission E is transported (T) and projected onto what carries light (P), over and over; Σ is the sum";
+
 /// More terms than this are not shown.
 const MAX_TERMS: usize = 24;
 
@@ -29,7 +33,7 @@ pub(super) fn show(viewport: &Viewport, subject: &mut Subject<'_>, ui: &mut Ui) 
     if subject.session.light.is_empty() {
         hint(
             ui,
-            "Each bounce is one application of the light transport operator: E, PTE, PTPTE and so on. \
+            "Every bounce of the light has a picture here: what shines, what that lights, what those surfaces light in turn. \
              Solve to see them; click one to show it in the view.",
         );
         return;
@@ -99,11 +103,11 @@ fn one(quality: Quality, subject: &mut Subject<'_>, ui: &mut Ui, term: &Term, si
     let selected = term.selection == Some(subject.prefs.view.selection);
     let stroke = if selected { Stroke::new(2.0, theme::ACCENT) } else { Stroke::new(1.0, theme::LINE) };
     painter.rect_stroke(rect, CornerRadius::same(3), stroke, StrokeKind::Inside);
-    label(painter, rect.left_top(), &term.symbol, Align2::LEFT_TOP);
     if let Some(shown) = shown.filter(|shown| shown.brighter.abs() >= 0.05) {
         label(painter, rect.right_top(), &format!("{:+.1} EV", shown.brighter), Align2::RIGHT_TOP);
     }
     label(painter, rect.left_bottom(), &term.name, Align2::LEFT_BOTTOM);
+    let response = response.on_hover_text(format!("{}: {}", term.symbol, ABOUT));
     if let (true, Some(selection)) = (response.clicked(), term.selection) {
         subject.prefs.view.selection = selection;
     }

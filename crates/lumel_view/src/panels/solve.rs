@@ -63,8 +63,12 @@ fn buttons(session: &Session, actions: &mut Actions, ui: &mut Ui) {
             return;
         }
         let text = if session.can_go_on() { "Resume" } else { "Solve" };
-        if primary_button(ui, text, width).on_hover_text("Enter").clicked() {
-            actions.push(Command::Solve);
-        }
+        let obstacle = session.obstacle_to_solve();
+        ui.add_enabled_ui(obstacle.is_none(), |ui| {
+            let button = primary_button(ui, text, width).on_hover_text("Enter");
+            if button.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
+                actions.push(Command::Solve);
+            }
+        });
     });
 }

@@ -1,5 +1,6 @@
 //! The status bar: what is running, and what draws.
 
+use crate::gauges::Gauges;
 use crate::prefs::Prefs;
 use crate::session::Session;
 use crate::solver::Phase;
@@ -9,10 +10,22 @@ use crate::values::{grouped, percent};
 use eframe::egui::{self, ProgressBar, RichText, Ui};
 use lumel::{Accuracy, Ended, Settings};
 
-pub(super) fn show(session: &Session, stage: Option<&Stage>, prefs: &Prefs, ui: &mut Ui) {
+pub(super) fn show(
+    session: &Session,
+    stage: Option<&Stage>,
+    prefs: &Prefs,
+    gauges: Option<&Gauges>,
+    ui: &mut Ui,
+) {
     ui.horizontal(|ui| {
         left(session, ui);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| right(stage, prefs, ui));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            right(stage, prefs, ui);
+            for text in gauges.into_iter().flat_map(Gauges::texts) {
+                let about = "Memory of the program, and the time that a frame takes";
+                ui.label(RichText::new(text).color(theme::WEAK)).on_hover_text(about);
+            }
+        });
     });
 }
 
@@ -34,7 +47,8 @@ fn state(session: &Session) -> (String, egui::Color32) {
         return ("No scene is open".to_owned(), theme::WEAK);
     }
     if session.light.is_empty() {
-        return ("Not solved: press Enter".to_owned(), theme::WEAK);
+        let text = session.obstacle_to_solve().unwrap_or("Not solved: press Enter");
+        return (text.to_owned(), theme::WEAK);
     }
     if let Some(changes) = session.out_of_date() {
         return (format!("{changes}: press Enter to solve again"), theme::WARNING);
@@ -116,8 +130,8 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
     if let Some(accuracy) = progress.accuracy {
         text += &format!("  |  {}", within(&accuracy, job.settings()));
     }
-    if let Some(rays) = progress.rays_per_second.filter(|&rays| rays > 0.0) {
-        text += &format!("  |  {:.2} Mrays/s", rays / 1e6);
+    if let Some(rate) = progress.rays_per_second.and_then(lumel::ray_rate) {
+        text += &format!("  |  {rate}");
     }
     if let Some(seconds) = progress.seconds_left {
         text += &format!("  |  {} left", duration(seconds));

@@ -3,11 +3,13 @@
 use crate::lights::EditLight;
 use crate::slots::Slots;
 use glam::Vec3;
+use lumel::Sky;
 
 /// All that can be undone. Which light is active comes back with it, but choosing another is no change.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Edit {
     pub(super) lights: Vec<EditLight>,
+    pub(super) sky: Sky,
     pub(super) albedos: Vec<Vec3>,
     pub(super) active: usize,
     pub(super) slots: Slots,
@@ -15,6 +17,7 @@ pub(super) struct Edit {
 
 impl PartialEq for Edit {
     fn eq(&self, other: &Self) -> bool {
-        self.lights == other.lights && self.albedos == other.albedos && self.slots == other.slots
+        let lighting = self.lights == other.lights && self.sky == other.sky;
+        lighting && self.albedos == other.albedos && self.slots == other.slots
     }
 }

@@ -4,9 +4,10 @@ use super::Session;
 use super::edit::Edit;
 use crate::lights::{EditLight, default_name};
 use crate::notice::Level;
+use crate::sky::SkyKind;
 use crate::slots::Slot;
 use glam::Vec3;
-use lumel::RectLight;
+use lumel::{LightKind, RectLight, Sky};
 use lumel_scene::Radiance;
 
 /// Half-edge of a new light, as a share of the scene's diagonal.
@@ -15,10 +16,17 @@ const NEW_LIGHT: f32 = 0.05;
 /// Radiance of a new light times the square of the diagonal over its area: bright enough for any size of scene.
 const NEW_POWER: f32 = 0.15;
 
+/// Irradiance from a new sun, W·m⁻²: twice what a new sky brings.
+const SUNSHINE: Vec3 = Vec3::new(5.0, 5.0, 4.5);
+
+/// Where a new sun shines: down, from a side.
+const NEW_SUN: Vec3 = Vec3::new(-1.0, -2.0, -1.0);
+
 impl Session {
     pub(super) fn edit(&self) -> Edit {
         Edit {
             lights: self.lights.clone(),
+            sky: self.sky.clone(),
             albedos: self.albedos.clone(),
             active: self.active,
             slots: self.slots.clone(),
@@ -27,7 +35,7 @@ impl Session {
 
     fn put(&mut self, edit: Edit) {
         (self.lights, self.active, self.slots) = (edit.lights, edit.active, edit.slots);
-        self.albedos = edit.albedos;
+        (self.albedos, self.sky) = (edit.albedos, edit.sky);
     }
 
     /// The active light.
@@ -65,25 +73,63 @@ impl Session {
         (camera.position, [camera.right(), camera.up(), camera.forward()])
     }
 
-    /// Adds a light where the camera is and makes it the active one.
+    /// Adds a rectangle where the camera is and makes it the active light.
     pub fn add_light(&mut self) {
+        self.add_light_of(LightKind::Rect);
+    }
+
+    /// Adds a light where the camera is, a sun above the scene, and makes it the active one.
+    pub fn add_light_of(&mut self, kind: LightKind) {
         let Some(document) = &self.document else {
             self.notices.push(Level::Warning, "Open a scene first");
             return;
         };
         let half = NEW_LIGHT * document.diagonal();
-        let radiance = self.lights.get(self.active).map_or_else(
-            || Radiance::splat(NEW_POWER / (4.0 * NEW_LIGHT * NEW_LIGHT)),
-            |light| light.rect.radiance,
-        );
+        let radiance =
+            self.lights.get(self.active).filter(|light| light.kind() == LightKind::Rect).map_or_else(
+                || Radiance::splat(NEW_POWER / (4.0 * NEW_LIGHT * NEW_LIGHT)),
+                |light| light.rect.radiance,
+            );
         let rect =
             RectLight { center: Vec3::ZERO, u: Vec3::X * half, v: Vec3::Y * half, radiance, texture: None };
         let mut light = EditLight::new(self.unused_name(), rect);
         let (position, axes) = self.camera_axes();
         light.place(position, axes);
+        light.rect.radiance.0 = match kind {
+            LightKind::Rect | LightKind::Disk => radiance.0,
+            // As bright as the rectangle.
+            LightKind::Point | LightKind::Spot => radiance.0 * rect.area(),
+            LightKind::Sun => SUNSHINE,
+        };
+        light.set_kind(kind);
+        let place = if kind == LightKind::Sun {
+            let bounds = document.scene.bounds();
+            light.rect.center = bounds.center().with_y(bounds.max.y + 0.2 * document.diagonal());
+            light.aim_at(light.rect.center + NEW_SUN);
+            "above the scene"
+        } else {
+            "at the camera"
+        };
+        let text = format!("Placed {} {place}", light.name);
         self.lights.push(light);
         self.active = self.lights.len() - 1;
-        let text = format!("Placed {} at the camera", self.lights[self.active].name);
+        self.notices.push(Level::Info, text);
+    }
+
+    /// Lights the scene from a clear sky.
+    pub fn use_sky(&mut self) {
+        let black = Sky::default();
+        self.sky = SkyKind::Gradient.sky(&black, &black);
+    }
+
+    /// Turns the active light towards a point.
+    pub fn aim_light(&mut self, at: Vec3) {
+        let Some(light) = self.active_light() else {
+            self.notices.push(Level::Warning, "There is no light to aim");
+            return;
+        };
+        light.aim_at(at);
+        let text = format!("Aimed {}", light.name);
         self.notices.push(Level::Info, text);
     }
 

@@ -7,7 +7,9 @@ use crate::inputs::Inputs;
 use crate::lights::shining;
 use crate::mesh::{Given, Mesh};
 use crate::notice::Level;
-use crate::prefs::ViewPrefs;
+use crate::relief::ReliefPrefs;
+use crate::selection::Selection;
+use crate::sky;
 use crate::task::Background;
 use lumel::{
     Baker, CameraEntry, LightFile, Project, Saved, Scene, SettingsPatch, SolutionSelection, VertexLighting,
@@ -18,6 +20,15 @@ use std::sync::Arc;
 
 /// The formats of lit meshes, by extension.
 pub const MESH_FORMATS: [&str; 3] = ["glb", "ply", "obj"];
+
+/// How a lit mesh is saved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshExport {
+    /// What of the light.
+    pub light: Selection,
+    /// What multiplies the colours that viewers show.
+    pub exposure: ColorScale,
+}
 
 /// The formats of solutions, by extension.
 pub const SOLUTION_FORMATS: [&str; 2] = ["npz", "rad"];
@@ -83,11 +94,12 @@ impl Session {
     ///
     /// # Errors
     /// When nothing is open, the name says no format, or the file is the scene itself.
-    pub fn save_mesh(&mut self, path: &Path, view: &ViewPrefs) -> Result<(), String> {
+    pub fn save_mesh(&mut self, path: &Path, export: MeshExport, relief: &ReliefPrefs) -> Result<(), String> {
         let format = extension_of(path, &MESH_FORMATS)?;
         let document = self.document.as_ref().ok_or("open a scene first")?;
         self.refuse_sources(path)?;
-        let (scene, selection) = (view.relief.with_green_up(&document.scene), view.selection);
+        let MeshExport { light: selection, exposure } = export;
+        let scene = relief.with_green_up(&document.scene);
         let light = self.selected_light(selection);
         let directions = self.light.select_directional(selection, scene.vertex_count()).cloned();
         let lit = !self.light.is_empty();
@@ -97,14 +109,24 @@ impl Session {
             let lighting = VertexLighting::new(&scene, &light).map_err(|e| error_text(&e))?;
             let lighting = lighting.with_incident(directions.as_deref()).map_err(|e| error_text(&e))?;
             match format.as_str() {
-                "glb" => write_glb(path, &scene, &lighting, ColorScale::Auto),
-                "ply" => write_ply(path, &scene, &lighting, ColorScale::Auto),
-                _ => write_obj(path, &scene, &lighting, ColorScale::Auto),
+                "glb" => write_glb(path, &scene, &lighting, exposure),
+                "ply" => write_ply(path, &scene, &lighting, exposure),
+                _ => write_obj(path, &scene, &lighting, exposure),
             }
             .map(drop)
             .map_err(|e| error_text(&e))
         });
         Ok(())
+    }
+
+    /// A file beside the scene with its name and another extension; in the current folder for built-in scenes.
+    pub fn path_beside_scene(&self, extension: &str) -> String {
+        let Some(document) = &self.document else { return String::new() };
+        let source = Path::new(&document.request.name);
+        let file = source.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let stem = file.split('.').next().unwrap_or_default();
+        let name = format!("{stem}.{extension}");
+        if source.exists() { source.with_file_name(name).to_string_lossy().into_owned() } else { name }
     }
 
     /// Refuses to replace the files that the scene is made from.
@@ -173,6 +195,9 @@ impl Session {
             project.materials.retain(|old| old.name != entry.name);
             project.materials.push(entry);
         }
+        if self.sky != document.sky {
+            project.sky = sky::entry_of(&self.sky).or(project.sky);
+        }
         project.slots = self.slots.entries();
         project.bake = SettingsPatch::complete(&self.settings);
         let view = CameraEntry::from(&self.camera.camera());
@@ -198,14 +223,18 @@ impl Session {
                 }
             }
         }
-        let mut done = Vec::new();
+        let (mut done, mut failed) = (Vec::new(), false);
         self.saving.retain(|task| task.poll().map(|result| done.push(result)).is_none());
         for result in done {
             match result {
                 Ok(saved) => self.saved(&saved),
-                Err(problem) => self.notices.push(Level::Error, format!("Cannot save: {problem}")),
+                Err(problem) => {
+                    failed = true;
+                    self.notices.push(Level::Error, format!("Cannot save: {problem}"));
+                }
             }
         }
+        self.open_what_waits(failed);
     }
 
     fn saved(&mut self, saved: &SavedFile) {

@@ -25,7 +25,7 @@ mod unsaved;
 pub use computed::Computed;
 pub use courses::{Course, Courses};
 pub use file_light::{LightUse, LoadedLight, SavedFile, light_from};
-pub use files::{MESH_FORMATS, SOLUTION_FORMATS, load_light};
+pub use files::{MESH_FORMATS, MeshExport, SOLUTION_FORMATS, load_light};
 pub use kept::Kept;
 pub use lightmap_files::LIGHTMAP_FORMATS;
 
@@ -45,7 +45,7 @@ use crate::unshot::Unshot;
 use crate::wake::{Wake, Wakes};
 use edit::Edit;
 use glam::Vec3;
-use lumel::Settings;
+use lumel::{Settings, Sky};
 use lumels::Lightmapping;
 use rayon::ThreadPool;
 use running::Running;
@@ -72,9 +72,11 @@ pub struct Session {
     pub mesh_generation: u64,
     /// Rectangle lights.
     pub lights: Vec<EditLight>,
+    /// Light from outside the scene.
+    pub sky: Sky,
     /// The albedo of each material.
     pub albedos: Vec<Vec3>,
-    /// Changes with the albedos that are shown.
+    /// Changes with the albedos and the sky that are shown.
     pub paint_generation: u64,
     /// The active light, an index into `lights`.
     pub active: usize,
@@ -115,6 +117,8 @@ pub struct Session {
     lightmapping: Lightmapping,
     running: Option<Running>,
     opening: Option<Opening>,
+    /// A scene to open once what is open is saved.
+    waiting: Option<OpenRequest>,
     restoring: Option<LeftBehind>,
     loading: Option<Background<LoadedLight>>,
     saving: Vec<Background<SavedFile>>,
@@ -157,6 +161,7 @@ impl Session {
             document_generation: 0,
             mesh_generation: 0,
             lights: Vec::new(),
+            sky: Sky::default(),
             albedos: Vec::new(),
             paint_generation: 0,
             active: 0,
@@ -182,6 +187,7 @@ impl Session {
             lightmapping: Lightmapping::default(),
             running: None,
             opening: None,
+            waiting: None,
             restoring: None,
             loading: None,
             saving: Vec::new(),
@@ -206,11 +212,17 @@ impl Session {
         }
     }
 
-    /// Applies the edited albedos to the materials of the scene.
+    /// Applies the edited albedos and the edited sky to the scene.
     fn paint(&mut self) {
         let Some(document) = &mut self.document else { return };
         if !document::albedos_of(&document.scene).eq(self.albedos.iter().copied()) {
             document.scene = Arc::new(document.scene.repainted(&self.albedos));
+            self.paint_generation += 1;
+        }
+        if *document.scene.sky() != self.sky
+            && let Ok(scene) = document.scene.under_sky(self.sky.clone())
+        {
+            document.scene = Arc::new(scene);
             self.paint_generation += 1;
         }
     }

@@ -5,7 +5,18 @@ use crate::document::{self, Contents, Document, OpenRequest};
 use crate::history::History;
 use crate::notice::Level;
 use crate::task::Background;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The path, or the first one with a number that no file has.
+fn unused(path: &str) -> PathBuf {
+    let path = Path::new(path);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let (stem, end) = name.split_once('.').unwrap_or((&name, ""));
+    let numbered =
+        |n: u32| if n == 1 { path.to_owned() } else { path.with_file_name(format!("{stem}-{n}.{end}")) };
+    (1..).map(numbered).find(|path| !path.exists()).unwrap_or_else(|| path.to_owned())
+}
 
 impl Session {
     /// Opens a scene on another thread; a running solve stops. Ask [`Self::objection`] first.
@@ -15,6 +26,41 @@ impl Session {
         let what = format!("opening {}", request.title());
         let task = Background::start(what, Arc::clone(&self.wakes.event), move || document::open(&wanted));
         self.opening = Some(Opening { request, task });
+    }
+
+    /// Saves what opening another scene would lose, under names beside the scene that are not taken, and opens the other one
+    /// once all is written. What cannot be saved stays open.
+    pub fn save_and_open(&mut self, request: OpenRequest) {
+        match self.save_all() {
+            Ok(()) => self.waiting = Some(request),
+            Err(problem) => self.notices.push(Level::Error, format!("Cannot save: {problem}")),
+        }
+    }
+
+    fn save_all(&mut self) -> Result<(), String> {
+        if self.has_unsaved_light() {
+            let path = unused(&self.path_beside_scene("npz"));
+            self.save_solution(&path)?;
+        }
+        if self.has_unsaved_edits() {
+            let project = self.document.as_ref().and_then(|document| document.project.as_ref());
+            let path = project.map(|(path, _)| path.clone());
+            let path = path.unwrap_or_else(|| unused(&self.path_beside_scene("lumel.toml")));
+            self.save_project(&path)?;
+        }
+        Ok(())
+    }
+
+    /// Opens the scene that waits for files to be written, once they are.
+    pub(super) fn open_what_waits(&mut self, failed: bool) {
+        if failed {
+            self.waiting = None;
+        }
+        if self.saving.is_empty()
+            && let Some(request) = self.waiting.take()
+        {
+            self.open(request);
+        }
     }
 
     /// Opens the scene again, as it is on disk now.
@@ -73,6 +119,7 @@ impl Session {
         }
         (self.lights, self.slots, self.active) = (contents.lights, contents.slots, 0);
         self.albedos.clone_from(&document.albedos);
+        self.sky = document.sky.clone();
         self.document = Some(document);
         self.document_generation += 1;
         self.mesh_generation += 1;

@@ -23,6 +23,13 @@ impl Session {
         asked_for.map(|r| r.job.glance().1).filter(|phase| !matches!(phase, Phase::Ended(_)))
     }
 
+    /// What has to be done before anything can be solved; `None` where nothing has.
+    pub fn obstacle_to_solve(&self) -> Option<&'static str> {
+        let Some(document) = &self.document else { return Some("Open a scene first") };
+        let text = "This scene has no light source: press Space to add one at the camera";
+        (!document.shines(&self.lights)).then_some(text)
+    }
+
     /// Starts a solve: resumes a stopped one, or starts from scratch when lights or settings have changed.
     pub fn solve(&mut self) {
         if self.is_following() {
@@ -80,15 +87,11 @@ impl Session {
     }
 
     pub(super) fn start_solve(&mut self, start: SolveStart) {
-        let Some(document) = &self.document else {
-            self.notices.push(Level::Warning, "Open a scene first");
-            return;
-        };
-        if !document.shines(&self.lights) {
-            let text = "This scene has no light source: press Space to add one at the camera";
-            self.notices.push(Level::Warning, text);
+        if let Some(obstacle) = self.obstacle_to_solve() {
+            self.notices.push(Level::Warning, obstacle);
             return;
         }
+        let Some(document) = &self.document else { return };
         let scene = match document.relit(&self.lights) {
             Ok(scene) => scene,
             Err(problem) => {

@@ -5,6 +5,7 @@ use crate::lights::EditLight;
 use crate::notice::Level;
 use crate::recovery::{LeftBehind, Note, Recovery};
 use crate::selection::{Illumination, Selection};
+use crate::sky;
 use crate::slots::Slots;
 use crate::solver::{Keep, SolveStart};
 use lumel::{LightEntry, LightFile, Saved, Solution, SolutionLayer, TargetError};
@@ -49,6 +50,7 @@ impl Session {
             two_sided: request.options.two_sided.clone(),
             paths_anywhere: request.options.paths == lumel::PathPolicy::Anywhere,
             lights: self.lights.iter().map(EditLight::entry).collect(),
+            sky: sky::entry_of(&self.sky).filter(|_| self.sky != document.sky),
             albedos: self.albedos.clone(),
             slots: self.slots.entries(),
             settings: self.settings.clone(),
@@ -72,10 +74,13 @@ impl Session {
             )
         };
         self.lights = left.lights.iter().enumerate().map(entry).collect();
+        if let Some(sky) = left.sky.as_ref().and_then(sky::of_entry) {
+            self.sky = sky;
+        }
         if left.albedos.len() == self.albedos.len() {
             self.albedos.clone_from(&left.albedos);
-            self.paint();
         }
+        self.paint();
         self.slots = Slots::from_entries(&left.slots);
         self.settings = left.settings.clone();
         self.camera = left.camera;

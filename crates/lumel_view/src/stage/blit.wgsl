@@ -1,4 +1,4 @@
-// Copies the picture into the window, texel by texel.
+// Copies the picture into the window, texel by texel; one with fewer texels than it covers pixels is interpolated.
 //
 // egui would draw it as any of its textures, filtered and multiplied by a colour: on a software renderer that costs
 // several times as much as drawing the scene.
@@ -20,11 +20,29 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     return Corner(vec4<f32>(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0, 0.0, 1.0), at);
 }
 
+fn texel(at: vec2<i32>) -> vec3<f32> {
+    return textureLoad(picture, clamp(at, vec2<i32>(0), vec2<i32>(textureDimensions(picture)) - 1), 0).rgb;
+}
+
+fn between(at: vec2<f32>) -> vec3<f32> {
+    let low = vec2<i32>(floor(at));
+    let part = fract(at);
+    let above = mix(texel(low), texel(low + vec2<i32>(1, 0)), part.x);
+    let below = mix(texel(low + vec2<i32>(0, 1)), texel(low + vec2<i32>(1, 1)), part.x);
+    return mix(above, below, part.y);
+}
+
 @fragment
 fn fragment(in: Corner) -> @location(0) vec4<f32> {
-    let size = vec2<i32>(textureDimensions(picture));
-    let texel = clamp(vec2<i32>(in.at * vec2<f32>(size)), vec2<i32>(0), size - 1);
-    let code = textureLoad(picture, texel, 0).rgb;
+    let place = in.at * vec2<f32>(textureDimensions(picture));
+    // Texels from one pixel to the next.
+    let step = abs(dpdx(place.x));
+    var code: vec3<f32>;
+    if (step > 0.999) {
+        code = texel(vec2<i32>(place));
+    } else {
+        code = between(place - 0.5);
+    }
     if (!TO_LINEAR) {
         return vec4<f32>(code, 1.0);
     }

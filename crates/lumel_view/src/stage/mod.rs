@@ -22,12 +22,11 @@ use crate::values;
 use blit::Blit;
 use content::Content;
 use eframe::egui_wgpu::RenderState;
-use lumel::{MaterialId, Moment, RectLight, Scene, VertexLighting};
+use lumel::{MaterialId, Moment, Radiance, RectLight, Scene, VertexLighting};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Relief, Ripple, Rippled, Scale};
 use lumel_render_gpu::{
-    Frame, Gpu, Hidden, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target,
-    Values,
+    Frame, Gpu, LightBuffer, Lit, Look, Model, Overlay, RenderError, Renderer, Samples, Target, Values,
 };
 use lumels::{LumelContent, ShownLumels};
 use metered::Metered;
@@ -41,9 +40,21 @@ const RIGHT: usize = 1;
 /// The colours of bends of light: from a tenth of what they may be to ten times that.
 const BENDS: [f32; 2] = [0.1, 10.0];
 
+/// A software renderer draws at most so many pixels of a picture that changes with every frame: with waves, that takes it some
+/// 50 ms of processor time.
+const LIVE_PIXELS: f64 = 260_000.0;
+
+/// The size of such a picture in an area of the window: the same shape with fewer pixels.
+fn live_size(area: [u32; 2]) -> [u32; 2] {
+    let scale = (LIVE_PIXELS / area.map(f64::from).iter().product::<f64>()).sqrt().min(1.0);
+    area.map(|side| ((f64::from(side) * scale) as u32).max(1))
+}
+
 /// All that a picture depends on.
 #[derive(Clone, PartialEq)]
 struct Drawn {
+    /// Of the window's area that it fills, pixels.
+    area: [u32; 2],
     size: [u32; 2],
     samples: Samples,
     camera: FlyCamera,
@@ -58,12 +69,14 @@ struct Drawn {
     split: Option<(Side, f32)>,
     relief: Relief,
     ripple: Option<(Ripple, Vec<MaterialId>)>,
+    sky: Radiance,
 }
 
 impl Drawn {
-    /// Whether it is the same picture with smoother edges.
-    fn is_smoother_than(&self, other: &Self) -> bool {
-        self.samples == Samples::Four && *self == Self { samples: Samples::Four, ..other.clone() }
+    /// Whether it is the same picture with more pixels or smoother edges.
+    fn is_finer_than(&self, other: &Self) -> bool {
+        (self.size == self.area || self.samples == Samples::Four)
+            && *self == Self { samples: self.samples, size: self.size, ..other.clone() }
     }
 }
 
@@ -186,17 +199,19 @@ impl Stage {
     pub fn show(
         &mut self,
         showing: &Showing<'_>,
-        size: [u32; 2],
+        area: [u32; 2],
     ) -> Result<Option<ShownPicture>, RenderError> {
         let Some(document) = &showing.session.document else { return Ok(None) };
         self.load(showing.session, &document.scene)?;
-        let drawn = self.wanted(showing, size)?;
+        let drawn = self.wanted(showing, area)?;
         // What is there is not drawn again to be worse.
-        let is_better = |last: &Drawn| showing.view.antialias && last.is_smoother_than(&drawn);
+        let is_better = |last: &Drawn| {
+            (showing.view.antialias || last.samples == drawn.samples) && last.is_finer_than(&drawn)
+        };
         if self.drawn.as_ref().is_some_and(|last| *last == drawn || is_better(last)) {
             return Ok(self.target.as_ref().map(|target| target.shown.clone()));
         }
-        self.fit_target(size, drawn.samples)?;
+        self.fit_target(drawn.size, drawn.samples)?;
         self.fit_overlay(showing.marks);
         let (Some(LoadedModel { model, .. }), Some(ShownTarget { target, shown })) =
             (&self.model, &self.target)
@@ -224,7 +239,7 @@ impl Stage {
             wireframe: drawn.wireframe,
             grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
-            sky: document.scene.sky().mean(),
+            sky: drawn.sky,
         };
         self.renderer.draw(target, &frame);
         self.pictures += 1;
@@ -295,7 +310,7 @@ impl Stage {
     }
 
     /// What is to be drawn, with the light in its buffers.
-    fn wanted(&mut self, showing: &Showing<'_>, size: [u32; 2]) -> Result<Drawn, RenderError> {
+    fn wanted(&mut self, showing: &Showing<'_>, area: [u32; 2]) -> Result<Drawn, RenderError> {
         let (session, view) = (showing.session, showing.view);
         let left = Content::new(session, Side::Current, view, view.selection);
         self.fill(LEFT, &left, session)?;
@@ -315,10 +330,11 @@ impl Stage {
         }
         let is_smooth = lumels.as_ref().is_some_and(LumelContent::is_smooth);
         let lamps = drawn(&session.lights);
-        let look = self.look(showing, (&left, lumels.as_ref()), &lamps, size);
+        let look = self.look(showing, (&left, lumels.as_ref()), &lamps, area);
         let live = showing.quality == Quality::Live && self.gpu().is_software();
         Ok(Drawn {
-            size,
+            area,
+            size: if live { live_size(area) } else { area },
             samples: if view.antialias && !live { Samples::Four } else { Samples::One },
             camera: session.camera,
             contents: [Some(left), right],
@@ -332,6 +348,7 @@ impl Stage {
             split: split.map(|split| (split.right, split.at)),
             relief: view.relief.relief(),
             ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
+            sky: session.sky.mean(),
         })
     }
 
@@ -449,7 +466,7 @@ impl Stage {
         };
         if self.overlay.as_ref().is_none_or(|drawn| drawn.generation != marks.generation) {
             let overlay =
-                Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(Hidden::Faint);
+                Overlay::new(self.renderer.gpu(), &marks.points, &marks.lines).with_hidden(marks.hidden);
             self.overlay = Some(DrawnMarks { generation: marks.generation, overlay });
         }
     }

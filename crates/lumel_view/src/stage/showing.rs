@@ -5,7 +5,7 @@ use crate::prefs::ViewPrefs;
 use crate::selection::Selection;
 use crate::session::Session;
 use lumel_render_cpu::Ripple;
-use lumel_render_gpu::Mark;
+use lumel_render_gpu::{Hidden, Mark};
 
 /// What the stage is to show.
 pub struct Showing<'a> {
@@ -41,6 +41,8 @@ pub struct Marks {
     pub points: Vec<Mark>,
     /// Lines.
     pub lines: Vec<[Mark; 2]>,
+    /// How those behind surfaces are shown.
+    pub hidden: Hidden,
     /// Changes with them.
     pub generation: u64,
 }

@@ -2,7 +2,7 @@
 
 use super::state::{Subject, Viewport};
 use crate::document::Document;
-use crate::input::{MOTIONS, Motion};
+use crate::input::{Command, FRAME_KEY, MOTIONS, Motion};
 use eframe::egui::{self, Response, Ui};
 use glam::Vec2;
 
@@ -15,6 +15,9 @@ const TURN_DEG: f32 = 60.0;
 /// How much faster Shift is, and how much slower Ctrl.
 const FAST: f32 = 4.0;
 const SLOW: f32 = 0.2;
+
+/// A key that is let go within this time was tapped, seconds.
+const TAP: f64 = 0.18;
 
 /// Longest time that one frame flies for: after a pause one does not jump.
 const MAX_STEP: f32 = 0.25;
@@ -45,6 +48,11 @@ pub(super) fn fly(viewport: &mut Viewport, subject: &mut Subject<'_>, ui: &Ui, r
     ];
     let look = Vec2::new(axis(Motion::LookRight, Motion::LookLeft), axis(Motion::LookUp, Motion::LookDown));
     let roll = axis(Motion::RollRight, Motion::RollLeft);
+    let flies_elsewhere =
+        [Motion::Right, Motion::Left, Motion::Up, Motion::Forward, Motion::Back].into_iter().any(held);
+    if tapped(viewport, ui) && !flies_elsewhere {
+        subject.actions.push(Command::Frame);
+    }
     if way == [0.0; 3] && look == Vec2::ZERO && roll == 0.0 {
         viewport.flying = false;
         return;
@@ -67,6 +75,24 @@ pub(super) fn fly(viewport: &mut Viewport, subject: &mut Subject<'_>, ui: &Ui, r
     camera.look(look * turn);
     camera.roll(roll * turn);
     ui.ctx().request_repaint();
+}
+
+/// Whether the key that frames was pressed and let go at once: held, it flies.
+fn tapped(viewport: &mut Viewport, ui: &Ui) -> bool {
+    let now = ui.input(|i| i.time);
+    let mut was_tapped = false;
+    let events = ui.input(|i| i.events.clone());
+    for event in events {
+        let egui::Event::Key { key: FRAME_KEY, pressed, repeat: false, modifiers, .. } = event else {
+            continue;
+        };
+        if pressed {
+            viewport.tapped = modifiers.is_none().then_some(now);
+        } else {
+            was_tapped = viewport.tapped.take().is_some_and(|since| now - since < TAP);
+        }
+    }
+    was_tapped
 }
 
 fn is_arrow(key: egui::Key) -> bool {

@@ -1,11 +1,12 @@
 //! Dots and lines over the picture: sample points, the brightest shooters, and the rays of a picked vertex.
 
+use super::ground;
 use crate::pick::Pick;
 use crate::prefs::ViewPrefs;
 use crate::session::Session;
 use crate::solver::Solved;
 use crate::stage::Marks;
-use lumel_render_gpu::Mark;
+use lumel_render_gpu::{Hidden, Mark};
 
 /// Rays of a vertex beyond these are left out: they would cover the picture.
 const MAX_RAYS: usize = 512;
@@ -27,6 +28,7 @@ struct MarksKey {
     unshot: Option<u64>,
     rays_of: Option<usize>,
     spot: Option<[f32; 3]>,
+    ground: bool,
 }
 
 /// The marks with what they were made for.
@@ -54,6 +56,7 @@ impl CurrentMarks {
             unshot: view.shooters.then_some(session.light_generation),
             rays_of: pick.filter(|_| view.rays).map(|pick| pick.spot.vertex),
             spot: pick.map(|pick| pick.spot.position.to_array()),
+            ground: view.ground && session.document.as_ref().is_some_and(|document| document.is_outdoors),
         };
         if self.key != Some(key) {
             self.key = Some(key);
@@ -82,6 +85,12 @@ impl MarksKey {
         }
         if let Some(spot) = self.spot {
             marks.points.push(Mark { position: spot.into(), color: [255, 255, 255, 255] });
+        }
+        // The ground is covered by what stands on it; other marks are to be seen through surfaces.
+        let has_others = !marks.points.is_empty() || !marks.lines.is_empty();
+        marks.hidden = if has_others { Hidden::Faint } else { Hidden::Invisible };
+        if let (true, Some(document)) = (self.ground, &session.document) {
+            marks.lines.extend(ground::grid(&document.scene));
         }
         marks
     }

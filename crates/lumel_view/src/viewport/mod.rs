@@ -1,18 +1,23 @@
 //! The picture in the window and what lies over it: flying, picking, the divider, the handles, the legend.
 
+mod axes;
+mod banner;
 mod flight;
+mod ground;
 mod hand;
 mod inspector;
 mod legend;
 mod marks;
+mod orbit;
 mod overlay;
 mod ripple;
+mod start;
 mod state;
 
+pub(crate) use orbit::{focus, frame, toggle_parallel, view_from};
 pub use state::{Subject, Viewport};
 
 use crate::notice::Level;
-use crate::session::Session;
 use crate::stage::Showing;
 use crate::theme;
 use eframe::egui::{self, FontId, Rect, Sense, Ui, vec2};
@@ -32,10 +37,10 @@ impl Viewport {
         let before = subject.session.camera;
         let taken = hand::divide(self, subject, ui, &response) || hand::handles(self, subject, ui, &response);
         if !taken {
-            hand::drag(subject, &response);
+            hand::drag(self, subject, ui, &response);
             hand::click(subject, &response);
         }
-        hand::wheel(subject, ui, &response);
+        hand::wheel(self, subject, ui, &response);
         flight::fly(self, subject, ui, &response);
         if subject.session.camera != before {
             self.moved = Some(Instant::now());
@@ -48,7 +53,7 @@ impl Viewport {
         overlay::show(self, subject, ui, rect);
     }
 
-    fn picture(&mut self, subject: &mut Subject<'_>, ui: &Ui, rect: Rect) {
+    fn picture(&mut self, subject: &mut Subject<'_>, ui: &mut Ui, rect: Rect) {
         let scale = ui.ctx().pixels_per_point();
         let pixels = [rect.width(), rect.height()].map(|x| (x * scale).round().max(1.0) as u32);
         let ripple = ripple::waves(self, subject, ui);
@@ -70,7 +75,8 @@ impl Viewport {
                 ui.painter().add(shown.shape(rect));
                 self.problem = None;
             }
-            Ok(None) => welcome(subject.session, ui, rect),
+            Ok(None) if subject.session.is_opening() => message(ui, rect, "Opening..."),
+            Ok(None) => start::show(subject, ui, rect),
             Err(error) => {
                 let text = crate::document::error_text(&error);
                 message(ui, rect, &format!("This scene cannot be shown:\n{text}"));
@@ -95,13 +101,4 @@ fn message(ui: &Ui, rect: Rect, text: &str) {
     let galley = ui.painter().layout_job(job);
     let top = rect.center() - vec2(0.0, 0.5 * galley.size().y);
     ui.painter().galley(top, galley, theme::WEAK);
-}
-
-fn welcome(session: &Session, ui: &Ui, rect: Rect) {
-    let text = if session.is_opening() {
-        "Opening...".to_owned()
-    } else {
-        "Press M to open a mesh or a built-in scene, or drop a file here.\nF1 shows all keys.".to_owned()
-    };
-    message(ui, rect, &text);
 }

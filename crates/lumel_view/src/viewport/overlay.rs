@@ -1,7 +1,7 @@
 //! Overlays: the bar of view modes, the legend, the handles and the inspector.
 
 use super::state::{Subject, Viewport};
-use super::{inspector, legend};
+use super::{axes, banner, inspector, legend};
 use crate::panels::NO_BOUNCES;
 use crate::prefs::{Known, ViewMode, ViewPrefs};
 use crate::selection::Selection;
@@ -20,9 +20,11 @@ pub(super) fn show(viewport: &Viewport, subject: &mut Subject<'_>, ui: &mut Ui, 
         return;
     }
     handles(viewport, subject, ui, rect);
+    axes::show(subject, ui, rect);
     let range = subject.stage.as_ref().and_then(|stage| stage.range());
     legend::show(&subject.prefs.view, range, ui, rect);
     captions(subject, ui, rect);
+    banner::show(subject, ui, rect);
     bar(subject.session, &mut subject.prefs.view, ui, rect);
     inspector::show(subject.session, subject.pick, ui, rect);
 }

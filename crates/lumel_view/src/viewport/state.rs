@@ -2,6 +2,7 @@
 
 use super::marks::CurrentMarks;
 use super::ripple::Waves;
+use crate::actions::Actions;
 use crate::compare::Comparison;
 use crate::gizmo::Gizmo;
 use crate::pick::Pick;
@@ -9,6 +10,7 @@ use crate::prefs::Prefs;
 use crate::session::Session;
 use crate::stage::{Quality, Stage};
 use eframe::egui::{Id, Key, Rect, pos2, vec2};
+use glam::Vec3;
 use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
@@ -24,6 +26,10 @@ pub struct Viewport {
     /// Whether a key flew in the last frame: the first frame of a flight has no sensible duration.
     pub(super) flying: bool,
     pub(super) gizmo: Gizmo,
+    /// What an orbit that is under way turns around.
+    pub(super) pivot: Option<Vec3>,
+    /// When the key that frames when it is tapped was pressed, seconds.
+    pub(super) tapped: Option<f64>,
     pub(super) dividing: bool,
     pub(super) marks: CurrentMarks,
     pub(super) problem: Option<String>,
@@ -44,6 +50,8 @@ pub struct Subject<'a> {
     pub comparison: &'a mut Comparison,
     /// The spot that was clicked.
     pub pick: &'a mut Option<Pick>,
+    /// What the window as a whole is to do.
+    pub actions: &'a mut Actions,
     /// Whether a dialog takes the keys.
     pub in_dialog: bool,
 }

@@ -27,6 +27,11 @@ pub fn albedo_button(ui: &mut Ui, label: &str, rgb: &mut [f32; 3]) -> Response {
     button(ui, label, rgb, Some(MAX_ALBEDO))
 }
 
+/// A field of a colour whose brightness counts, up to 1, that opens sliders as that of an albedo does.
+pub fn share_button(ui: &mut Ui, label: &str, rgb: &mut [f32; 3]) -> Response {
+    button(ui, label, rgb, Some(1.0))
+}
+
 fn button(ui: &mut Ui, label: &str, rgb: &mut [f32; 3], brightest: Option<f32>) -> Response {
     let (rect, mut response) = ui.allocate_exact_size(ui.spacing().interact_size, Sense::click());
     let fill: Color32 = Rgba::from_rgb(rgb[0], rgb[1], rgb[2]).into();
@@ -55,7 +60,7 @@ fn sliders(ui: &mut Ui, of: &Response, rgb: &mut [f32; 3], brightest: Option<f32
     slider(ui, "Saturation", "0 is white", Slider::new(&mut saturation, 0.0..=1.0).max_decimals(3));
     if let Some(brightest) = brightest {
         let brightness = Slider::new(&mut value, 0.0..=brightest).max_decimals(3);
-        slider(ui, "Brightness", "The share of light that the brightest channel reflects", brightness);
+        slider(ui, "Brightness", "Of the brightest channel, as a share of 1", brightness);
     }
     ui.data_mut(|data| data.insert_temp(memory, (degrees, saturation)));
     let changed = (degrees, saturation, value) != before;

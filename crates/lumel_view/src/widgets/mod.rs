@@ -5,7 +5,7 @@ mod modal;
 mod rows;
 mod toast;
 
-pub use color::{albedo_button, color_button};
+pub use color::{albedo_button, color_button, share_button};
 pub use modal::modal;
 pub use rows::{check, choice, heading, hint, number, place, primary_button, row, slider, value};
 pub use toast::Toasts;

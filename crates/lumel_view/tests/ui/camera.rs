@@ -8,11 +8,13 @@ use eframe::egui::{
 };
 use glam::Vec3;
 use lumel_view::camera::FlyCamera;
+use lumel_view::input::Pad;
 
-/// Where a key takes the camera within a tenth of a second.
+/// Where a key takes the camera within a fifth of a second.
 fn flown(window: &mut Window, modifiers: Modifiers, key: Key) -> Vec3 {
     let before = window.session().camera.position;
-    window.hold(modifiers, key, 6);
+    // Longer than a tap.
+    window.hold(modifiers, key, 12);
     window.session().camera.position - before
 }
 
@@ -74,21 +76,23 @@ fn dragging_looks_pans_and_dollies() {
     let Some(mut window) = Window::room() else { return };
     let middle = window.area().center();
     let home = window.session().camera;
-    let mut dragged = |button, way| {
+    let mut dragged = |modifiers, button, way| {
         window.session().camera = home;
-        window.drag(button, middle, middle + way);
+        window.drag_with(modifiers, button, middle, middle + way);
         window.session().camera
     };
-    let looked = dragged(PointerButton::Primary, vec2(60.0, -30.0));
+    let looked = dragged(Modifiers::NONE, PointerButton::Primary, vec2(60.0, -30.0));
     assert!(looked.yaw_deg < home.yaw_deg - 5.0 && looked.pitch_deg > home.pitch_deg + 2.0, "{looked:?}");
     assert_eq!(looked.position, home.position);
-    let panned = dragged(PointerButton::Middle, vec2(60.0, -30.0));
+    let panned = dragged(Modifiers::SHIFT, PointerButton::Middle, vec2(60.0, -30.0));
     let way = panned.position - home.position;
     assert!(way.x < -0.05 && way.y < -0.02 && way.z.abs() < 1e-4, "what is grabbed follows: {way}");
-    let near = dragged(PointerButton::Secondary, vec2(0.0, -60.0));
-    let way = near.position - home.position;
-    assert!(way.z < -0.1 && way.x.abs() < 1e-4 && way.y.abs() < 1e-4, "{way}");
-    assert_eq!((panned.yaw_deg, near.yaw_deg), (home.yaw_deg, home.yaw_deg));
+    for (modifiers, button) in [(Modifiers::NONE, PointerButton::Secondary), (CTRL, PointerButton::Middle)] {
+        let near = dragged(modifiers, button, vec2(0.0, -60.0));
+        let way = near.position - home.position;
+        assert!(way.z < -0.1 && way.x.abs() < 1e-4 && way.y.abs() < 1e-4, "{way}");
+        assert_eq!((panned.yaw_deg, near.yaw_deg), (home.yaw_deg, home.yaw_deg));
+    }
 }
 
 fn turn_wheel(window: &mut Window, points: f32) {
@@ -134,6 +138,7 @@ fn shift_flies_fast_and_control_slowly() {
 #[test]
 fn keys_do_not_fly_while_text_is_edited() {
     let Some(mut window) = Window::room() else { return };
+    window.tab("Lights");
     let before = window.session().camera;
     window.find(Role::TextInput, "Name").click();
     window.run_steps(2);
@@ -197,4 +202,114 @@ fn views_of_the_scene_are_a_click_away() {
     window.tab("Camera");
     window.click("front");
     assert_eq!(window.session().camera, home);
+}
+
+/// Drags in the middle of the picture by what orbits.
+fn orbit(window: &mut Window, modifiers: Modifiers, button: PointerButton, way: eframe::egui::Vec2) {
+    let middle = window.area().center();
+    window.drag_with(modifiers, button, middle, middle + way);
+}
+
+#[test]
+fn the_middle_button_and_alt_orbit_around_what_is_under_the_pointer() {
+    let Some(mut window) = Window::room() else { return };
+    let home = window.session().camera;
+    // The middle of the back wall.
+    let pivot = Vec3::new(0.0, 1.0, -1.0);
+    for (modifiers, button) in
+        [(Modifiers::NONE, PointerButton::Middle), (Modifiers::ALT, PointerButton::Primary)]
+    {
+        window.session().camera = home;
+        orbit(&mut window, modifiers, button, vec2(80.0, 30.0));
+        let camera = window.session().camera;
+        assert!((camera.position.distance(pivot) - home.position.distance(pivot)).abs() < 1e-3);
+        assert!(camera.position.x < -0.5 && camera.position.y > 1.2, "{}", camera.position);
+        let seen = window.project(pivot);
+        assert!(seen.distance(window.area().center()) < 1.0, "it stays where it is: {seen}");
+    }
+}
+
+#[test]
+fn a_picked_spot_is_what_one_orbits_around_and_frames() {
+    let Some(mut window) = Window::room() else { return };
+    let spot = window.project(Vec3::new(-1.0, 0.5, 0.0));
+    window.click_at(spot);
+    let pivot = window.state().pick.as_ref().unwrap().spot.position;
+    let distance = window.session().camera.position.distance(pivot);
+    orbit(&mut window, Modifiers::NONE, PointerButton::Middle, vec2(60.0, 0.0));
+    assert!((window.session().camera.position.distance(pivot) - distance).abs() < 1e-3);
+}
+
+#[test]
+fn keys_of_the_number_pad_look_along_the_axes_and_digits_still_recall() {
+    let Some(mut window) = Window::room() else { return };
+    for (digit, modifiers, towards_eye) in [
+        (1, Modifiers::NONE, Vec3::Z),
+        (3, Modifiers::NONE, Vec3::X),
+        (7, Modifiers::NONE, Vec3::Y),
+        (3, CTRL, Vec3::NEG_X),
+        (1, CTRL, Vec3::NEG_Z),
+    ] {
+        window.press_pad(Pad::Digit(digit), modifiers);
+        let forward = window.session().camera.forward();
+        assert!(forward.dot(-towards_eye) > 0.999, "{digit}: {forward}");
+    }
+    assert!(!window.told("Slot 1 is empty"));
+    window.press(Key::Num1);
+    assert!(window.told("Slot 1 is empty"));
+    let fov = window.session().camera.fov_deg;
+    window.press_pad(Pad::Digit(5), Modifiers::NONE);
+    assert!(window.session().camera.fov_deg < 0.2 * fov);
+    window.press_pad(Pad::Digit(5), Modifiers::NONE);
+    assert_eq!(window.session().camera.fov_deg, fov);
+}
+
+#[test]
+fn f_tapped_and_the_pads_point_frame_everything() {
+    let Some(mut window) = Window::room() else { return };
+    let home = window.session().camera;
+    for by_pad in [false, true] {
+        window.session().camera = FlyCamera { position: Vec3::new(0.0, 1.0, 0.5), ..home };
+        if by_pad {
+            window.press_pad(Pad::Decimal, Modifiers::NONE)
+        } else {
+            window.hold(Modifiers::NONE, Key::F, 4)
+        }
+        window.run_steps(1);
+        let camera = window.session().camera;
+        let to_middle = Vec3::new(0.0, 1.0, 0.0) - camera.position;
+        assert!(to_middle.normalize().dot(camera.forward()) > 0.9999, "{}", camera.position);
+        assert!((3.0..6.0).contains(&to_middle.length()), "{}", camera.position);
+        let area = window.area().expand(1.0);
+        for corner in [Vec3::new(-1.0, 0.0, 1.0), Vec3::new(1.0, 2.0, 1.0)] {
+            assert!(area.contains(window.project(corner)), "{corner}");
+        }
+    }
+}
+
+#[test]
+fn a_click_on_an_axis_looks_along_it() {
+    let Some(mut window) = Window::room() else { return };
+    window.click("View from +X");
+    assert!(window.session().camera.forward().dot(Vec3::NEG_X) > 0.999);
+    window.menu("Camera", "View from the top");
+    assert!(window.session().camera.forward().dot(Vec3::NEG_Y) > 0.999);
+    assert!(window.state().pick.is_none(), "the click does not go through");
+}
+
+#[test]
+fn the_ground_has_a_grid_in_open_scenes_until_one_says_otherwise() {
+    let Some(mut window) = Window::room() else { return };
+    assert!(!window.state().session.document.as_ref().unwrap().is_outdoors);
+    window.tab("Display");
+    assert!(!window.has(Role::CheckBox, "Ground grid"));
+    let floor = window.file("floor.obj");
+    std::fs::write(&floor, "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n").unwrap();
+    window.session().open(lumel_view::document::OpenRequest::new(floor.to_string_lossy()));
+    window.wait_for_files();
+    window.session().camera =
+        FlyCamera { position: Vec3::new(0.0, 1.0, 4.0), pitch_deg: -10.0, ..Default::default() };
+    let with = window.picture();
+    window.check("Ground grid");
+    assert!(crate::expected::differing(&with, &window.picture()) > 5);
 }

@@ -28,7 +28,7 @@ fn moving_a_light_in_mid_solve_solves_anew() {
 fn asking_for_other_samples_in_mid_solve_solves_anew() {
     let Some(mut window) = Window::room() else { return };
     window.solve_for_long();
-    window.find(eframe::egui::accesskit::Role::Slider, "Hemisphere").set_value_accesskit(16.0);
+    window.find(eframe::egui::accesskit::Role::Slider, "Indirect samples").set_value_accesskit(16.0);
     window.run_steps(3);
     assert!(window.told("Settings have changed: solving again"));
     wait_for_solve(&mut window);
@@ -64,6 +64,7 @@ fn asking_for_fewer_bounces_in_mid_solve_ends_it() {
 fn a_slider_that_is_held_does_not_solve_anew_at_every_pixel() {
     let Some(mut window) = Window::room() else { return };
     window.solve_for_long();
+    window.tab("Lights");
     let slider = window.find(eframe::egui::accesskit::Role::Slider, "Size").rect();
     window.drag_at(slider.center());
     window.run_steps(1);

@@ -6,6 +6,7 @@ use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
 use egui_kittest::Node;
 use egui_kittest::kittest::{NodeT, Queryable, by};
 use lumel_render_cpu::Lens;
+use lumel_view::input::Pad;
 use std::path::Path;
 
 /// The height of tabs, which tells them from other buttons that stay down.
@@ -24,6 +25,16 @@ impl Window {
     pub(crate) fn press_with(&mut self, modifiers: Modifiers, key: Key) {
         self.key_press_modifiers(modifiers, key);
         self.run_steps(2);
+    }
+
+    /// Presses a key of the number pad, whose lock is on.
+    pub(crate) fn press_pad(&mut self, pad: Pad, modifiers: Modifiers) {
+        let key = match pad {
+            Pad::Digit(digit) => Key::from_name(&digit.to_string()).unwrap(),
+            Pad::Decimal => Key::Period,
+        };
+        self.numpad.press(pad);
+        self.press_with(modifiers, key);
     }
 
     /// Holds a key for a number of frames.
@@ -46,6 +57,12 @@ impl Window {
 
     /// Drags in a few steps, and leaves the window.
     pub(crate) fn drag(&mut self, button: PointerButton, from: Pos2, to: Pos2) {
+        self.drag_with(Modifiers::NONE, button, from, to);
+    }
+
+    /// Drags while keys are held.
+    pub(crate) fn drag_with(&mut self, modifiers: Modifiers, button: PointerButton, from: Pos2, to: Pos2) {
+        self.event(Event::ModifiersChanged(modifiers));
         self.hover_at(from);
         self.run_steps(1);
         self.button_event(from, button, true);
@@ -54,6 +71,7 @@ impl Window {
             self.run_steps(1);
         }
         self.button_event(to, button, false);
+        self.event(Event::ModifiersChanged(Modifiers::NONE));
         self.remove_cursor();
         self.run_steps(1);
     }

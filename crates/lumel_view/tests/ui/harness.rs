@@ -10,6 +10,7 @@ use lumel_render_cpu::Picture;
 use lumel_render_gpu::Gpu;
 use lumel_view::app::{App, StartUp};
 use lumel_view::document::OpenRequest;
+use lumel_view::input::Numpad;
 use lumel_view::session::Session;
 use lumel_view::solver::Phase;
 use std::ops::{Deref, DerefMut};
@@ -24,6 +25,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// A window with the program in it, and a folder for its files.
 pub(crate) struct Window {
     harness: Harness<'static, App>,
+    pub(crate) numpad: Arc<Numpad>,
     folder: Arc<TempDir>,
 }
 
@@ -81,11 +83,12 @@ impl Window {
             new.device_descriptor = Arc::new(Gpu::device_descriptor);
         }
         let builder = Harness::builder().with_size(setup.size).with_step_dt(1.0 / 60.0).wgpu_setup(wgpu);
+        let numpad = Arc::clone(&setup.start.numpad);
         let harness = builder.build_eframe(|cc| {
             cc.storage = setup.memory.map(|memory| &*Box::leak(memory));
             App::new(cc, setup.start).unwrap()
         });
-        let mut window = Self { harness, folder };
+        let mut window = Self { harness, numpad, folder };
         // Most tests are about solves that are asked for.
         window.session().live = false;
         window.wait_for_files();

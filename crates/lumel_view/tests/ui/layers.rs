@@ -8,6 +8,7 @@ use lumel_view::selection::Selection;
 #[test]
 fn layers_are_dimmed_without_a_solve_and_saved_as_solved() {
     let Some(mut window) = Window::room() else { return };
+    window.tab("Lights");
     window.click("Add");
     window.session().settings.layers = Layers::Lights;
     window.solve();

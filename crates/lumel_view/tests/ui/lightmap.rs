@@ -280,7 +280,7 @@ fn a_lightmap_is_saved_as_pages_mesh_and_picture() {
     }
     let whole = window.session().layout().unwrap().lumels.scene.triangle_count();
     let saved = lumel::open(
-        &window.file("lit.glb").to_string_lossy(),
+        window.file("lit.glb"),
         &lumel::OpenOptions { max_edge: Some(lumel::MaxEdge::Off), ..lumel::OpenOptions::default() },
     );
     let saved = saved.unwrap().builder.build().unwrap().0;

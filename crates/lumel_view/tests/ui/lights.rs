@@ -1,14 +1,22 @@
 //! Placing, changing and dragging lights.
 
-use crate::expected::differing;
+use crate::expected::{bits, differing, reference};
 use crate::hands::CTRL;
 use crate::harness::Window;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, PointerButton, vec2};
 use glam::{Vec2, Vec3};
+use lumel::LightKind;
 use lumel_view::lights::EditLight;
 
 const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..CTRL };
+
+/// The room, with the panel of its lights in front.
+fn room() -> Option<Window> {
+    let mut window = Window::room()?;
+    window.tab("Lights");
+    Some(window)
+}
 
 fn lamp(window: &Window) -> &EditLight {
     &window.state().session.lights[window.state().session.active]
@@ -16,7 +24,7 @@ fn lamp(window: &Window) -> &EditLight {
 
 #[test]
 fn space_puts_the_light_where_the_camera_is_facing_forward() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.hold(Modifiers::NONE, Key::W, 4);
     window.hold(Modifiers::NONE, Key::ArrowLeft, 4);
     window.press(Key::Space);
@@ -41,7 +49,7 @@ fn space_makes_a_light_where_there_is_none() {
 
 #[test]
 fn lights_are_added_chosen_and_removed() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.press(Key::Insert);
     window.click("Add");
     let names = |window: &Window| -> Vec<String> {
@@ -63,7 +71,7 @@ fn lights_are_added_chosen_and_removed() {
 
 #[test]
 fn hidden_lights_do_not_shine_and_are_not_drawn() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.state_mut().prefs.view.auto_exposure = false;
     let lit = window.picture();
     window.check("Lamp on");
@@ -78,7 +86,7 @@ fn hidden_lights_do_not_shine_and_are_not_drawn() {
 
 #[test]
 fn the_size_slider_keeps_a_light_square_until_one_says_otherwise() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.nudge("Size", Key::ArrowRight, 3);
     let half = lamp(&window).half_edges();
     assert!(half.x > 0.301 && (half.x - half.y).abs() < 1e-5, "{half}");
@@ -94,7 +102,7 @@ fn the_size_slider_keeps_a_light_square_until_one_says_otherwise() {
 
 #[test]
 fn constant_power_keeps_the_power_when_the_size_changes() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     let power = lamp(&window).power();
     window.check("Constant power");
     window.nudge("Size", Key::ArrowLeft, 10);
@@ -105,7 +113,7 @@ fn constant_power_keeps_the_power_when_the_size_changes() {
 
 #[test]
 fn intensity_and_colour_change_the_radiance() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.nudge("Intensity", Key::ArrowRight, 5);
     let bright = lamp(&window).rect.radiance.0;
     assert!(bright.x > 10.1 && bright.x == bright.y && bright.y == bright.z, "{bright}");
@@ -129,7 +137,7 @@ fn intensity_and_colour_change_the_radiance() {
 
 #[test]
 fn position_and_direction_are_typed() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.find(Role::SpinButton, "Position x").set_value_accesskit(0.5);
     window.run_steps(2);
     window.find(Role::SpinButton, "Elevation").set_value_accesskit(0.0);
@@ -143,7 +151,7 @@ fn position_and_direction_are_typed() {
 
 #[test]
 fn a_light_is_renamed() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.find(Role::TextInput, "Name").set_text_value_accesskit("Sun");
     window.run_steps(3);
     assert_eq!(lamp(&window).name, "Sun");
@@ -152,7 +160,7 @@ fn a_light_is_renamed() {
 
 #[test]
 fn dragging_its_handle_moves_the_light_and_nothing_else() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     // Level with the light its axes do not cover its centre.
     window.session().camera.position = Vec3::new(0.6, 1.4, 2.5);
     window.run_steps(2);
@@ -171,7 +179,7 @@ fn dragging_its_handle_moves_the_light_and_nothing_else() {
 
 #[test]
 fn dragging_an_arrow_moves_along_it_and_a_corner_resizes() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.session().camera.position = Vec3::new(0.6, 1.4, 2.5);
     window.run_steps(2);
     let camera = window.session().camera;
@@ -191,7 +199,7 @@ fn dragging_an_arrow_moves_along_it_and_a_corner_resizes() {
 
 #[test]
 fn without_handles_a_drag_looks_around() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.tab("Display");
     window.check("Light handles");
     let center = lamp(&window).rect.center;
@@ -203,7 +211,7 @@ fn without_handles_a_drag_looks_around() {
 
 #[test]
 fn light_moves_and_slots_are_undone_and_redone() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     let first = lamp(&window).rect;
     window.press(Key::Space);
     let second = lamp(&window).rect;
@@ -224,7 +232,7 @@ fn light_moves_and_slots_are_undone_and_redone() {
 
 #[test]
 fn a_drag_is_undone_at_once() {
-    let Some(mut window) = Window::room() else { return };
+    let Some(mut window) = room() else { return };
     window.session().camera.position = Vec3::new(0.6, 1.4, 2.5);
     window.run_steps(2);
     let before = lamp(&window).rect;
@@ -233,4 +241,115 @@ fn a_drag_is_undone_at_once() {
     assert_ne!(lamp(&window).rect, before);
     window.press_with(CTRL, Key::Z);
     assert_eq!(lamp(&window).rect, before);
+}
+
+#[test]
+fn every_kind_of_light_is_added_from_the_menu() {
+    let Some(mut window) = Window::room() else { return };
+    for (item, kind) in [
+        ("Add a disk", LightKind::Disk),
+        ("Add a point", LightKind::Point),
+        ("Add a spot", LightKind::Spot),
+        ("Add a sun", LightKind::Sun),
+    ] {
+        window.menu("Light", item);
+        assert_eq!(lamp(&window).kind(), kind);
+        assert!(
+            lamp(&window).light().strength().min_element() > 0.0 && lamp(&window).light().problem().is_none()
+        );
+    }
+    let sun = lamp(&window).rect;
+    assert!(sun.normal().unwrap().y < -0.5 && sun.center.y > 2.0, "it shines from above");
+    window.session().remove_light();
+    window.solve();
+    assert_eq!(bits(window.state()), reference(window.state()));
+}
+
+#[test]
+fn the_sky_is_chosen_undone_and_solved_for() {
+    let Some(mut window) = room() else { return };
+    let scene = |window: &Window| window.state().session.document.as_ref().unwrap().scene.clone();
+    window.choose("Sky", "Gradient");
+    assert!(!scene(&window).sky().is_zero() && scene(&window).sky().uniform().is_none());
+    let before = scene(&window).sky().mean().0;
+    window.find(Role::Slider, "Sky intensity").set_value_accesskit(100.0);
+    window.run_steps(2);
+    let after = scene(&window).sky().mean().0;
+    assert!(after.x > 10.0 * before.x && (after / after.x - before / before.x).length() < 1e-4, "{after}");
+    window.press_with(CTRL, Key::Z);
+    assert_eq!(scene(&window).sky().mean().0, before);
+    window.solve();
+    assert_eq!(bits(window.state()), reference(window.state()));
+    window.choose("Sky", "Uniform");
+    assert!(window.reads("Lights have changed: press Enter to solve again"));
+    window.solve();
+    assert_eq!(bits(window.state()), reference(window.state()));
+    window.choose("Sky", "None");
+    assert!(scene(&window).sky().is_zero() && !window.has(Role::Slider, "Sky intensity"));
+}
+
+#[test]
+fn a_sky_is_saved_with_the_project() {
+    let Some(mut window) = room() else { return };
+    window.choose("Sky", "Uniform");
+    let sky = window.session().sky.clone();
+    window.press_with(CTRL, Key::S);
+    window.press(Key::F5);
+    window.wait_for_files();
+    assert_eq!(window.session().sky, sky);
+    assert!(!sky.is_zero() && !window.session().has_unsaved_edits());
+}
+
+#[test]
+fn a_light_is_aimed_at_what_is_picked() {
+    let Some(mut window) = room() else { return };
+    let wall = window.project(Vec3::new(-1.0, 1.0, 0.0));
+    window.click_at(wall);
+    let spot = window.state().pick.as_ref().unwrap().spot.position;
+    window.click("Aim here");
+    let way = (spot - lamp(&window).rect.center).normalize();
+    assert!(lamp(&window).rect.normal().unwrap().dot(way) > 0.9999);
+    assert!((lamp(&window).half_edges() - Vec2::splat(0.3)).length() < 1e-5, "it keeps its size");
+    window.press(Key::Escape);
+    window.press_with(Modifiers::SHIFT, Key::T);
+    assert!(
+        lamp(&window).rect.normal().unwrap().z < -0.5,
+        "nothing is picked: towards the middle of the picture"
+    );
+}
+
+#[test]
+fn dragging_its_direction_turns_a_light_and_control_snaps() {
+    let Some(mut window) = room() else { return };
+    window.session().camera.position = Vec3::new(0.6, 1.4, 2.5);
+    window.run_steps(2);
+    let tip = |window: &Window| {
+        let light = lamp(window);
+        let length = 1.35 * 0.12 * window.state().session.camera.position.distance(light.rect.center);
+        window.project(light.rect.center + light.rect.normal().unwrap() * length)
+    };
+    let from = tip(&window);
+    window.drag(PointerButton::Primary, from, from + vec2(25.0, -10.0));
+    let turned = lamp(&window).rect.normal().unwrap();
+    assert!(turned.x > 0.2 && turned.y < -0.5, "{turned}");
+    assert_eq!(lamp(&window).rect.center, Vec3::new(0.0, 1.9, 0.0));
+    let from = tip(&window);
+    window.drag_with(CTRL, PointerButton::Primary, from, from + vec2(12.0, -9.0));
+    let snapped = lamp(&window).direction_deg() / 15.0;
+    assert!((snapped - snapped.round()).length() < 1e-2, "{snapped}");
+    let from = window.project(lamp(&window).rect.center);
+    let wall = window.project(Vec3::new(0.3, 0.9, -1.0));
+    window.drag_with(CTRL, PointerButton::Primary, from, wall);
+    let light = lamp(&window).rect;
+    assert!((light.center.z + 1.0).abs() < 0.05 && light.normal().unwrap().dot(Vec3::Z) > 0.999, "{light:?}");
+}
+
+#[test]
+fn emissive_surfaces_are_listed_with_their_power() {
+    let Some(mut window) = Window::builtin("furnace") else { return };
+    window.tab("Lights");
+    assert!(window.reads("Emissive surfaces"));
+    let emissive = window.state().session.document.as_ref().unwrap().emissive.clone();
+    assert!(emissive.len() == 1 && emissive[0].power.x > 0.0, "{emissive:?}");
+    assert!(window.reads(&emissive[0].material));
 }

@@ -26,6 +26,7 @@ mod shooting;
 mod snapshots;
 mod solutions;
 mod solve;
+mod start;
 mod target;
 mod view;
 mod window;

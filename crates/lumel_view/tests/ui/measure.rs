@@ -119,10 +119,12 @@ fn the_standard_error_is_measured_and_shown() {
     window.tab("Display");
     assert!(window.reads("Not measured yet"));
     let unknown = window.picture();
+    window.tab("Solve");
     window.click("Measure standard error");
     window.wait_until("the standard error", |app| app.session.light.standard_error.is_some());
     window.wait_until("its end", |app| app.session.phase().is_none());
     window.run_steps(2);
+    window.tab("Display");
     assert!(window.told("Measured the standard error") && !window.reads("Not measured yet"));
     assert_eq!(window.state().view().mode, ViewMode::StandardError);
     assert!(differing(&unknown, &window.picture()) > 50);

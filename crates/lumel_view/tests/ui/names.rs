@@ -67,7 +67,7 @@ fn every_menu_opens() {
     for (menu, item) in [
         ("File", "Save the solution"),
         ("Edit", "Redo"),
-        ("Camera", "Recall slot 9"),
+        ("Camera", "View from the top"),
         ("Light", "Select the next light"),
         ("Solve", "Keep this solution for comparison"),
         ("View", "Full screen"),
@@ -110,7 +110,7 @@ fn hints_appear_under_the_pointer() {
     let Some(mut window) = Window::solved_room() else { return };
     window.ctx.all_styles_mut(|style| style.interaction.tooltip_delay = 0.0);
     let mut texts = String::new();
-    for tab in ["Display", "Camera", "Compare", "Lights"] {
+    for tab in ["Display", "Camera", "Compare", "Solve", "Lights"] {
         window.tab(tab);
         texts += &hover_all(&mut window);
     }

@@ -4,13 +4,15 @@ use crate::hands::CTRL;
 use crate::harness::Window;
 use crate::scenes::write_mesh;
 use eframe::egui::Key;
+use eframe::egui::accesskit::Role;
 use lumel::{MaxEdge, OpenOptions, Project};
+use lumel_view::app::App;
 use lumel_view::document::OpenRequest;
 use std::path::Path;
 
 fn vertices_in(file: &Path) -> usize {
     let as_it_is = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
-    let (scene, _) = lumel::open(&file.to_string_lossy(), &as_it_is)
+    let (scene, _) = lumel::open(&file, &as_it_is)
         .unwrap_or_else(|e| panic!("{e}: {}", file.display()))
         .builder
         .build()
@@ -25,7 +27,7 @@ fn the_lit_mesh_is_saved_in_three_formats() {
     for name in ["lit.glb", "lit.ply", "lit.obj"] {
         let file = window.file(name);
         window.press(Key::O);
-        assert!(window.reads("The mesh is saved with all light, as shown."));
+        assert!(window.has(Role::ComboBox, "Light"));
         window.answer(&file);
         window.wait_for_files();
         assert!(window.told("Saved the mesh with all light"), "{name}");
@@ -50,9 +52,9 @@ fn the_mesh_is_saved_with_the_light_that_is_shown() {
     window.press(Key::G);
     let file = window.file("direct.ply");
     window.press(Key::O);
-    assert!(window.reads("The mesh is saved with direct light"));
     window.answer(&file);
     window.wait_for_files();
+    assert!(window.told("Saved the mesh with direct light"));
     assert_ne!(all, std::fs::read(file).unwrap());
 }
 
@@ -133,7 +135,7 @@ fn lights_in(file: &Path) -> usize {
 fn a_saved_project_brings_back_lights_slots_settings_and_view() {
     let Some(mut window) = Window::room() else { return };
     window.press(Key::F2);
-    window.nudge("Hemisphere", Key::ArrowRight, 8);
+    window.nudge("Indirect samples", Key::ArrowRight, 8);
     window.press_with(eframe::egui::Modifiers::ALT, Key::Num4);
     window.press(Key::Insert);
     window.press(Key::H);
@@ -170,4 +172,44 @@ fn a_project_away_from_its_mesh_is_refused() {
     window.press_with(CTRL | eframe::egui::Modifiers::SHIFT, Key::S);
     window.answer(elsewhere.path().join("far.toml"));
     assert!(window.reads("a project can only refer to files in its folder"));
+}
+
+#[test]
+fn format_light_and_exposure_of_a_mesh_are_chosen() {
+    let Some(mut window) = Window::solved_room() else { return };
+    let mut saved = |light: &str, exposure: &str| {
+        window.press(Key::O);
+        window.write_path(window.file("lit.glb"));
+        window.choose("Format", "PLY");
+        window.choose("Light", light);
+        window.choose("Exposure", exposure);
+        if exposure == "Fixed" {
+            window.find(Role::SpinButton, "Stops").set_value_accesskit(-8.0);
+            window.run_steps(1);
+        }
+        window.click("Save");
+        window.wait_for_files();
+        std::fs::read(window.file("lit.ply")).unwrap()
+    };
+    let all = saved("All light", "Automatic");
+    let bounce = saved("Bounce 1", "Automatic");
+    let dark = saved("All light", "Fixed");
+    assert!(all != bounce && all != dark && bounce != dark);
+    assert!(window.told("Saved the mesh with bounce 1"));
+}
+
+#[test]
+fn what_opening_another_scene_would_lose_is_saved_on_request() {
+    let Some(mut window) = Window::solved_room() else { return };
+    let taken = window.file("room.npz");
+    std::fs::write(&taken, "another one").unwrap();
+    window.press(Key::Insert);
+    window.press(Key::M);
+    window.click("furnace");
+    window.click("Save and open");
+    let is_furnace = |app: &App| app.session.document.as_ref().is_some_and(|d| d.request.name == "furnace");
+    window.wait_until("the other scene", is_furnace);
+    assert_eq!(std::fs::read_to_string(taken).unwrap(), "another one");
+    assert!(lumel::Solution::load(&window.file("room-2.npz")).is_ok());
+    assert_eq!(lights_in(&window.file("room.toml")), 2);
 }

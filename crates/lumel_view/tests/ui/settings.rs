@@ -10,7 +10,7 @@ use lumel::{BounceLimit, EmitterSampling, LightSampling, Projection, SamplerKind
 fn samples_and_bounces_are_set_by_sliders() {
     let Some(mut window) = Window::room() else { return };
     window.nudge("Direct samples", Key::ArrowRight, 8);
-    window.nudge("Hemisphere", Key::ArrowRight, 8);
+    window.nudge("Indirect samples", Key::ArrowRight, 8);
     window.nudge("Bounces", Key::ArrowRight, 3);
     let settings = window.session().settings.clone();
     assert!(settings.direct_samples > 4 && settings.indirect_samples > 8, "{settings:?}");

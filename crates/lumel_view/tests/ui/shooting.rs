@@ -90,7 +90,7 @@ fn single_bounces_are_greyed_where_shots_tell_none() {
         found.map(|node| node.accesskit_node().is_disabled())
     };
     assert_eq!(bounce(&window), Some(true));
-    for (tab, text) in [("Convergence", NO_BOUNCES), ("Operator", NO_BOUNCES)] {
+    for (tab, text) in [("Convergence", NO_BOUNCES), ("Bounces", NO_BOUNCES)] {
         window.tab(tab);
         window.run_steps(2);
         assert!(window.reads(text), "{tab}");

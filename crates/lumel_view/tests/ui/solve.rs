@@ -73,7 +73,7 @@ fn the_solve_button_starts() {
 fn enter_solves_after_the_mouse_was_used_elsewhere() {
     let Some(mut window) = Window::room() else { return };
     let drag_slider = |window: &mut Window| {
-        let slider = window.find(Role::Slider, "Hemisphere").rect();
+        let slider = window.find(Role::Slider, "Indirect samples").rect();
         window.drag(PointerButton::Primary, slider.left_center() + vec2(8.0, 0.0), slider.center());
     };
     let uses = [
@@ -197,7 +197,7 @@ fn until_converged_adds_bounces_until_little_is_missing() {
 #[test]
 fn the_rest_is_estimated_when_one_asks_for_it() {
     let Some(mut window) = Window::room() else { return };
-    window.choose("Estimate the rest", "Geometric series");
+    window.choose("Later bounces", "Estimated");
     assert_eq!(window.session().settings.tail, Tail::Geometric);
     window.solve();
     assert!(window.session().light.tail.is_some());
@@ -209,6 +209,7 @@ fn the_rest_is_estimated_when_one_asks_for_it() {
 #[test]
 fn nothing_is_solved_where_nothing_shines() {
     let Some(mut window) = Window::room() else { return };
+    window.tab("Lights");
     window.check("Lamp on");
     window.press(Key::Enter);
     assert!(window.told("This scene has no light source") && window.session().job().is_none());

@@ -2,7 +2,7 @@
 
 use crate::expected::differing;
 use crate::hands::CTRL;
-use crate::harness::Window;
+use crate::harness::{Setup, Window, folder};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, PointerButton, ViewportCommand, vec2};
 use lumel_view::dock::Pane;
@@ -34,7 +34,7 @@ fn f10_hides_the_panels_and_shows_them_again() {
     let small = window.area();
     window.press(Key::F10);
     assert_eq!(window.area(), window.ctx.content_rect());
-    assert!(!window.has(Role::Slider, "Hemisphere") && !window.state().panels_visible);
+    assert!(!window.has(Role::Slider, "Indirect samples") && !window.state().panels_visible);
     let middle = window.area().center();
     window.click_at(middle);
     window.hold(Default::default(), Key::W, 3);
@@ -157,4 +157,12 @@ fn menus_do_what_keys_do() {
     assert_eq!(differing(&before, &window.picture()), 0);
     window.menu("Solve", "Start or resume the solve");
     window.wait_until("the solve", |app| app.session.computed().is_some_and(|c| c.complete));
+}
+
+#[test]
+fn memory_and_frame_time_are_told() {
+    let shown = |setup: &mut Setup| setup.start.shows_gauges = true;
+    let Some(mut window) = Window::start(folder(), shown) else { return };
+    window.run_steps(2);
+    assert_eq!(window.reads("iB"), cfg!(target_os = "linux"));
 }

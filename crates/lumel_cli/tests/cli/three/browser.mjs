@@ -1,7 +1,7 @@
 // node browser.mjs PICTURES.json: draws GLB files with three.js in a headless browser and writes PNG files.
 //
-// PICTURES.json is a list of { glb, png, reader, width, height, stops, fov_deg, position, target }; the reader is "none",
-// "plugin", or "bytes" for the plugin without what only lumel writes. LUMEL_BROWSER is a browser of the Chromium family,
+// PICTURES.json is a list of { glb, png, reader, width, height, exposure }; the reader is "none", "plugin", or "bytes" for the
+// plugin without what only lumel writes. The camera is the first of the file. LUMEL_BROWSER is a browser of the Chromium family,
 // NODE_PATH the folder that has three.js; `cargo x test` sets both. The page that draws gets everything from this script,
 // which ends when the page says that it is done.
 

@@ -1,12 +1,15 @@
 // Draws GLB files with three.js and its own loader, and sends the pictures to browser.mjs.
 
-import { LinearToneMapping, PerspectiveCamera, Vector3, WebGLRenderer } from "three";
+import { LinearToneMapping, WebGLRenderer } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { EffectComposer } from "three/addons/postprocessing/EffectComposer.js";
+import { OutputPass } from "three/addons/postprocessing/OutputPass.js";
+import { RenderPass } from "three/addons/postprocessing/RenderPass.js";
 import { MozLightmap } from "/moz_lightmap.js";
 
 const tell = (path, body) => fetch(path, { method: "POST", body });
 
-async function draw(renderer, { width, height, stops, fov_deg, position, target, reader }, url) {
+async function draw(renderer, { width, height, exposure, reader }, url) {
   const loader = new GLTFLoader();
   if (reader !== "none") {
     loader.register((parser) => {
@@ -14,15 +17,19 @@ async function draw(renderer, { width, height, stops, fov_deg, position, target,
       return new MozLightmap(parser);
     });
   }
-  const { scene } = await loader.loadAsync(url);
-  const camera = new PerspectiveCamera(fov_deg, width / height, 0.01, 100);
-  camera.position.fromArray(position);
-  camera.lookAt(new Vector3().fromArray(target));
+  const { scene, cameras } = await loader.loadAsync(url);
+  const [camera] = cameras;
+  camera.aspect = width / height;
+  camera.updateProjectionMatrix();
   renderer.setSize(width, height, false);
   // No curve: a factor.
   renderer.toneMapping = LinearToneMapping;
-  renderer.toneMappingExposure = 2 ** stops;
-  renderer.render(scene, camera);
+  renderer.toneMappingExposure = exposure;
+  // Light adds up before it is shown: a canvas alone would blend what is seen through panes on the sRGB curve.
+  const composer = new EffectComposer(renderer);
+  composer.addPass(new RenderPass(scene, camera));
+  composer.addPass(new OutputPass());
+  composer.render();
   return new Promise((done) => renderer.domElement.toBlob(done, "image/png"));
 }
 

@@ -265,3 +265,30 @@ fn a_material_of_the_wrong_types_becomes_the_default_one() {
     assert_eq!(scene.materials, [Material::default()]);
     assert!(warnings.starts_with("material \"Odd\": ignored: invalid type"), "{warnings}");
 }
+
+#[test]
+fn metal_and_roughness_are_kept_with_their_image_as_it_is() {
+    let transform = json!({ "KHR_texture_transform": { "offset": [0.5, 0.25] } });
+    let surface = json!({
+        "metallicFactor": 0.75, "roughnessFactor": 0.25, "baseColorTexture": { "index": 0 },
+        "metallicRoughnessTexture": { "index": 1, "extensions": transform },
+    });
+    let model = model(json!({ "pbrMetallicRoughness": surface }));
+    let imported = model.read().unwrap().scene;
+    let gloss = &imported.materials[0].gloss;
+    assert_eq!((gloss.metallic, gloss.roughness), (0.75, 0.25));
+    let texture = gloss.texture.as_ref().unwrap();
+    assert_eq!((texture.image.mime_type, texture.transform.offset), ("image/png", Vec2::new(0.5, 0.25)));
+    assert_eq!(texture.image.bytes, crate::testing::png([188, 188, 188, 255]));
+    assert_eq!(imported.textures.len(), 1, "it is not decoded");
+    // Light does not depend on it.
+    let hash = |scene: &SceneBuilder| scene.clone().build().unwrap().0.hash();
+    let dull = SceneBuilder {
+        materials: vec![Material { gloss: Gloss::default(), ..imported.materials[0].clone() }],
+        ..imported.clone()
+    };
+    assert_eq!(hash(&dull), hash(&imported));
+    // Nor do coordinates: alone, it would bring some.
+    let alone = json!({ "metallicRoughnessTexture": { "index": 1 } });
+    assert!(read(json!({ "pbrMetallicRoughness": alone })).0.materials[0].gloss.texture.is_none());
+}
