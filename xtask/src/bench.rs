@@ -15,11 +15,12 @@ struct Benchmark {
     features: &'static [&'static str],
 }
 
-const BENCHMARKS: [Benchmark; 10] = [
+const BENCHMARKS: [Benchmark; 11] = [
     Benchmark { name: "rays", package: "lumel", features: &[] },
     Benchmark { name: "bake", package: "lumel", features: &[] },
     Benchmark { name: "surfaces", package: "lumel", features: &[] },
     Benchmark { name: "adaptive", package: "lumel", features: &[] },
+    Benchmark { name: "points", package: "lumel", features: &[] },
     Benchmark { name: "shooting", package: "lumel", features: &[] },
     Benchmark { name: "lightmap", package: "lumel", features: &[] },
     Benchmark { name: "frame", package: "lumel_render_gpu", features: &[] },

@@ -2,12 +2,13 @@
 
 use crate::BounceBasis;
 use crate::method::Method;
+use crate::point_levels::StoredHalves;
 use crate::settings::{Memory, ScheduleKind, Settings, SolverKind, TargetError};
 use crate::surfaces::{Ordered, Surfaces};
 use crate::target::{self, StoredReplicates};
 use lumel_basis::{Directional, Receivers, Sampling};
 use lumel_scene::Scene;
-use lumel_solve::{REPLICATES, Replicates, Schedule, Target};
+use lumel_solve::{Halves, REPLICATES, Replicates, Schedule, Target};
 use lumel_transport::{
     CachedTransport, CpuTransport, DirectionalTransport, Order, Plan, Rows, Stored, Transport,
 };
@@ -23,6 +24,8 @@ pub(crate) struct Assembly {
     pub(crate) rest: Rest,
     /// Measures direct light at the vertices in the end, where points carry the bounces.
     pub(crate) direct: Option<Box<dyn Transport>>,
+    /// Measures some of the points, where these follow light.
+    pub(crate) halves: Option<Box<dyn Halves + Send>>,
     /// Measures all light by direction in the end, where the settings want it.
     pub(crate) directional: Option<Box<dyn Transport>>,
 }
@@ -95,6 +98,11 @@ pub(crate) fn method(scene: &Scene, order: &Order, settings: &Settings) -> Metho
         let rays = target::first_rays(settings, bytes);
         return Method::Replicates { target, rays, memory: Memory(REPLICATES as u64 * bytes(rays)) };
     }
+    if settings.refines_points() {
+        // Of all points; there are as many as fit.
+        let memory = bytes(settings.indirect_samples).min(settings.memory.0);
+        return Method::Cached { memory: Memory(memory) };
+    }
     Method::new(settings.solver, settings.memory, settings.indirect_samples, bytes)
 }
 
@@ -162,8 +170,15 @@ impl<R: Receivers + 'static> Parts<'_, R> {
         let stored = |directional: &DirectionalTransport<_, _>| directional.stored();
         let stored = StoredRays { bounces, directional: directional.as_ref().and_then(stored) };
         let directional = directional.map(|operator| Box::new(operator) as Box<dyn Transport>);
+        let halves = self.settings.refines_points().then(|| self.halves());
         let (schedule, direct) = (self.settings.schedule(), self.direct());
-        Assembly { method, schedule, transport, stored, rest, direct, directional }
+        Assembly { method, schedule, transport, stored, rest, direct, halves, directional }
+    }
+
+    fn halves(&self) -> Box<dyn Halves + Send> {
+        let plan = self.settings.plan();
+        let like = CachedTransport::new(self.traced(plan), None);
+        Box::new(StoredHalves { like, plan, direct: self.traced(plan) })
     }
 
     /// Its rays are stored where those of bounces are, and both fit into memory.

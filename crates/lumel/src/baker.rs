@@ -4,6 +4,7 @@ use crate::BounceBasis;
 use crate::assembly::{Assembly, Rest, StoredRays, directional_memory};
 use crate::layers;
 use crate::method::Method;
+use crate::point_levels;
 use crate::settings::{Layers, Memory, Projection, Settings};
 use crate::surfaces::Surfaces;
 use glam::Vec3;
@@ -11,8 +12,8 @@ use lumel_accel::{RayTracer, tracer_of};
 use lumel_basis::{Basis, Field, LeastSquares, NodeId, Readout, Receivers, Sampling, reflecting_areas};
 use lumel_scene::Scene;
 use lumel_solve::{
-    Integrals, Observer, Operator, PowerLog, Problem, SolveError, SolveState, brightest, final_gather,
-    read_direct, solve, solve_directional, solve_layers, solve_to_error,
+    Integrals, Observer, Operator, PowerLog, Problem, RefinedLevels, SolveError, SolveState, brightest,
+    final_gather, read_direct, solve, solve_directional, solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Order, Transport};
 use std::sync::Arc;
@@ -215,7 +216,12 @@ impl Baker {
         control: &Control,
         observer: &dyn Observer,
     ) -> Result<(), SolveError> {
-        let problem = self.problem();
+        let refined = self.refined_levels(state, control, observer)?;
+        let mut problem = self.problem();
+        if let Some(refined) = &refined {
+            refined.prepare(&*self.surfaces.basis, state);
+            problem.operator = refined.operator(&*self.surfaces.basis);
+        }
         let directional = self.assembly.directional.as_ref().map(|transport| self.operator(&**transport));
         let finish = |state: &mut SolveState| match directional {
             Some(operator) => solve_directional(operator, state, control, observer),
@@ -240,7 +246,7 @@ impl Baker {
             final_gather(finisher, state, control, observer)?;
         }
         if let Some(direct) = &self.assembly.direct {
-            let operator = Operator { transport: &**direct, basis: &*self.surfaces.vertices };
+            let operator = Operator { transport: &**direct, basis: &*self.surfaces.vertices, active: None };
             read_direct(operator, state, control, observer)?;
         }
         finish(state)?;
@@ -250,6 +256,25 @@ impl Baker {
             solve_layers(problem, finishers, &masks, state, control, observer)?;
         }
         Ok(())
+    }
+
+    /// The points that are measured, where these follow light and the solve is not finished.
+    fn refined_levels(
+        &self,
+        state: &SolveState,
+        control: &Control,
+        observer: &dyn Observer,
+    ) -> Result<Option<RefinedLevels<'_>>, SolveError> {
+        let basis = &*self.surfaces.basis;
+        let refinement = point_levels::refinement(&self.settings, self.scene.has_varying_albedo());
+        let powers = PowerLog::of(&self.integrals, &state.bounces);
+        let is_finished = !state.valid.is_empty() && self.assembly.schedule.next(state, &powers).is_none();
+        match (refinement, basis.hierarchy(), &self.assembly.halves) {
+            (Some(refinement), Some(hierarchy), Some(halves)) if !is_finished => {
+                RefinedLevels::new(basis, hierarchy, &**halves, refinement, control, observer).map(Some)
+            }
+            _ => Ok(None),
+        }
     }
 
     /// What is solved.
@@ -264,7 +289,7 @@ impl Baker {
     }
 
     fn operator<'a>(&'a self, transport: &'a dyn Transport) -> Operator<'a> {
-        Operator { transport, basis: &*self.surfaces.basis }
+        Operator { transport, basis: &*self.surfaces.basis, active: None }
     }
 
     /// How carried light is read, where that is a function of its own.

@@ -28,7 +28,7 @@ impl Baker {
             known.iter().zip(&state.valid).map(|(known, valid)| *known && *valid).collect();
         self.basis().adjacency().complete(&mut field, &valid);
         if let Some(hierarchy) = self.basis().hierarchy() {
-            hierarchy.analyze(&mut field);
+            hierarchy.analyze(&mut field, None);
         }
         if let Some(readout) = self.readout() {
             readout.read(&mut field);

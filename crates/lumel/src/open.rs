@@ -2,7 +2,7 @@
 
 use crate::max_edge::MaxEdge;
 use crate::project::{MaterialEntry, ObjectEntry, Project, ProjectError};
-use crate::settings::{Adaptive, SettingsPatch};
+use crate::settings::SettingsPatch;
 use crate::two_sided::make_two_sided;
 use lumel_import::{ImportError, ImportOptions, PathError, PathPolicy, TextureError};
 use lumel_scene::{Light, SceneBuilder, SceneError, Warnings};
@@ -119,7 +119,7 @@ pub fn open(name: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened, Ope
     two_sided(&path.display().to_string(), &options.two_sided, &mut opened.builder, &mut opened.warnings);
     let of_project = opened.project.as_ref().and_then(|project| project.max_edge);
     let is_builtin = opened.project.as_ref().map_or(!path.exists(), |project| project.builtin.is_some());
-    let is_adaptive = options.adaptive.unwrap_or(opened.settings.settings().adaptive != Adaptive::Off);
+    let is_adaptive = options.adaptive.unwrap_or(opened.settings.settings().refines_mesh());
     let max_edge = options.max_edge.or(of_project).unwrap_or(MaxEdge::usual(is_builtin || is_adaptive));
     let preset = opened.settings.preset.unwrap_or_default();
     let vertex_budget = options.vertex_budget.unwrap_or(preset.vertex_budget());

@@ -7,7 +7,7 @@ use lumel_basis::{
     AreaReceivers, LeastSquares, MeshlessBasis, PointReceivers, Receivers, VertexBasis, VertexPoints,
 };
 use lumel_scene::Scene;
-use lumel_transport::Order;
+use lumel_transport::{Order, SurfaceWalks};
 use std::sync::{Arc, OnceLock};
 
 /// The ray tracer, the basis and the receivers of a scene; cheap to clone, and shared by its [relit](Scene::relit) ones.
@@ -67,7 +67,9 @@ impl Surfaces {
         let basis = match wanted {
             None => BounceBasis::Vertices(Arc::clone(&self.vertices)),
             Some((spacing, levels)) => {
-                BounceBasis::Points(Arc::new(MeshlessBasis::with_levels(Arc::clone(scene), spacing, levels)))
+                let obstacles = SurfaceWalks { scene, tracer: &*self.tracer };
+                let points = MeshlessBasis::around_obstacles(Arc::clone(scene), spacing, levels, &obstacles);
+                BounceBasis::Points(Arc::new(points))
             }
         };
         Self { basis: Arc::new(basis), at_nodes: Arc::default(), ..self.clone() }

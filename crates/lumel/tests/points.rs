@@ -9,7 +9,7 @@ use keep::Keep;
 use lumel::{
     Adaptive, Baker, BounceLimit, Control, Directional, Layers, Light, Lumels, Memory, Method, PointSpacing,
     Projection, SamplerKind, Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent, SolutionSelection,
-    SolveState, SolverKind,
+    SolveState, SolverKind, gated,
 };
 use lumel_basis::{Basis, FieldLighting, Lighting};
 use lumel_testkit::mesh::{Facing, cuboid};
@@ -130,10 +130,12 @@ fn every_solver_schedule_and_sampler_carries_light_on_points() {
 #[test]
 fn a_resumed_bake_has_the_same_bits_on_any_number_of_threads() {
     let scene = room(3);
-    for schedule in [ScheduleKind::Gather, ScheduleKind::Shoot] {
-        let bounces = if schedule == ScheduleKind::Shoot { BounceLimit::All } else { BounceLimit::Count(2) };
-        let levels = if schedule == ScheduleKind::Gather { 2 } else { 1 };
-        let settings = Settings { schedule, bounces, levels, remainder: 0.1, ..settings() };
+    let shoot = ScheduleKind::Shoot;
+    for settings in [
+        Settings { levels: 2, ..settings() },
+        Settings { levels: 4, adaptive: Adaptive::At("10%".parse().unwrap()), ..settings() },
+        Settings { schedule: shoot, bounces: BounceLimit::All, remainder: 0.1, ..settings() },
+    ] {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
@@ -150,13 +152,38 @@ fn a_resumed_bake_has_the_same_bits_on_any_number_of_threads() {
             assert!(run(&baker, baker.resume(checkpoint).unwrap()) == state, "bits of a resumed bake differ");
         }
         let solution = Saved::Solution(Box::new(baker.solution(&state)));
-        if schedule == ScheduleKind::Gather {
+        if settings.schedule == ScheduleKind::Gather {
             assert!(run(&baker, baker.resume(&solution).unwrap()) == state, "bits from a solution differ");
         }
         let other = Settings { point_spacing: PointSpacing::Metres(0.07), ..settings.clone() };
         let error = Baker::new(Arc::clone(&scene), other).resume(&saved[0]).unwrap_err();
         assert!(error.to_string().contains("another basis"), "{error}");
     }
+}
+
+#[test]
+fn points_that_follow_light_are_fewer_and_find_the_same_light() {
+    let scene = room(2);
+    let all = Settings { levels: 4, point_spacing: PointSpacing::Metres(0.025), ..settings() };
+    let adaptive = |error: &str| Adaptive::At(error.parse().unwrap());
+    let some = Settings { adaptive: adaptive("20%"), ..all.clone() };
+    let (on_all, of_all) = solved(&scene, &all);
+    let (baker, state) = solved(&scene, &some);
+    let measured = state.valid.iter().filter(|valid| **valid).count();
+    assert!(3 * measured < of_all.valid.len(), "{measured} of {}", of_all.valid.len());
+    let indirect = |baker: &Baker, state: &SolveState| baker.power(&state.bounces[1]);
+    let off = indirect(&baker, &state) / indirect(&on_all, &of_all) - 1.0;
+    assert!(off.abs() < 0.01, "{off}");
+    // No more than are allowed, but the two coarsest levels.
+    let few = Settings { max_vertices: 10, ..some.clone() };
+    let points = baker.basis().points().unwrap();
+    let (_, state) = solved(&scene, &few);
+    let finer = points.nodes_of_level(2).start as usize;
+    assert!(
+        state.valid[finer..].iter().all(|valid| !valid) && state.valid[..finer].iter().any(|valid| *valid)
+    );
+    // The mesh stays as it is.
+    assert!(baker.adapted(&Control::default(), &mut |_| {}).unwrap().is_none());
 }
 
 #[test]
@@ -212,7 +239,6 @@ fn lumels_gather_what_points_have_carried() {
 #[test]
 fn what_does_not_go_together_with_points_is_refused_by_name() {
     for (bad, other) in [
-        (Settings { adaptive: Adaptive::Auto, ..settings() }, "adaptive"),
         (Settings { layers: Layers::Lights, ..settings() }, "layers"),
         (Settings { directional: Directional::Sh1, ..settings() }, "directional"),
     ] {
@@ -227,6 +253,13 @@ fn what_does_not_go_together_with_points_is_refused_by_name() {
         let message = Settings { levels: 2, ..bad }.validate().unwrap_err().to_string();
         assert!(message.contains("levels 2 and") && message.contains(other), "{message}");
     }
+    for (bad, other) in [
+        (Settings { levels: 2, ..settings() }, "levels 2"),
+        (Settings { levels: 3, solver: SolverKind::Neumann, ..settings() }, "solver neumann"),
+    ] {
+        let message = Settings { adaptive: Adaptive::Auto, ..bad }.validate().unwrap_err().to_string();
+        assert!(message.contains("adaptive auto and") && message.contains(other), "{message}");
+    }
     let scene = room(1);
     let tiny = PointSpacing::Metres(1e-6).need(&scene, 1).unwrap();
     let least = tiny.least_spacing.unwrap();
@@ -240,7 +273,10 @@ fn a_solution_is_shown_as_its_points_have_it_with_direct_light_of_the_vertices()
     let scene = room(3);
     let (baker, state) = solved(&scene, &Settings { levels: 2, ..settings() });
     let solution = baker.solution(&state);
-    let scattered = |selection| solution.scattered_light(&scene, &selection).unwrap().unwrap();
+    let scattered = |selection| {
+        let light = solution.scattered_light(&scene, &selection).unwrap().unwrap();
+        gated(light, &scene, &**baker.tracer())
+    };
     let [sum, direct, bounce] =
         [SolutionSelection::Sum, SolutionSelection::Bounce(0), SolutionSelection::Bounce(1)].map(scattered);
     let [sum, direct, bounce] = [&sum, &direct, &bounce].map(|light| light.lighting(&scene).unwrap());

@@ -2,6 +2,7 @@
 
 use crate::{Adjacency, Field, Identity, NodeId, NodeWeights};
 use lumel_scene::{Irradiance, SurfacePoint};
+use std::ops::Range;
 
 /// A space of functions on the surfaces of a scene: what the coefficients of a [`Field`](crate::Field) mean.
 ///
@@ -54,8 +55,17 @@ pub trait Basis: Send + Sync {
 /// A field of values at the nodes is measured; its coefficients are what its values differ from the coarser levels by. The weights of a
 /// place sum to 1 on each level; a constant has coefficients at the coarsest level alone.
 pub trait Hierarchy: Basis {
-    /// Replaces values at the nodes by coefficients.
-    fn analyze(&self, field: &mut Field);
+    /// Replaces values at the nodes by coefficients. Those that are not `known`, if they are not all, have none: zero.
+    fn analyze(&self, field: &mut Field, known: Option<&[bool]>);
+
+    /// The number of levels; 0 is the coarsest.
+    fn level_count(&self) -> u32;
+
+    /// The nodes of a level.
+    fn nodes_of_level(&self, level: u32) -> Range<u32>;
+
+    /// The nodes of the next level that what is marked of a level says something about: those that it overlaps.
+    fn finer(&self, level: u32, marked: &[bool]) -> Vec<NodeId>;
 
     /// Adds the nodes of the coarsest levels up to one, with their weights at a surface point: what is read from afar.
     fn weights_up_to(&self, level: u32, at: SurfacePoint, weights: &mut NodeWeights);

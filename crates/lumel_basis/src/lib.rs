@@ -39,7 +39,9 @@ pub use identity::Identity;
 pub use least_squares::{LeastSquares, Limits};
 pub use lighting::{FieldLighting, Lighting};
 pub use lumel_receivers::LumelReceivers;
-pub use meshless::{CloudLighting, CloudPoint, MeshlessBasis, PointCloud, SurfaceSample};
+pub use meshless::{
+    CloudLighting, CloudPoint, MeshlessBasis, Obstacle, Obstacles, PointCloud, SurfaceSample,
+};
 pub use node::{NodeId, NodeWeights};
 pub use points::PointReceivers;
 pub use readout::Readout;

@@ -113,7 +113,7 @@ fn field(basis: &MeshlessBasis, f: impl Fn(DVec3, DVec3) -> f64) -> Field {
     let mut field =
         Field::from_values(basis.points().iter().map(|point| Vec3::splat(value(point) as f32)).collect());
     if let Some(hierarchy) = basis.hierarchy() {
-        hierarchy.analyze(&mut field);
+        hierarchy.analyze(&mut field, None);
     }
     field
 }
@@ -285,4 +285,43 @@ fn points_without_their_surfaces_say_the_same_in_whatever_order() {
     }
     let (none, at) = (PointCloud::new(vec![]), Vec3::ZERO);
     assert_eq!((none.level_count(), none.at(&[], at, Vec3::Y, 7)), (0, Vec3::ZERO));
+}
+
+/// The share of the nodes that are needed where a node of a level is only looked at if one that overlaps it has a coefficient above
+/// `tolerance`, and the error over the surface.
+fn followed(basis: &MeshlessBasis, tolerance: f32, f: impl Fn(DVec3, DVec3) -> f64 + Copy) -> [f64; 2] {
+    let hierarchy = basis.hierarchy().unwrap();
+    let mut known = vec![false; basis.node_count()];
+    (0..basis.nodes_of_level(1).end as usize).for_each(|node| known[node] = true);
+    let value = |point: &SurfaceSample| f(point.position.as_dvec3(), point.normal.as_dvec3());
+    let values: Vec<Vec3> = basis.points().iter().map(|point| Vec3::splat(value(point) as f32)).collect();
+    for level in 1.. {
+        let mut field = Field::from_values(values.clone());
+        hierarchy.analyze(&mut field, Some(&known));
+        if level + 1 == basis.level_count() {
+            let share = known.iter().filter(|known| **known).count() as f64 / known.len() as f64;
+            let error = Reference::known(basis.scene(), 4000, 3, f).error_of_field(basis, &field);
+            return [share, error.rms];
+        }
+        let large = |(value, known): (&Vec3, &bool)| *known && value.x.abs() > tolerance;
+        let marked: Vec<bool> = field.values().iter().zip(&known).map(large).collect();
+        hierarchy.finer(level, &marked).into_iter().for_each(|node| known[node.index()] = true);
+    }
+    unreachable!("a basis has a finest level")
+}
+
+#[test]
+fn few_nodes_say_what_all_say_of_light_with_an_edge() {
+    let basis = MeshlessBasis::with_levels(built(vec![square([1, 1])]), 0.25 / 16.0, 5);
+    let step = |p: DVec3, _: DVec3| 1.0 + f64::from(u8::from(p.x + 0.3 * p.z > 0.6));
+    let [all, error_of_all] = followed(&basis, -1.0, step);
+    let [some, error] = followed(&basis, 0.1, step);
+    println!("{some} of the nodes have an error of {error}, all of {error_of_all}");
+    assert!(all == 1.0 && some < 0.45, "{some}");
+    assert!(error < 1.02 * error_of_all, "{error} {error_of_all}");
+    // Smooth light finds the level that is good enough, and no more.
+    let [some, error] = followed(&basis, 0.02, wave);
+    let [fewer, larger] = followed(&basis, 0.2, wave);
+    println!("{some}: {error}, {fewer}: {larger}");
+    assert!(fewer < 0.5 * some && error < 0.5 * larger, "{some} {error} {fewer} {larger}");
 }

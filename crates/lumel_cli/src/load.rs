@@ -7,8 +7,8 @@ use crate::parse::LightChoice;
 use crate::report;
 use glam::Vec3;
 use lumel::{
-    Adaptive, AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightmapEntry, MaxEdge, OpenError,
-    OpenOptions, Opened, PointNeed, PointSpacing, Project, Saved, Scene, SceneBuilder, SceneError, Settings,
+    AutoEdge, Baker, Bvh, Control, EmitterSampling, Light, LightmapEntry, MaxEdge, OpenError, OpenOptions,
+    Opened, PointNeed, PointSpacing, Project, Saved, Scene, SceneBuilder, SceneError, Settings,
     SettingsError, SettingsPatch, SolveState, Warnings, suggested_light,
 };
 use lumel_export::SolutionMeta;
@@ -126,7 +126,7 @@ pub(crate) fn tessellation_of(solution: &Path) -> Tessellation {
     let meta = SolutionMeta::load(solution).ok();
     let settings = meta.as_ref().and_then(|meta| Settings::deserialize(&meta.settings).ok());
     let splits = Saved::load_splits(solution).unwrap_or_default();
-    let follows_light = settings.is_some_and(|settings| settings.adaptive != Adaptive::Off);
+    let follows_light = settings.is_some_and(|settings| settings.refines_mesh());
     Tessellation {
         vertex_budget: meta.and_then(|meta| meta.vertex_budget),
         adaptive: Some(follows_light || !splits.is_empty()),

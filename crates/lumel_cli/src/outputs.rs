@@ -6,7 +6,7 @@ use crate::failure::{hinted, with_hint};
 use crate::picture;
 use crate::source::SceneSource;
 use anyhow::{Context, bail};
-use lumel::{Baker, FileFormat, LightmapSolution, Scene, Solution, SolutionSelection, tracer_of};
+use lumel::{Baker, FileFormat, LightmapSolution, Scene, Solution, SolutionSelection, gated, tracer_of};
 use lumel_export::{
     GlbOptions, LightmapTarget, Lock, PngDepth, Precision, check_obj, remove_strays, write_glb,
     write_lightmap_exr, write_lightmap_glb, write_lightmap_png, write_pages,
@@ -158,6 +158,7 @@ impl Output {
                 let tracer = &**baker.tracer();
                 match solution.scattered_light(&scene, &SolutionSelection::Sum)? {
                     Some(scattered) => {
+                        let scattered = gated(scattered, &scene, tracer);
                         let lighting = scattered.lighting(&scene)?;
                         picture::write_default(&self.path, &scene, tracer, &lighting, cancel)?;
                     }

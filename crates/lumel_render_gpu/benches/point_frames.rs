@@ -55,7 +55,7 @@ fn measure(renderer: &Renderer, scene: &Arc<Scene>, (points, levels): (u64, u32)
     let basis = MeshlessBasis::with_levels(Arc::clone(scene), spacing, levels);
     let bright = |p: Vec3| 1.0 + 0.5 * (5.0 * p).map(f32::sin);
     let mut field = Field::from_values(basis.points().iter().map(|point| bright(point.position)).collect());
-    basis.hierarchy().inspect(|hierarchy| hierarchy.analyze(&mut field));
+    basis.hierarchy().inspect(|hierarchy| hierarchy.analyze(&mut field, None));
     let (model, cloud) = (renderer.upload(scene).unwrap(), PointCloud::of(&basis));
     let (light, buffer) = (renderer.light(&model), renderer.points(&cloud).unwrap());
     let values: Vec<Vec3> = scene.positions().iter().map(|p| bright(*p)).collect();

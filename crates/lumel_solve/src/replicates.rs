@@ -100,7 +100,7 @@ pub fn solve_to_error(
     control: &Control,
     observer: &dyn Observer,
 ) -> Result<(), SolveError> {
-    let Operator { transport, basis } = problem.operator;
+    let Operator { transport, basis, .. } = problem.operator;
     let expected = basis.identity();
     solver::check_basis(state, expected)?;
     problem.reopen(state);

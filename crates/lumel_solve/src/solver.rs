@@ -53,6 +53,8 @@ pub struct Operator<'a> {
     pub transport: &'a dyn Transport,
     /// The basis of what is read and of what is measured.
     pub basis: &'a dyn Basis,
+    /// The nodes of a hierarchy that may have coefficients, unless all may; the others have none where they are not measured.
+    pub active: Option<&'a [bool]>,
 }
 
 impl Operator<'_> {
@@ -61,13 +63,22 @@ impl Operator<'_> {
         (self.transport.shape().sampling == Sampling::Point).then_some(valid)
     }
 
-    /// Makes what was measured at some nodes the light of all: the others follow their neighbours, and values become coefficients.
-    pub(crate) fn complete(&self, field: &mut Field, known: &[bool]) {
-        if known.contains(&false) {
+    /// Gives nodes that cannot be measured the light of their neighbours.
+    pub(crate) fn extrapolate(&self, field: &mut Field, known: &[bool]) {
+        let is_active = |node: usize| self.active.is_none_or(|active| active[node]);
+        if (0..known.len()).any(|node| is_active(node) && !known[node]) {
             self.basis.adjacency().complete(field, known);
         }
+    }
+
+    /// Makes what was measured at some nodes the light of all: the others follow their neighbours, and values become coefficients.
+    pub(crate) fn complete(&self, field: &mut Field, known: &[bool]) {
+        self.extrapolate(field, known);
         if let Some(hierarchy) = self.basis.hierarchy() {
-            hierarchy.analyze(field);
+            let counts = self.active.map(|active| {
+                active.iter().zip(known).map(|(active, known)| active | known).collect::<Vec<bool>>()
+            });
+            hierarchy.analyze(field, counts.as_deref());
         }
     }
 }

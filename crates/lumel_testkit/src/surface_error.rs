@@ -71,20 +71,47 @@ impl<'a> Reference<'a> {
         field: Option<&Field>,
         passes: u32,
     ) -> Self {
-        let points = random_surface_points(scene, n, seed);
+        let direct = Source::Emitters(None);
+        let sources: Vec<Source<'_>> = [direct].into_iter().chain(field.map(Source::Field)).collect();
+        Self::of_sources(scene, [u64::from(n), seed], towards, &sources, passes)
+    }
+
+    /// The same of what the surfaces reflect of `field` alone.
+    pub fn reflected(
+        scene: &'a Scene,
+        n: u32,
+        seed: u64,
+        towards: impl FnOnce(PointReceivers) -> Box<dyn Transport>,
+        field: &Field,
+        passes: u32,
+    ) -> Self {
+        Self::of_sources(scene, [u64::from(n), seed], towards, &[Source::Field(field)], passes)
+    }
+
+    /// All light of some sources at so many points of a seed.
+    fn of_sources(
+        scene: &'a Scene,
+        [n, seed]: [u64; 2],
+        towards: impl FnOnce(PointReceivers) -> Box<dyn Transport>,
+        sources: &[Source<'_>],
+        passes: u32,
+    ) -> Self {
+        let points = random_surface_points(scene, n as u32, seed);
         let site = |at: &SurfacePoint| (*at, scene.geometric_normal(at.tri));
         let receivers =
             PointReceivers::on_surfaces(scene, points.iter().map(site)).expect("triangles have normals");
         let transport = towards(receivers);
-        let measure = |source, bounce, pass| {
+        let measure = |source: Source<'_>, bounce, pass| {
             let job = Job { source, bounce, pass, active: None };
             accumulate(&*transport, &job, &Control::default(), None).expect("nobody cancels")
         };
         let fields: Vec<Field> = (0..passes)
             .map(|pass| {
-                let direct = measure(Source::Emitters(None), 0, pass).field;
-                let reflected = field.map(|field| measure(Source::Field(field), 1, pass).field);
-                Field::sum(points.len(), [&direct].into_iter().chain(&reflected))
+                let measured = |source: &Source<'_>| {
+                    let bounce = u32::from(!matches!(source, Source::Emitters(_)));
+                    measure(*source, bounce, pass).field
+                };
+                Field::sum(points.len(), &sources.iter().map(measured).collect::<Vec<_>>())
             })
             .collect();
         let visible: Vec<bool> = measure(Source::Nothing, 0, 0).visible().collect();

@@ -81,6 +81,11 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         }
     }
 
+    /// Whether direct light is found by hemisphere rays, too: that of the sky and of emissive surfaces.
+    pub fn needs_hemisphere(&self) -> bool {
+        self.lights.needs_hemisphere()
+    }
+
     /// What decides its elements and their sites.
     pub(crate) fn elements_identity(&self) -> Identity {
         self.elements

@@ -71,7 +71,7 @@ pub struct Adapted {
 
 impl Baker {
     /// Splits edges where light differs from a linear function by more than the settings say; `None` if they say
-    /// [nothing](crate::Adaptive::Off).
+    /// [nothing](crate::Adaptive::Off), or it is points that follow light, which a [solve](Self::run) sees to.
     ///
     /// Light is measured in the middle of edges: first direct light, and then, after each bounce, all light so far, whose
     /// tolerance is twice as large. Nothing is split for what may be noise. Rays that are stored of triangles which stay whole
@@ -99,7 +99,9 @@ impl Baker {
         control: &Control,
         watch: &mut dyn FnMut(&Refining<'_>),
     ) -> Result<Option<Adapted>, SolveError> {
-        let Some(error) = self.settings().adaptive.error() else { return Ok(None) };
+        let Some(error) = self.settings().adaptive.error().filter(|_| self.settings().refines_mesh()) else {
+            return Ok(None);
+        };
         let error = f64::from(error.get());
         let original = self.scene().original();
         let original = original.map(|scene| Self::new(Arc::new(scene), self.settings().clone()));

@@ -301,7 +301,8 @@ settings! {
     /// The error is relative to the light there and meant for edges of a 64th of the scene's diameter; longer ones may hide
     /// less, shorter ones more. Shadows get small triangles, even walls large ones. Without a number, the error is 4 % for
     /// draft, 2 % for medium and 1 % for production. The mesh is taken as it is given, unless a longest edge is asked for. What
-    /// is no more than noise splits nothing: more direct samples find finer shadows.
+    /// is no more than noise splits nothing: more direct samples find finer shadows. With three or more levels of points, the mesh stays as it
+    /// is: points of fine levels are measured where coarser ones differ by more than that from what is read without them.
     ADAPTIVE = adaptive: Adaptive {
         presets: always(Adaptive::Off),
         label: "Follow light",
@@ -311,9 +312,9 @@ settings! {
         offered: Some([0.001, 0.2]),
     }
 
-    /// With a mesh that follows light: its vertices at most.
+    /// With a mesh that follows light: its vertices at most; with points that follow light: those measured at most.
     ///
-    /// Where light needs more, the edges that need it most are split.
+    /// Where light needs more, the edges that need it most are split. Of points, no finer level is measured.
     MAX_VERTICES = max_vertices: u32 {
         presets: always(500_000),
         label: "Vertices",

@@ -57,11 +57,14 @@ impl Settings {
     /// What does not go together with points.
     fn validate_with_points(&self) -> Result<(), SettingsError> {
         if self.adaptive != Adaptive::Off {
-            return Err(self.excluded_by(
-                &POINT_SPACING,
-                &ADAPTIVE,
-                "points do not need a mesh that follows light",
-            ));
+            if self.levels < 3 {
+                let reason = "the two coarsest levels are measured everywhere, use 3 levels or more";
+                return Err(self.excluded_by(&ADAPTIVE, &LEVELS, reason));
+            }
+            if self.solver == SolverKind::Neumann {
+                let reason = "points that follow light store their rays";
+                return Err(self.excluded_by(&ADAPTIVE, &SOLVER, reason));
+            }
         }
         if self.layers != Layers::Off {
             let reason = "layers would not add up, as all direct light is measured at vertices";

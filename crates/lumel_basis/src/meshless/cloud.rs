@@ -1,9 +1,12 @@
 //! Points without the surfaces that they lie on: what shows light needs no more.
 
-use super::nodes::{Node, NodeGrid};
+use super::clearance::{Clearance, Obstacles};
+use super::nodes::{Node, NodeGrid, RADIUS};
+use super::scatter::LIFT;
 use crate::{Lighting, MeshlessBasis, NodeId, NodeWeights, SurfaceSample, VertexLighting};
 use glam::Vec3;
 use lumel_scene::{Irradiance, Scene, SurfacePoint};
+use rayon::prelude::*;
 
 /// A point of a [`PointCloud`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +74,35 @@ impl PointCloud {
                 level,
             })
         };
-        Self::new((0..basis.level_count()).flat_map(of_level).collect())
+        let cloud = Self::new((0..basis.level_count()).flat_map(of_level).collect());
+        cloud.with_clearances(|number| basis.clearance(NodeId(number)))
+    }
+
+    /// The same where light does not pass what stands on the surfaces, as in [`MeshlessBasis::around_obstacles`]: for points that a file
+    /// tells of.
+    ///
+    /// `surface` finds the place of a surface that a point lies on. Nothing hinders a point without one.
+    #[must_use]
+    pub fn around_obstacles(
+        self,
+        obstacles: &dyn Obstacles,
+        surface: impl Fn(&CloudPoint) -> Option<SurfacePoint> + Sync,
+    ) -> Self {
+        let clearance = |point: &CloudPoint| {
+            let CloudPoint { position, normal, radius, .. } = *point;
+            let from = SurfaceSample { at: surface(point)?, position, normal };
+            Clearance::around(&from, LIFT / RADIUS * radius, radius, obstacles)
+        };
+        let clearances: Vec<Option<Clearance>> = self.points.par_iter().map(clearance).collect();
+        self.with_clearances(|number| clearances[number as usize])
+    }
+
+    fn with_clearances(self, clearance: impl Fn(u32) -> Option<Clearance>) -> Self {
+        let around = |CloudLevel { grid, numbers }: CloudLevel| {
+            let grid = grid.with_clearances(numbers.iter().map(|&number| clearance(number)));
+            CloudLevel { grid, numbers }
+        };
+        Self { levels: self.levels.into_iter().map(around).collect(), ..self }
     }
 
     /// The points, in the order of their values.

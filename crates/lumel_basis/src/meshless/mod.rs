@@ -1,6 +1,7 @@
 //! Functions that know neither triangles nor textures: kernels around points that are scattered over the surfaces.
 
 mod cells;
+mod clearance;
 mod cloud;
 mod nodes;
 mod receivers;
@@ -8,11 +9,14 @@ mod scatter;
 
 use crate::parts::for_each_weight;
 use crate::{Adjacency, Basis, Field, Hierarchy, Identity, NodeId, NodeWeights};
+use clearance::Open;
+pub use clearance::{Obstacle, Obstacles};
 pub use cloud::{CloudLighting, CloudPoint, PointCloud};
 use glam::Vec3;
 use lumel_scene::{Scene, SurfacePoint, TriId};
-use nodes::NodeGrid;
+use nodes::{Node, NodeGrid, RADIUS};
 use rayon::prelude::*;
+use scatter::Scattered;
 pub use scatter::SurfaceSample;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -24,7 +28,7 @@ const PART: f32 = 0.5;
 ///
 /// Node i has the weight `wᵢ(x) = K(|x − pᵢ| / s) · max(0, nᵢ·n(x))` at a place x, zero beyond the radius s and where normals differ by
 /// more than 84°, and the function `Bᵢ = wᵢ / Σwⱼ`: a partition of unity (Shepard). Constants are exact. Smooth light has an error of
-/// first order in the spacing, with a small factor.
+/// first order in the spacing, with a small factor. [`Obstacles`] that stand between the point and the place make the weight zero, too.
 ///
 /// Where triangles lie has no influence on points or functions, nor on what they cost: a wall of two triangles has as many nodes as one of
 /// two million. The points are random, but always the same for a scene and a spacing.
@@ -33,6 +37,8 @@ pub struct MeshlessBasis {
     scene: Arc<Scene>,
     /// Of the finest level, metres.
     spacing: f32,
+    /// Whether somebody has looked for obstacles.
+    is_gated: bool,
     /// From the coarsest to the finest.
     levels: Vec<Level>,
     /// Of all levels, one after the other.
@@ -63,9 +69,15 @@ impl MeshlessBasis {
     ///
     /// With the levels, the error of smooth light falls faster with the spacing; they have a third more nodes.
     pub fn with_levels(scene: Arc<Scene>, spacing: f32, levels: u32) -> Self {
+        Self { is_gated: false, ..Self::around_obstacles(scene, spacing, levels, &Open) }
+    }
+
+    /// The same where light does not pass what stands on the surfaces.
+    pub fn around_obstacles(scene: Arc<Scene>, spacing: f32, levels: u32, obstacles: &dyn Obstacles) -> Self {
         let mut basis = Self {
             scene,
             spacing,
+            is_gated: true,
             levels: Vec::new(),
             points: Vec::new(),
             areas: Vec::new(),
@@ -73,10 +85,16 @@ impl MeshlessBasis {
         };
         for halvings in (0..levels.max(1)).rev() {
             let spacing = spacing * (halvings as f32).exp2();
-            let mut points = scatter::scattered(&basis.scene, spacing);
-            let grid = NodeGrid::new(basis.scene.bounds().min, spacing, &mut points);
+            let mut points = scatter::scattered(&basis.scene, spacing, obstacles);
+            let origin = basis.scene.bounds().min;
+            let node = |Scattered { sample, .. }: &Scattered| Node {
+                position: sample.position,
+                normal: sample.normal,
+            };
+            let grid = NodeGrid::of_radius(origin, RADIUS * spacing, &mut points, node)
+                .with_clearances(points.iter().map(|point| point.clearance));
             basis.levels.push(Level { grid, first: basis.points.len() as u32 });
-            basis.points.append(&mut points);
+            basis.points.extend(points.iter().map(|point| point.sample));
         }
         basis.areas = basis.integrated();
         basis
@@ -106,6 +124,12 @@ impl MeshlessBasis {
     /// The least distance between points of the finest level that face the same way, metres.
     pub fn spacing(&self) -> f32 {
         self.spacing
+    }
+
+    /// What stands around a node.
+    fn clearance(&self, node: NodeId) -> Option<clearance::Clearance> {
+        let level = self.levels.iter().rfind(|level| level.first <= node.0)?;
+        level.grid.clearance((node.0 - level.first) as usize)
     }
 
     /// The number of levels.
@@ -158,7 +182,8 @@ impl Basis for MeshlessBasis {
     fn identity(&self) -> Identity {
         let geometry = self.scene.geometry_hash();
         let levels = self.level_count().to_le_bytes();
-        let parts = [&geometry.as_bytes()[..], &self.spacing.to_le_bytes(), &levels];
+        let gates = [u8::from(self.is_gated)];
+        let parts = [&geometry.as_bytes()[..], &self.spacing.to_le_bytes(), &levels, &gates];
         Identity::new("points, normalised kernels", parts)
     }
 
@@ -197,24 +222,49 @@ impl Basis for MeshlessBasis {
 
 impl Hierarchy for MeshlessBasis {
     /// Level by level: what a value differs by from what the coarser levels say at its point (Shepard, in several levels).
-    fn analyze(&self, field: &mut Field) {
-        for level in 1..self.level_count() {
+    fn analyze(&self, field: &mut Field, known: Option<&[bool]>) {
+        for level in 0..self.level_count() {
             let nodes = self.nodes_of_level(level);
             let coarser = &self.levels[..level as usize];
-            let said = |node: u32| {
+            let is_known = |node: u32| known.is_none_or(|known| known[node as usize]);
+            let coefficients = |node: u32| {
                 let mut weights = NodeWeights::default();
-                self.push_weights(coarser, &self.points[node as usize], &mut weights);
+                if is_known(node) {
+                    self.push_weights(coarser, &self.points[node as usize], &mut weights);
+                }
                 let channel = |channel: usize| -> Vec3 {
-                    weights.iter().map(|(node, weight)| field.coefficients(node)[channel] * weight).sum()
+                    let value = |node: NodeId| field.coefficients(node)[channel];
+                    let said: Vec3 = weights.iter().map(|(node, weight)| value(node) * weight).sum();
+                    if is_known(node) { value(NodeId(node)) - said } else { Vec3::ZERO }
                 };
                 (0..field.channels()).map(channel).collect::<Vec<_>>()
             };
-            let said: Vec<Vec<Vec3>> = nodes.clone().into_par_iter().map(said).collect();
-            for (node, said) in nodes.zip(said) {
-                let values = field.coefficients_mut(NodeId(node));
-                values.iter_mut().zip(said).for_each(|(value, said)| *value -= said);
+            let found: Vec<Vec<Vec3>> = nodes.clone().into_par_iter().map(coefficients).collect();
+            for (node, found) in nodes.zip(found) {
+                field.coefficients_mut(NodeId(node)).copy_from_slice(&found);
             }
         }
+    }
+
+    fn level_count(&self) -> u32 {
+        Self::level_count(self)
+    }
+
+    fn nodes_of_level(&self, level: u32) -> Range<u32> {
+        Self::nodes_of_level(self, level)
+    }
+
+    fn finer(&self, level: u32, marked: &[bool]) -> Vec<NodeId> {
+        let Some(Level { grid, first }) = self.levels.get(level as usize) else { return Vec::new() };
+        let is_near = |&node: &u32| {
+            let point = &self.points[node as usize];
+            let mut is_near = false;
+            grid.weights_at(point.position, point.normal, |coarse, _| {
+                is_near |= marked[(first + coarse) as usize];
+            });
+            is_near
+        };
+        self.nodes_of_level(level + 1).into_par_iter().filter(is_near).map(NodeId).collect()
     }
 
     fn weights_up_to(&self, level: u32, at: SurfacePoint, weights: &mut NodeWeights) {

@@ -1,5 +1,6 @@
 //! Options that several commands have.
 
+use crate::args::Basis;
 use crate::console::Messages;
 use crate::parse::{self, LightChoice};
 use clap::{Args, ValueEnum};
@@ -99,6 +100,14 @@ pub(crate) struct Tessellation {
     pub(crate) adaptive: Option<bool>,
     /// The edges that were split to follow light.
     pub(crate) splits: Vec<[u32; 2]>,
+}
+
+impl Tessellation {
+    /// The same for light on this basis, if one is asked for: with points, it is these that follow light, not the mesh.
+    pub(crate) fn on(self, basis: Option<Basis>) -> Self {
+        let adaptive = if basis == Some(Basis::Points) { Some(false) } else { self.adaptive };
+        Self { adaptive, ..self }
+    }
 }
 
 impl SceneArgs {

@@ -98,7 +98,7 @@ impl Wanted {
 /// The bake on the threads of the pool.
 fn bake(args: &BakeArgs, wanted: &Wanted, run: &CommandRun) -> anyhow::Result<Baked> {
     let meshes = if wanted.basis == Basis::Lightmap { Meshes::SplitAndWhole } else { Meshes::Split };
-    let tessellation = args.settings.tessellation();
+    let tessellation = args.settings.tessellation().on(args.basis);
     let load = || load::load_and_warn(&args.scene, &tessellation, meshes, &run.console);
     let (loaded, load_seconds) = run.timed("load", load);
     let Loaded { scene, whole, patch, auto_edge, .. } = loaded?;

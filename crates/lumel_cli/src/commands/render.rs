@@ -15,7 +15,7 @@ use anyhow::Context;
 use glam::Vec3;
 use lumel::{
     Camera, Coefficients, Directional, Fitting, LightFile, LightFileError, Lighting, LightmapSolution,
-    RayTracer, Scene, SolutionSelection, VertexLighting, tracer_of,
+    RayTracer, Scene, SolutionSelection, VertexLighting, gated, tracer_of,
 };
 use lumel_render_cpu::{
     Display, Exposure, FalseColor, NormalMaps, Picture, Relief, Resolution, Show, ToneMapper,
@@ -143,6 +143,7 @@ fn render(request: &Request<'_>, display: &Display, run: &CommandRun) -> anyhow:
     };
     check_directions(request.args, directional.as_ref().map_or(Directional::Off, Coefficients::kind))?;
     if let Some(scattered) = scattered {
+        let scattered = gated(scattered, &scene, &*tracer_of(&scene));
         return draw(request, display, &scene, &scattered.lighting(&scene)?, run);
     }
     let lighting = VertexLighting::new(&scene, &irradiance)?.with_incident(directional.as_ref())?;

@@ -30,7 +30,7 @@ impl Points {
             |i: usize, salt: u32| 0.2 + ((i as u32).wrapping_mul(2_654_435_761) >> salt) as f32 % 97.0 / 60.0;
         let value = |i: usize| Vec3::new(level(i, 3), level(i, 9), level(i, 15));
         let mut field = Field::from_values((0..basis.node_count()).map(value).collect());
-        basis.hierarchy().unwrap().analyze(&mut field);
+        basis.hierarchy().unwrap().analyze(&mut field, None);
         Self { cloud: PointCloud::of(&basis), values: field.values().to_vec() }
     }
 

@@ -4,12 +4,15 @@ use crate::plan;
 use glam::{EulerRot, Quat, Vec3};
 use lumel_basis::{Basis, Field, MeshlessBasis, NodeWeights, PointReceivers, reflecting_areas};
 use lumel_sample::SamplerKind;
-use lumel_scene::{Light, Scene, SceneBuilder};
-use lumel_solve::{Gather, Integrals, Operator, Schedule, Shoot, Silent, SolveState, Stop, solve};
+use lumel_scene::{Light, ObjectMesh, Scene, SceneBuilder};
+use lumel_solve::{
+    Gather, Halves, Integrals, Operator, RefinedLevels, Refinement, Schedule, Shoot, Silent, SolveState,
+    Stop, solve,
+};
 use lumel_testkit::mesh::{Facing, cuboid, equal_area_radius, quad, sphere};
 use lumel_testkit::scene::{ceiling_light, cube, grey, placed, scaled, scene, two_sided, varying_sphere};
-use lumel_testkit::{Estimate, ROUNDING, Solver, form_factor, measure, rms, tracer};
-use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Source, Transport};
+use lumel_testkit::{Estimate, ROUNDING, Solver, form_factor, measure, random_surface_points, rms, tracer};
+use lumel_transport::{CachedTransport, Control, CpuTransport, Plan, Source, SurfaceWalks, Transport};
 use std::sync::Arc;
 
 /// A scene with points on its surfaces, and the operator from these to themselves.
@@ -28,10 +31,12 @@ impl Points {
     fn with_levels(builder: SceneBuilder, [points, levels]: [u64; 2], solver: Solver, plan: Plan) -> Self {
         let scene = Arc::new(builder.build().expect("the test's scene builds").0);
         let spacing = MeshlessBasis::spacing_for(&scene, points);
-        let basis = Arc::new(MeshlessBasis::with_levels(Arc::clone(&scene), spacing, levels as u32));
+        let tracer = tracer(&scene);
+        let obstacles = SurfaceWalks { scene: &scene, tracer: &*tracer };
+        let basis = MeshlessBasis::around_obstacles(Arc::clone(&scene), spacing, levels as u32, &obstacles);
+        let basis = Arc::new(basis);
         let receivers = Arc::new(PointReceivers::at_nodes(&basis));
-        let traced =
-            CpuTransport::new(Arc::clone(&scene), tracer(&scene), Arc::clone(&basis), receivers, plan);
+        let traced = CpuTransport::new(Arc::clone(&scene), tracer, Arc::clone(&basis), receivers, plan);
         let transport: Box<dyn Transport> = match solver {
             Solver::Traced => Box::new(traced),
             Solver::Stored => Box::new(CachedTransport::new(traced, None)),
@@ -40,7 +45,7 @@ impl Points {
     }
 
     fn operator(&self) -> Operator<'_> {
-        Operator { transport: &*self.transport, basis: &*self.basis }
+        Operator { transport: &*self.transport, basis: &*self.basis, active: None }
     }
 
     fn integrals(&self) -> Integrals {
@@ -244,6 +249,149 @@ fn light_does_not_pass_a_thin_wall() {
         }
     }
     assert!(lit > 1000 && dark > 1000, "{lit} {dark}");
+}
+
+/// Measures some of the points of a hierarchy.
+struct SomePoints {
+    like: CachedTransport<MeshlessBasis, PointReceivers>,
+    direct: CpuTransport<MeshlessBasis, PointReceivers>,
+    plan: Plan,
+}
+
+impl SomePoints {
+    fn new(points: &Points, plan: Plan) -> Self {
+        let receivers = Arc::new(PointReceivers::at_nodes(&points.basis));
+        let traced = || {
+            let (scene, basis) = (Arc::clone(&points.scene), Arc::clone(&points.basis));
+            CpuTransport::new(scene, tracer(&points.scene), basis, Arc::clone(&receivers), plan)
+        };
+        Self { like: CachedTransport::new(traced(), None), direct: traced(), plan }
+    }
+
+    /// What refines a hierarchy to an error finds, and which nodes of each level it measures.
+    fn solved(&self, points: &Points, error: f64) -> (Field, Vec<f64>) {
+        let (basis, control) = (&*points.basis, Control::default());
+        let refinement = Refinement { error, max_nodes: usize::MAX };
+        let hierarchy = basis.hierarchy().expect("several levels");
+        let refined = RefinedLevels::new(basis, hierarchy, self, refinement, &control, &Silent);
+        let refined = refined.expect("nobody cancels");
+        let mut state = SolveState::new();
+        refined.prepare(basis, &mut state);
+        let gather = Gather { stop: Stop::Bounces(6) };
+        let operator = refined.operator(basis);
+        solve(operator, &points.integrals(), &gather, &mut state, &control, &Silent).expect("nobody cancels");
+        let share = |level: u32| {
+            let nodes = basis.nodes_of_level(level);
+            let all = nodes.len() as f64;
+            nodes.filter(|node| refined.active()[*node as usize]).count() as f64 / all
+        };
+        (state.total(), (0..basis.level_count()).map(share).collect())
+    }
+}
+
+impl Halves for SomePoints {
+    fn operator(&self, half: u32, nodes: &[bool]) -> Box<dyn Transport> {
+        let plan = Plan { portion: half, indirect_samples: self.plan.indirect_samples / 2, ..self.plan };
+        Box::new(self.like.with_samples(plan, nodes))
+    }
+
+    fn direct(&self) -> Option<&dyn Transport> {
+        (!self.direct.needs_hemisphere()).then_some(&self.direct)
+    }
+}
+
+#[test]
+fn where_light_is_even_only_the_coarse_levels_are_measured() {
+    let points = Points::with_levels(varying_sphere(4), [800, 4], Solver::Stored, plan(3, 256));
+    // Facets leave a percent.
+    let (total, shares) = SomePoints::new(&points, plan(3, 256)).solved(&points, 0.05);
+    assert_eq!(shares, [1.0, 1.0, 0.0, 0.0]);
+    let mean = points.integrals().mean(&total);
+    assert!((mean / 2.0 - 1.0).abs() < 0.02, "{mean}, after six bounces of albedo 0.5");
+}
+
+#[test]
+fn a_hierarchy_that_follows_light_finds_what_all_of_its_points_find() {
+    // A light in a corner, close to the walls.
+    let light = Light::Rect(ceiling_light(Vec3::new(0.15, 0.15, 0.3), 0.1, 0.1, 100.0));
+    let builder = SceneBuilder { lights: vec![light], ..cube(1, [(); 6].map(|()| grey(0.6, 0.0))) };
+    let points = Points::with_levels(builder, [3000, 4], Solver::Stored, plan(2, 128));
+    let all = points.solved(Stop::Bounces(6)).total();
+    let some = SomePoints::new(&points, plan(2, 128));
+    let mut weights = NodeWeights::default();
+    let mut before = 0.0;
+    for (error, off, most) in [(0.2, 0.05, 0.3), (0.05, 0.02, 0.9)] {
+        let (total, shares) = some.solved(&points, error);
+        let places = random_surface_points(&points.scene, 4000, 9);
+        let read = |field: &Field, at, weights: &mut NodeWeights| {
+            f64::from(field.at(&*points.basis, at, weights).0.x)
+        };
+        let pairs: Vec<[f64; 2]> =
+            places.into_iter().map(|at| [&total, &all].map(|field| read(field, at, &mut weights))).collect();
+        let square = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(|pair| of(pair).powi(2)).sum::<f64>();
+        let found = (square(|[some, all]| some - all) / square(|[_, all]| *all)).sqrt();
+        let nodes = (0..4).map(|level| points.basis.nodes_of_level(level).len() as f64);
+        let share = nodes.clone().zip(&shares).map(|(n, share)| n * share).sum::<f64>() / nodes.sum::<f64>();
+        println!("error {error}: {found}, {share} of the nodes, by level {shares:?}");
+        assert!(found < off && share < most && share > before, "{error}: {found} {share}");
+        before = share;
+    }
+}
+
+/// A wall across the room at x = 0.5, from the floor to above the ceiling.
+fn partition(thickness: f32, cells: u32) -> Vec<ObjectMesh> {
+    let [near, far] = [-1.0, 1.0].map(|side| 0.5 + 0.5 * side * thickness);
+    cuboid(Vec3::new(near, -0.1, -0.1), Vec3::new(far, 1.1, 1.1), cells, Facing::Outward, [1; 6])
+}
+
+#[test]
+fn light_does_not_pass_under_a_wall_that_stands_on_the_floor() {
+    // One floor for two rooms with nothing in common: light of the one is read nowhere in the other, on any level, however
+    // the floor is cut into triangles, for points twice as far apart as the rooms are wide, too.
+    for (thickness, cells, points, levels, bound) in [
+        (0.02, 1, 1500, 1, 2e-4),
+        (0.002, 1, 1500, 3, 2e-4),
+        (0.0, 1, 1500, 1, 2e-4),
+        (0.02, 13, 400, 2, 2e-4),
+        (0.3, 1, 60, 1, 2e-3),
+    ] {
+        let mut objects = cuboid(Vec3::ZERO, Vec3::ONE, cells, Facing::Inward, [0; 6]);
+        let wall = if thickness > 0.0 {
+            partition(thickness, 1)
+        } else {
+            let corners = [[-0.1, -0.1], [1.1, -0.1], [1.1, 1.1], [-0.1, 1.1]];
+            vec![quad(corners.map(|[y, z]| Vec3::new(0.5, y, z)), [1, 1], 2)]
+        };
+        objects.extend(wall);
+        let light = Light::Rect(ceiling_light(Vec3::new(0.8, 0.5, 0.9), 0.3, 0.5, 10.0));
+        let materials = vec![grey(0.7, 0.0), grey(0.5, 0.0), two_sided(grey(0.5, 0.0))];
+        let builder = scene(objects, materials, vec![light]);
+        let points = Points::with_levels(builder, [points, levels], Solver::Stored, plan(2, 32));
+        let total = points.solved(Stop::Bounces(3)).total();
+        let what = format!("{thickness} m, {cells} cells, {levels} levels");
+        let (mut dark, mut lit, mut weights) = (Vec::new(), Vec::new(), NodeWeights::default());
+        for at in random_surface_points(&points.scene, 20_000, 5) {
+            let (position, normal) = (points.scene.position(at), points.scene.geometric_normal(at.tri));
+            let is_in_room = position.min_element() >= 0.0 && position.max_element() <= 1.0;
+            let is_of_wall = (position.x - 0.5).abs() < 0.5 * thickness + 1e-4;
+            if !is_in_room || is_of_wall && normal.x.abs() < 0.5 {
+                continue;
+            }
+            let is_lit = if is_of_wall { normal.x > 0.0 } else { position.x > 0.5 };
+            let found = f64::from(total.at(&*points.basis, at, &mut weights).0.x);
+            if is_lit {
+                lit.push(found)
+            } else {
+                dark.push(found.abs())
+            };
+        }
+        assert!(dark.len() > 3000 && lit.len() > 3000, "{what}: {} dark, {} lit", dark.len(), lit.len());
+        assert!(lit.iter().all(|found| *found > 0.05), "{what}: a dark place in the lit room");
+        let [mean_dark, mean_lit] = [dark, lit].map(|found| found.iter().sum::<f64>() / found.len() as f64);
+        println!("{what}: {:.1e}", mean_dark / mean_lit);
+        // Places at the very foot of the wall may be read from both of its sides.
+        assert!(mean_dark < bound * mean_lit, "{what}: {mean_dark} {mean_lit}");
+    }
 }
 
 #[test]

@@ -67,7 +67,7 @@ fn corners_and_points(scene: &Scene) -> impl Iterator<Item = SurfacePoint> {
 fn ones(basis: &dyn Basis) -> Field {
     let mut ones = Field::from_values(vec![Vec3::ONE; basis.node_count()]);
     if let Some(hierarchy) = basis.hierarchy() {
-        hierarchy.analyze(&mut ones);
+        hierarchy.analyze(&mut ones, None);
     }
     ones
 }

@@ -63,7 +63,7 @@ pub(super) fn extrapolated(baker: &Baker, snapshot: &Snapshot) -> Field {
     };
     adjacency.extrapolate(&mut field, &snapshot.measured);
     if let Some(basis) = hierarchy {
-        basis.analyze(&mut field);
+        basis.analyze(&mut field, None);
     }
     field
 }
@@ -96,7 +96,7 @@ mod tests {
         let wave = |p: Vec3| Vec3::splat(1.0 + (7.0 * p.x).sin() * p.y);
         let values: Vec<Vec3> = basis.points().iter().map(|point| wave(point.position)).collect();
         let mut field = Field::from_values(values.clone());
-        basis.analyze(&mut field);
+        basis.analyze(&mut field, None);
         assert!((field.values()[values.len() - 1] - values[values.len() - 1]).length() > 0.1);
         let again = values_at_nodes(&basis, &field);
         assert!(again.values().iter().zip(&values).all(|(a, b)| (*a - *b).length() < 1e-5));
