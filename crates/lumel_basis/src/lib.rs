@@ -40,7 +40,8 @@ pub use least_squares::{LeastSquares, Limits};
 pub use lighting::{FieldLighting, Lighting};
 pub use lumel_receivers::LumelReceivers;
 pub use meshless::{
-    CloudLighting, CloudPoint, MeshlessBasis, Obstacle, Obstacles, PointCloud, SurfaceSample,
+    Clearance, CloudLighting, CloudPoint, DIRECTIONS, MeshlessBasis, Obstacle, Obstacles, PointCloud,
+    SurfaceSample,
 };
 pub use node::{NodeId, NodeWeights};
 pub use points::PointReceivers;

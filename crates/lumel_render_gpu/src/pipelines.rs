@@ -272,7 +272,7 @@ impl Layouts {
             tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
             composite: layout("composite", &[texture(false)]),
             lumels: layout("lumels", &[layers, uniform(false), layers]),
-            points: layout("points", &[uniform(false), storage, storage, storage]),
+            points: layout("points", &[uniform(false), storage, storage, storage, storage]),
             places: layout("places", &[texture(false); 2]),
             lit_places: layout("lit places", &[texture(false); 3]),
         }

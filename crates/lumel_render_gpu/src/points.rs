@@ -7,10 +7,13 @@ use crate::shaders::MAX_LEVELS;
 use crate::{Gpu, RenderError};
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
-use lumel_basis::{CloudPoint, PointCloud};
+use lumel_basis::{CloudPoint, DIRECTIONS, PointCloud};
 
 /// Storage buffers that the shader reads.
-pub(crate) const BUFFERS: u32 = 3;
+pub(crate) const BUFFERS: u32 = 4;
+
+/// The number of the clearance of a point around which nothing stands: `OPEN` in `gather.wgsl`.
+const OPEN: u32 = u32::MAX;
 
 /// The points of a [`PointCloud`] and a linear RGB value for each, on the device: usually coefficients of irradiance, W·m⁻².
 ///
@@ -30,9 +33,11 @@ pub struct PointBuffer {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Node {
     position: [f32; 3],
-    unused: f32,
+    /// Which of the clearances it has.
+    clearance: u32,
     normal: [f32; 3],
-    unused_too: f32,
+    /// Of that, a bit for each direction.
+    outer: u32,
 }
 
 /// A place of the table of cells: `gather.wgsl`. Empty where it holds no points.
@@ -92,14 +97,22 @@ impl PointBuffer {
         if points as u64 > limit || levels > MAX_LEVELS {
             return Err(RenderError::Points { points, levels, limit, most_levels: MAX_LEVELS });
         }
-        within_memory(gpu, "points", || Self::make(gpu, layouts, cloud.points()))
+        within_memory(gpu, "points", || Self::make(gpu, layouts, cloud))
     }
 
-    fn make(gpu: &Gpu, layouts: &Layouts, points: &[CloudPoint]) -> Self {
+    fn make(gpu: &Gpu, layouts: &Layouts, cloud: &PointCloud) -> Self {
+        let points = cloud.points();
         let Cells { settings, slots, order } = Cells::of(points);
+        let (mut around, mut lines) = (vec![(OPEN, 0); points.len()], Vec::new());
+        for ((point, clearance), number) in cloud.clearances().zip(0..) {
+            around[point as usize] = (number, clearance.outer.into());
+            lines.extend(clearance.lines.map(|line| line.to_array()));
+        }
+        lines.resize(lines.len().max(DIRECTIONS), [0.0; 2]);
         let node = |&number: &u32| {
             let CloudPoint { position, normal, .. } = points[number as usize];
-            Node { position: position.to_array(), unused: 0.0, normal: normal.to_array(), unused_too: 0.0 }
+            let (clearance, outer) = around[number as usize];
+            Node { position: position.to_array(), clearance, normal: normal.to_array(), outer }
         };
         // A binding is never empty.
         let mut nodes: Vec<Node> = order.iter().map(node).collect();
@@ -114,6 +127,7 @@ impl PointBuffer {
             &storage("points", bytemuck::cast_slice(&nodes)),
             &values,
             &storage("cells of points", bytemuck::cast_slice(&slots)),
+            &storage("what stands around points", bytemuck::cast_slice(&lines)),
         ];
         let group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("points"),

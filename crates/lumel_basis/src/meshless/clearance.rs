@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use lumel_sample::Frame;
 
 /// Directions in which a node looks around.
-const DIRECTIONS: usize = 16;
+pub const DIRECTIONS: usize = 16;
 
 /// Places that are nearer to what stands in the way than this share of the reach still lie before it: those where a wall stands on a floor,
 /// as the corners of a room.
@@ -46,12 +46,13 @@ impl Obstacles for Open {
 ///
 /// Exact for straight walls and their corners: between two directions lie the walls of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Clearance {
-    /// Of each direction the line `v·x = 1`; zero where nothing stands.
-    lines: [Vec2; DIRECTIONS],
+pub struct Clearance {
+    /// Of each direction the line `v·x = 1`, in the tangent and bitangent of [`Frame::from_normal`], m⁻¹; zero where nothing stands.
+    /// The directions are spread evenly in the norm |x| + |y|.
+    pub lines: [Vec2; DIRECTIONS],
     /// A bit for each direction: the corner between its line and the next one points towards the node, so that what is not behind both
     /// lines is overlooked.
-    outer: u16,
+    pub outer: u16,
 }
 
 impl Clearance {

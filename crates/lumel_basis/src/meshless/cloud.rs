@@ -110,6 +110,15 @@ impl PointCloud {
         &self.points
     }
 
+    /// What stands around those points around which anything does, with their numbers.
+    pub fn clearances(&self) -> impl Iterator<Item = (u32, Clearance)> {
+        let of_level = |CloudLevel { grid, numbers }: &'_ CloudLevel| {
+            let known = |(node, &number)| Some((number, grid.clearance(node)?));
+            numbers.iter().enumerate().filter_map(known).collect::<Vec<_>>()
+        };
+        self.levels.iter().flat_map(of_level)
+    }
+
     /// The number of levels.
     pub fn level_count(&self) -> u32 {
         self.levels.len() as u32

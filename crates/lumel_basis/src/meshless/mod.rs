@@ -10,7 +10,7 @@ mod scatter;
 use crate::parts::for_each_weight;
 use crate::{Adjacency, Basis, Field, Hierarchy, Identity, NodeId, NodeWeights};
 use clearance::Open;
-pub use clearance::{Obstacle, Obstacles};
+pub use clearance::{Clearance, DIRECTIONS, Obstacle, Obstacles};
 pub use cloud::{CloudLighting, CloudPoint, PointCloud};
 use glam::Vec3;
 use lumel_scene::{Scene, SurfacePoint, TriId};
@@ -127,7 +127,7 @@ impl MeshlessBasis {
     }
 
     /// What stands around a node.
-    fn clearance(&self, node: NodeId) -> Option<clearance::Clearance> {
+    fn clearance(&self, node: NodeId) -> Option<Clearance> {
         let level = self.levels.iter().rfind(|level| level.first <= node.0)?;
         level.grid.clearance((node.0 - level.first) as usize)
     }

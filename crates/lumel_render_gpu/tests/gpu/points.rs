@@ -5,9 +5,12 @@ use crate::common::{
 };
 use crate::scenes;
 use glam::Vec3;
-use lumel_basis::{Basis, CloudLighting, Field, MeshlessBasis, PointCloud};
+use lumel_basis::{
+    Basis, CloudLighting, CloudPoint, Field, MeshlessBasis, Obstacle, Obstacles, PointCloud, SurfaceSample,
+};
 use lumel_render_cpu::{Picture, ToneMapper};
 use lumel_render_gpu::{Frame, Lit, Look, PointBuffer, Samples, Values};
+use lumel_scene::{Barycentrics, SurfacePoint, TriId};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [173, 120];
@@ -75,6 +78,37 @@ fn light_of_points_looks_as_on_the_cpu() {
             assert_alike(&device, &cpu, &format!("{} {look:?}", subject.scene.name()));
         }
     }
+}
+
+/// A wall across the scene that nobody sees.
+struct Wall(f32);
+
+impl Obstacles for Wall {
+    fn first(&self, from: &SurfaceSample, toward: Vec3, _: f32, reach: f32) -> Option<Obstacle> {
+        let distance = (self.0 - from.position.x) / toward.x;
+        (0.0..reach).contains(&distance).then_some(Obstacle { distance, normal: Vec3::X })
+    }
+}
+
+#[test]
+fn light_of_points_does_not_pass_walls() {
+    let Some(renderer) = renderer() else { return };
+    let subject = scenes::cornell();
+    let open = Points::new(subject);
+    let surface =
+        |_: &CloudPoint| Some(SurfacePoint { tri: TriId(0), bary: Barycentrics { u: 0.0, v: 0.0 } });
+    let wall = Wall(subject.scene.bounds().center().x);
+    let points = Points { cloud: open.cloud.clone().around_obstacles(&wall, surface), ..open };
+    assert!(points.cloud.clearances().count() > 100);
+    let (uploaded, look) = (subject.on(renderer), irradiance(-0.5));
+    let draw = |points: &Points| {
+        let buffer = points.on(&uploaded);
+        uploaded.draw(SIZE, Samples::One, &frame(&uploaded, &buffer, u32::MAX, look))
+    };
+    let device = draw(&points);
+    let cpu = subject.traced_under(&points.lighting(subject, u32::MAX), SIZE, look);
+    assert_alike(&device, &cpu, "a wall");
+    assert!(share_beyond(&device, &draw(&Points::new(subject)), 2) > 0.02, "and it makes a difference");
 }
 
 #[test]
