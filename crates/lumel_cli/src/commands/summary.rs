@@ -56,8 +56,10 @@ pub(crate) struct Summary {
 pub(crate) struct PointReport {
     points: usize,
     levels: u32,
-    /// Points that could not be measured.
+    /// Points that were not measured: those inside geometry, and those of levels that follow light where it has no detail.
     invalid: usize,
+    /// Whether levels follow light.
+    adaptive: bool,
     /// Metres.
     spacing: f32,
 }
@@ -67,7 +69,8 @@ impl PointReport {
         let basis = baker.basis().points()?;
         let invalid = state.valid.iter().filter(|valid| !**valid).count();
         let (levels, spacing) = (basis.level_count(), basis.spacing());
-        Some(Self { points: basis.points().len(), levels, invalid, spacing })
+        let adaptive = baker.settings().adaptive != Adaptive::Off;
+        Some(Self { points: basis.points().len(), levels, invalid, adaptive, spacing })
     }
 
     fn text(&self) -> String {
@@ -75,6 +78,7 @@ impl PointReport {
         let spacing = report::significant(f64::from(self.spacing));
         let inside = match self.invalid {
             0 => String::new(),
+            n if self.adaptive => format!(", {} of them measured", self.points - n),
             n => format!(", {n} of them inside geometry"),
         };
         let levels = match self.levels {
