@@ -284,5 +284,5 @@ fn a_lightmap_is_saved_as_pages_mesh_and_picture() {
         &lumel::OpenOptions { max_edge: Some(lumel::MaxEdge::Off), ..lumel::OpenOptions::default() },
     );
     let saved = saved.unwrap().builder.build().unwrap().0;
-    assert_eq!(saved.triangle_count(), whole, "the mesh as it is in its file");
+    assert_eq!(saved.triangle_count(), whole + 2, "the mesh as it is in its file, and its light");
 }
