@@ -6,7 +6,9 @@ use crate::failure::{hinted, with_hint};
 use crate::picture;
 use crate::source::SceneSource;
 use anyhow::{Context, bail};
-use lumel::{Baker, FileFormat, LightmapSolution, Scene, Solution, SolutionSelection, gated, tracer_of};
+use lumel::{
+    Baker, FileFormat, Lighting, LightmapSolution, Scene, Solution, SolutionSelection, gated, tracer_of,
+};
 use lumel_export::{
     GlbOptions, LightmapTarget, Lock, PngDepth, Precision, check_obj, remove_strays, write_glb,
     write_lightmap_exr, write_lightmap_glb, write_lightmap_png, write_pages,
@@ -156,17 +158,13 @@ impl Output {
             (Content::Picture, None) => {
                 let scene = with_green_up(baker.scene(), *green);
                 let tracer = &**baker.tracer();
-                match solution.scattered_light(&scene, &SolutionSelection::Sum)? {
-                    Some(scattered) => {
-                        let scattered = gated(scattered, &scene, tracer);
-                        let lighting = scattered.lighting(&scene)?;
-                        picture::write_default(&self.path, &scene, tracer, &lighting, cancel)?;
-                    }
-                    None => {
-                        let lighting = solution.lighting(&scene, &SolutionSelection::Sum)?;
-                        picture::write_default(&self.path, &scene, tracer, &lighting, cancel)?;
-                    }
-                }
+                let scattered = solution.scattered_light(&scene, &SolutionSelection::Sum)?;
+                let scattered = scattered.map(|light| gated(light, &scene, tracer));
+                let lighting: Box<dyn Lighting> = match &scattered {
+                    Some(scattered) => Box::new(scattered.lighting(&scene)?),
+                    None => Box::new(solution.lighting(&scene, &SolutionSelection::Sum)?),
+                };
+                picture::write_default(&self.path, &scene, tracer, &*lighting, cancel)?;
             }
             (Content::Picture, Some(Lightmapped { scene, lightmap, .. })) => {
                 let depth = match png {

@@ -112,11 +112,10 @@ impl PointCloud {
 
     /// What stands around those points around which anything does, with their numbers.
     pub fn clearances(&self) -> impl Iterator<Item = (u32, Clearance)> {
-        let of_level = |CloudLevel { grid, numbers }: &'_ CloudLevel| {
+        self.levels.iter().flat_map(|CloudLevel { grid, numbers }| {
             let known = |(node, &number)| Some((number, grid.clearance(node)?));
-            numbers.iter().enumerate().filter_map(known).collect::<Vec<_>>()
-        };
-        self.levels.iter().flat_map(of_level)
+            numbers.iter().enumerate().filter_map(known)
+        })
     }
 
     /// The number of levels.

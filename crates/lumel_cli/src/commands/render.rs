@@ -128,7 +128,7 @@ fn render(request: &Request<'_>, display: &Display, run: &CommandRun) -> anyhow:
         let (solution, layer) = lightmap(request, path, &scene, &run.console)?;
         let light = solution.lightmap.by_direction(layer);
         check_directions(request.args, light.kind())?;
-        return draw(request, display, &scene, &light, run);
+        return draw(request, display, &scene, &*tracer_of(&scene), &light, run);
     }
     let tessellation = request.solution.as_deref().map(load::tessellation_of).unwrap_or_default();
     let loaded = load::load_and_warn(&request.scene, &tessellation, Meshes::Split, &run.console);
@@ -136,18 +136,19 @@ fn render(request: &Request<'_>, display: &Display, run: &CommandRun) -> anyhow:
     let splits_fail = !tessellation.splits.is_empty() && request.is_remembered;
     let Loaded { scene, .. } =
         loaded.map_err(|error| if splits_fail { request.other_scene(error) } else { error })?;
-    let Some(Fitting { irradiance, directional, scattered, .. }) = light(request, &scene, &run.console)?
-    else {
+    let light = light(request, &scene, &run.console)?;
+    let tracer = &*tracer_of(&scene);
+    let Some(Fitting { irradiance, directional, scattered, .. }) = light else {
         let dark = vec![Vec3::ZERO; scene.vertex_count()];
-        return draw(request, display, &scene, &VertexLighting::new(&scene, &dark)?, run);
+        return draw(request, display, &scene, tracer, &VertexLighting::new(&scene, &dark)?, run);
     };
     check_directions(request.args, directional.as_ref().map_or(Directional::Off, Coefficients::kind))?;
     if let Some(scattered) = scattered {
-        let scattered = gated(scattered, &scene, &*tracer_of(&scene));
-        return draw(request, display, &scene, &scattered.lighting(&scene)?, run);
+        let scattered = gated(scattered, &scene, tracer);
+        return draw(request, display, &scene, tracer, &scattered.lighting(&scene)?, run);
     }
     let lighting = VertexLighting::new(&scene, &irradiance)?.with_incident(directional.as_ref())?;
-    draw(request, display, &scene, &lighting, run)
+    draw(request, display, &scene, tracer, &lighting, run)
 }
 
 /// Whether light by direction of a kind has what is to be shown.
@@ -167,16 +168,16 @@ fn draw(
     request: &Request<'_>,
     display: &Display,
     scene: &Scene,
+    tracer: &dyn RayTracer,
     lighting: &dyn Lighting,
     run: &CommandRun,
 ) -> anyhow::Result<Option<Picture>> {
     let args = request.args;
-    let tracer = tracer_of(scene);
     let [width, height] = args.size;
     let resolution = Resolution { width, height, samples_per_pixel: args.samples };
-    let camera = camera(args.camera.as_ref(), scene, &*tracer, resolution.aspect())?;
+    let camera = camera(args.camera.as_ref(), scene, tracer, resolution.aspect())?;
     let relief = Relief { maps: request.normal_maps, shading: args.shading };
-    let subject = Subject { scene, tracer: &*tracer, lighting, camera: &camera, relief };
+    let subject = Subject { scene, tracer, lighting, camera: &camera, relief };
     let _heeding = run.interrupt.heed();
     let result = picture::write(&request.output, &subject, &resolution, display, run.interrupt.picture());
     if result.is_err() && run.interrupt.is_requested() {

@@ -1,6 +1,6 @@
 //! Baked scenes as three.js shows them in a browser, against the pictures that lumel draws itself.
 //!
-//! The files are written to `target/tmp/three`, where one can look at them.
+//! The files are written to the folder `three` of `CARGO_TARGET_TMPDIR`, where one can look at them.
 
 use glam::Vec3;
 use lumel::{
