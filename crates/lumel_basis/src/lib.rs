@@ -19,6 +19,7 @@ mod meshless;
 mod node;
 mod parts;
 mod points;
+mod random_places;
 mod readout;
 mod receivers;
 mod reflecting;
@@ -45,6 +46,7 @@ pub use meshless::{
 };
 pub use node::{NodeId, NodeWeights};
 pub use points::PointReceivers;
+pub use random_places::RandomPlaces;
 pub use readout::Readout;
 pub use receivers::{CENTER, ElementId, Receivers, Sampling, Site};
 pub use reflecting::reflecting_areas;

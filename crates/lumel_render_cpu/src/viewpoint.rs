@@ -4,8 +4,9 @@ use crate::Lens;
 use crate::framing::framed;
 use glam::{Vec2, Vec3};
 use lumel_accel::{Ray, RayTracer};
-use lumel_sample::{PiecewiseConstant1D, uniform_sphere, uniform_triangle};
-use lumel_scene::{Barycentrics, Camera, FaceSide, Scene, SurfacePoint, TriId};
+use lumel_basis::RandomPlaces;
+use lumel_sample::uniform_sphere;
+use lumel_scene::{Camera, FaceSide, Scene, SurfacePoint, TriId};
 
 /// A camera for a scene: its first, or [`camera_chosen_for`] it and for a picture of this width over height.
 pub fn camera_for(scene: &Scene, tracer: &dyn RayTracer, aspect: f32) -> Camera {
@@ -192,16 +193,10 @@ impl Eye<'_> {
 
     /// Points spread evenly over all surfaces.
     fn surfaces(&self) -> Vec<SurfacePoint> {
-        const SIDE: u32 = 32;
-        let areas: Vec<f32> =
-            (0..self.scene.triangle_count() as u32).map(|tri| self.scene.area(TriId(tri))).collect();
-        let Some(by_area) = PiecewiseConstant1D::new(&areas) else { return Vec::new() };
-        let point = |u: Vec2| {
-            let (tri, rest, _) = by_area.sample(u.x);
-            let [u, v] = uniform_triangle([rest, u.y]);
-            SurfacePoint { tri: TriId(tri as u32), bary: Barycentrics { u, v } }
-        };
-        grid(SIDE).map(point).collect()
+        const COUNT: u32 = 1024;
+        let places = RandomPlaces::new(self.scene);
+        let count = if places.area() > 0.0 { COUNT } else { 0 };
+        (0..count).map(|i| places.place(i)).collect()
     }
 
     /// The share of `surfaces` that a camera sees.

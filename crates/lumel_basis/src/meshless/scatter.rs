@@ -3,10 +3,10 @@
 use super::cells::{BYTES_PER_CELL, CellTable, Grid};
 use super::clearance::{Clearance, Obstacles};
 use super::nodes::RADIUS;
+use crate::RandomPlaces;
 use crate::parts::parts;
 use glam::Vec3;
-use lumel_sample::{Dim, Sampler, Stream, StreamKey, uniform_triangle};
-use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use lumel_scene::{Scene, SurfacePoint};
 use rayon::prelude::*;
 
 /// Random points that are tried per square of the spacing, before the gaps between those taken are filled.
@@ -162,37 +162,5 @@ impl<'a> Taken<'a> {
         let before = self.last.insert(self.grid.cell(point.sample.position), number);
         self.before.push(before.unwrap_or(number));
         self.points.push(point);
-    }
-}
-
-/// Random places on the surfaces of a scene, uniform by area.
-struct RandomPlaces {
-    /// The area of all triangles up to each, m².
-    areas: Vec<f64>,
-    stream: Stream,
-}
-
-impl RandomPlaces {
-    fn new(scene: &Scene) -> Self {
-        let areas = (0..scene.triangle_count() as u32).scan(0.0, |sum, tri| {
-            *sum += f64::from(scene.area(TriId(tri)));
-            Some(*sum)
-        });
-        Self { areas: areas.collect(), stream: Sampler::Sobol.stream(StreamKey::new(0), Dim::Area) }
-    }
-
-    /// Of all surfaces, m².
-    fn area(&self) -> f64 {
-        self.areas.last().copied().unwrap_or_default()
-    }
-
-    fn place(&self, index: u32) -> SurfacePoint {
-        /// The last digit of a number in the unit interval.
-        const DIGIT: f64 = 1.0 / (1u32 << 24) as f64;
-        let [s, t, u, v] = self.stream.sample_4d(index);
-        // More triangles than one number tells apart.
-        let area = (f64::from(s) + DIGIT * f64::from(t)) * self.area();
-        let tri = self.areas.partition_point(|&sum| sum <= area).min(self.areas.len() - 1);
-        SurfacePoint { tri: TriId(tri as u32), bary: Barycentrics::from(uniform_triangle([u, v])) }
     }
 }
