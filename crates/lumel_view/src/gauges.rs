@@ -1,5 +1,6 @@
-//! What the program costs: memory, and the time of a frame.
+//! What the program costs: memory, and the time of a frame; and how often frames come while they follow each other.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 /// How often memory is read.
@@ -7,6 +8,12 @@ const PERIOD: Duration = Duration::from_secs(1);
 
 /// Share of the newest frame in the mean.
 const FRESH: f32 = 0.2;
+
+/// Frames are counted over this time.
+const COUNTED: Duration = Duration::from_secs(1);
+
+/// Frames follow each other if there were so many of them: fewer were drawn because something changed now and then.
+const IN_A_ROW: usize = 8;
 
 /// The numbers at the end of the status bar.
 #[derive(Debug, Default)]
@@ -16,11 +23,14 @@ pub struct Gauges {
     /// Memory of this process, bytes.
     memory: Option<u64>,
     read: Option<Instant>,
+    /// When the last frames were drawn.
+    drawn: VecDeque<Instant>,
 }
 
 impl Gauges {
     /// Notes how long the last frame took, seconds, and reads the memory now and then.
     pub fn update(&mut self, frame: Option<f32>) {
+        self.count(Instant::now());
         if let Some(frame) = frame {
             self.frame = Some(self.frame.map_or(frame, |mean| mean + FRESH * (frame - mean)));
         }
@@ -29,11 +39,25 @@ impl Gauges {
         }
     }
 
-    /// Both in words, as far as they are known.
+    fn count(&mut self, now: Instant) {
+        self.drawn.push_back(now);
+        while self.drawn.front().is_some_and(|&drawn| now.duration_since(drawn) > COUNTED) {
+            self.drawn.pop_front();
+        }
+    }
+
+    /// Frames per second, while they follow each other.
+    fn rate(&self) -> Option<f64> {
+        let passed = self.drawn.back()?.duration_since(*self.drawn.front()?);
+        (self.drawn.len() >= IN_A_ROW).then(|| (self.drawn.len() - 1) as f64 / passed.as_secs_f64())
+    }
+
+    /// All of it in words, as far as it is known.
     pub fn texts(&self) -> impl Iterator<Item = String> {
         let memory = self.memory.map(bytes);
         let frame = self.frame.map(|frame| format!("{:.0} ms", (1e3 * frame).max(1.0)));
-        memory.into_iter().chain(frame)
+        let rate = self.rate().map(|rate| format!("{rate:.0} fps"));
+        memory.into_iter().chain(frame).chain(rate)
     }
 }
 
@@ -54,11 +78,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn frames_that_follow_each_other_are_counted() {
+        let mut gauges = Gauges::default();
+        let begun = Instant::now();
+        (0..200).for_each(|k| gauges.count(begun + k * Duration::from_millis(25)));
+        assert_eq!(gauges.texts().collect::<Vec<_>>(), ["40 fps"]);
+        (1..4).for_each(|k| gauges.count(begun + Duration::from_secs(5 + k)));
+        assert_eq!(gauges.rate(), None);
+    }
+
+    #[test]
     fn the_mean_follows_the_frames() {
         let mut gauges = Gauges::default();
         gauges.update(Some(0.02));
         (0..50).for_each(|_| gauges.update(Some(0.05)));
-        assert_eq!(gauges.texts().last(), Some("50 ms".to_owned()));
+        assert!(gauges.texts().any(|text| text == "50 ms"));
         assert_eq!([1 << 20, 1 << 30].map(bytes), ["1 MiB", "1.0 GiB"]);
     }
 }

@@ -8,7 +8,7 @@ use crate::theme;
 use crate::viewport::{Subject, Viewport};
 use crate::widgets::hint;
 use eframe::egui::{
-    self, Align2, Color32, CornerRadius, FontId, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+    self, Align2, Color32, CornerRadius, FontId, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
 
 /// What the symbols mean.
@@ -96,9 +96,8 @@ fn one(quality: Quality, subject: &mut Subject<'_>, ui: &mut Ui, term: &Term, si
     let wanted = Thumbnail { index: term.index, selection, emits, size: pixels };
     let shown = subject.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
     let painter = ui.painter();
-    if let Some(shown) = shown {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(shown.texture, rect, whole, Color32::WHITE);
+    if let Some(shown) = &shown {
+        painter.add(shown.picture.shape(rect));
     }
     let selected = term.selection == Some(subject.prefs.view.selection);
     let stroke = if selected { Stroke::new(2.0, theme::ACCENT) } else { Stroke::new(1.0, theme::LINE) };

@@ -22,7 +22,7 @@ pub(super) fn show(
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             right(stage, prefs, ui);
             for text in gauges.into_iter().flat_map(Gauges::texts) {
-                let about = "Memory of the program, and the time that a frame takes";
+                let about = "Memory of the program, the time that a frame takes, and how many follow each other in a second";
                 ui.label(RichText::new(text).color(theme::WEAK)).on_hover_text(about);
             }
         });

@@ -1,5 +1,6 @@
 //! Thumbnails of the terms of the series.
 
+use super::blit::{Blit, ShownPicture};
 use super::content::{Content, Side};
 use super::metered::{Metered, stops_for};
 use super::showing::{Quality, Showing};
@@ -7,9 +8,7 @@ use crate::camera::FlyCamera;
 use crate::lights::drawn;
 use crate::prefs::ViewMode;
 use crate::selection::Selection;
-use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
-use eframe::wgpu::FilterMode;
 use lumel::{RectLight, Scene, VertexLighting};
 use lumel_render_cpu::Relief;
 use lumel_render_gpu::{Frame, LightBuffer, Lit, Look, Model, RenderError, Renderer, Samples, Target};
@@ -28,10 +27,10 @@ pub struct Thumbnail {
 }
 
 /// A small picture that was drawn.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone)]
 pub struct ShownThumbnail {
     /// The picture.
-    pub texture: TextureId,
+    pub picture: ShownPicture,
     /// By how many stops it is shown brighter than all light.
     pub brighter: f32,
 }
@@ -39,6 +38,7 @@ pub struct ShownThumbnail {
 /// What draws small pictures, and of what.
 pub(super) struct Canvas<'a> {
     pub(super) state: &'a RenderState,
+    pub(super) blit: &'a Blit,
     pub(super) renderer: &'a Renderer,
     pub(super) model: &'a Model,
     pub(super) scene: &'a Scene,
@@ -53,7 +53,7 @@ pub(super) struct Strip {
 
 struct Cell {
     target: Target,
-    texture: TextureId,
+    picture: ShownPicture,
     buffer: LightBuffer,
     content: Option<Content>,
     drawn: Option<DrawnThumbnail>,
@@ -84,7 +84,7 @@ impl Strip {
             && let (Some(_), Some((_, brighter))) = (&cell.drawn, cell.brighter)
         {
             // All of them change with each step of the hand; they are drawn when it rests.
-            return Ok(ShownThumbnail { texture: cell.texture, brighter });
+            return Ok(ShownThumbnail { picture: cell.picture.clone(), brighter });
         }
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::of_mode(session, Side::Current, ViewMode::FalseColor, selection);
@@ -98,14 +98,14 @@ impl Strip {
         let lamps = if wanted.emits { lamps } else { Vec::new() };
         while self.cells.len() <= wanted.index {
             let target = canvas.renderer.target(wanted.size, Samples::One)?;
-            let texture = show_target(canvas.state, &target, None);
+            let picture = canvas.blit.shown(canvas.state, target.view());
             let buffer = canvas.renderer.light(canvas.model);
-            self.cells.push(Cell { target, texture, buffer, content: None, drawn: None, brighter: None });
+            self.cells.push(Cell { target, picture, buffer, content: None, drawn: None, brighter: None });
         }
         let cell = &mut self.cells[wanted.index];
         if cell.target.size() != wanted.size {
             cell.target = canvas.renderer.target(wanted.size, Samples::One)?;
-            show_target(canvas.state, &cell.target, Some(cell.texture));
+            cell.picture = canvas.blit.shown(canvas.state, cell.target.view());
             cell.drawn = None;
         }
         let known = cell.brighter.filter(|(of, _)| *of == content).map(|(_, brighter)| brighter);
@@ -130,7 +130,7 @@ impl Strip {
             (Some(old), Quality::Still) => *old == drawn,
         };
         if is_current {
-            return Ok(ShownThumbnail { texture: cell.texture, brighter });
+            return Ok(ShownThumbnail { picture: cell.picture.clone(), brighter });
         }
         if cell.content != Some(content) {
             let values = content.values(session).unwrap_or_default();
@@ -153,18 +153,6 @@ impl Strip {
         };
         canvas.renderer.draw(&cell.target, &frame);
         cell.drawn = Some(drawn);
-        Ok(ShownThumbnail { texture: cell.texture, brighter })
-    }
-}
-
-fn show_target(state: &RenderState, target: &Target, old: Option<TextureId>) -> TextureId {
-    let mut renderer = state.renderer.write();
-    match old {
-        Some(id) => {
-            let filter = FilterMode::Nearest;
-            renderer.update_egui_texture_from_wgpu_texture(&state.device, target.view(), filter, id);
-            id
-        }
-        None => renderer.register_native_texture(&state.device, target.view(), FilterMode::Nearest),
+        Ok(ShownThumbnail { picture: cell.picture.clone(), brighter })
     }
 }

@@ -7,8 +7,8 @@ use lumel::Directional;
 use lumel_render_cpu::Ripple;
 use std::time::Duration;
 
-/// Time between two frames of a software renderer, which shares the processor with solves.
-const SOFTWARE_FRAME: Duration = Duration::from_millis(33);
+/// Time from one frame to the next on a software renderer, which shares the processor with solves, seconds.
+const SOFTWARE_FRAME: f64 = 0.032;
 
 /// The longest step in seconds: after a pause, waves go on where they were.
 const LONGEST_STEP: f64 = 0.1;
@@ -19,6 +19,8 @@ pub(super) struct Waves {
     phase: f64,
     /// The time of the last frame, seconds.
     at: f64,
+    /// How long a software renderer rests between two frames, seconds.
+    rest: f64,
     /// Whether they are seen.
     pub(super) are_seen: bool,
 }
@@ -29,6 +31,8 @@ pub(super) fn waves(viewport: &mut Viewport, subject: &Subject<'_>, ui: &Ui) -> 
     let (waves, now) = (&mut viewport.waves, ui.input(|i| i.time));
     let step = (now - waves.at).clamp(0.0, LONGEST_STEP);
     waves.at = now;
+    // As much longer as the last frame came too early.
+    waves.rest = (waves.rest + SOFTWARE_FRAME - step).clamp(0.0, SOFTWARE_FRAME);
     let is_lit = match subject.prefs.view.mode {
         ViewMode::Normals => true,
         mode => mode.is_light() && session.directional() != Directional::Off,
@@ -38,7 +42,7 @@ pub(super) fn waves(viewport: &mut Viewport, subject: &Subject<'_>, ui: &Ui) -> 
     if prefs.speed > 0.0 {
         waves.phase += step * f64::from(prefs.speed);
         match subject.stage.as_ref().is_some_and(|stage| stage.gpu().is_software()) {
-            true => ui.ctx().request_repaint_after(SOFTWARE_FRAME),
+            true => ui.ctx().request_repaint_after(Duration::from_secs_f64(waves.rest)),
             false => ui.ctx().request_repaint(),
         }
     }

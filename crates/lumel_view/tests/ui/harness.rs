@@ -157,6 +157,8 @@ impl Window {
             std::thread::sleep(Duration::from_millis(2));
             self.run_steps(1);
         }
+        // What other threads do may be newer than the last frame.
+        self.run_steps(1);
     }
 
     /// Presses Enter and waits until all is solved.
