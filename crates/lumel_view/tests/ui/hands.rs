@@ -79,19 +79,30 @@ impl Window {
     pub(crate) fn click_at(&mut self, pos: Pos2) {
         self.hover_at(pos);
         self.run_steps(1);
+        self.press_and_release(pos);
+    }
+
+    fn press_and_release(&mut self, pos: Pos2) {
         self.button_event(pos, PointerButton::Primary, true);
         self.button_event(pos, PointerButton::Primary, false);
         self.remove_cursor();
         self.run_steps(1);
     }
 
-    /// Clicks in the middle of a widget, after it was scrolled into sight.
+    /// Clicks in the middle of a widget, after it was scrolled into sight; once more if what goes on in the background moves it
+    /// meanwhile.
     #[track_caller]
     fn click_on(&mut self, role: Role, label: &str) {
-        self.find(role, label).scroll_to_me();
-        self.run_steps(4);
-        let at = self.find(role, label).rect().center();
-        self.click_at(at);
+        loop {
+            self.find(role, label).scroll_to_me();
+            self.run_steps(4);
+            let at = self.find(role, label).rect().center();
+            self.hover_at(at);
+            self.run_steps(1);
+            if self.find(role, label).rect().contains(at) {
+                return self.press_and_release(at);
+            }
+        }
     }
 
     // What is in the window.
