@@ -7,8 +7,14 @@ use lumel_scene::{Barycentrics, SurfacePoint, TriId};
 use lumel_transport::{Control, CpuTransport, Job, Plan, Source, TransportError, accumulate};
 use std::sync::Arc;
 
-/// Triangles at which direct light is looked at, at most.
-const DIRECT: usize = 64_000;
+/// Triangles at which direct light is looked at, at most and at least.
+const DIRECT: [usize; 2] = [64_000, 8_000];
+
+/// Shadow rays that are traced for it, about; few lights need fewer.
+const DIRECT_RAYS: u64 = 256_000;
+
+/// Triangles at which it is looked at first, to know how many rays each takes.
+const PILOT: usize = 500;
 
 /// Triangles at which bounces are, fewer: they change more slowly from place to place.
 const INDIRECT: usize = 8_000;
@@ -26,8 +32,8 @@ const MIDDLE: Barycentrics = Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 };
 
 impl Baker {
     /// A first look at direct light, one bounce, and all later ones together as far as the two tell them, for looking at until a
-    /// solve has them: the same for any number of threads, and for any size of scene at most half a million rays where lights are
-    /// few.
+    /// solve has them: the same for any number of threads, and for any size of scene some 400,000 rays, unless more than a few dozen
+    /// lights shine on each place.
     ///
     /// Measured in the middle of some triangles, with few rays, and spread over the surfaces in between. Biased: what is finer than
     /// the triangles that are looked at is lost, and places inside geometry are taken for dark ones.
@@ -35,10 +41,16 @@ impl Baker {
     /// # Errors
     /// When it is cancelled or tracing fails.
     pub fn first_look(&self, control: &Control) -> Result<Vec<Field>, TransportError> {
-        let (few, fewest) = (Places::new(self, DIRECT), Places::new(self, INDIRECT));
-        let direct = few.operator()?;
-        let measured = accumulate(&direct, &job(Source::Emitters(None), 0), control, None)?;
-        let mut bounces = vec![few.spread(&measured.field)];
+        let lit = |places: &Places<'_>| {
+            accumulate(&places.operator()?, &job(Source::Emitters(None), 0), control, None)
+        };
+        let (pilot, before) = (Places::new(self, PILOT), control.rays());
+        lit(&pilot)?;
+        let of_each = ((control.rays() - before) / pilot.triangles.len().max(1) as u64).max(1);
+        let [most, least] = DIRECT;
+        let few = Places::new(self, ((DIRECT_RAYS / of_each) as usize).clamp(least, most));
+        let fewest = Places::new(self, INDIRECT);
+        let mut bounces = vec![few.spread(&lit(&few)?.field)];
         let source = bounces.first().map_or(Source::Nothing, Source::Field);
         let measured = accumulate(&fewest.operator()?, &job(source, 1), control, None)?;
         bounces.push(fewest.spread(&measured.field));

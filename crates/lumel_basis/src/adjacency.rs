@@ -2,6 +2,10 @@
 
 use crate::{Field, NodeId};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// So many nodes of a ring are computed at a time.
+const AT_A_TIME: usize = 1024;
 
 /// The nodes next to each node, symmetric, in compressed rows.
 ///
@@ -97,10 +101,12 @@ impl Adjacency {
             let beside = ring.iter().flat_map(|&node| self.neighbours(node));
             let new = beside.filter(|(node, _)| !std::mem::replace(&mut queued[node.index()], true));
             let next: Vec<NodeId> = new.map(|(node, _)| node).collect();
-            means.clear();
-            for &node in &next {
-                self.push_mean(field, &known, node, &mut means);
-            }
+            means.resize(next.len() * field.channels(), Vec3::ZERO);
+            let parts = means.par_chunks_mut(AT_A_TIME * field.channels()).zip(next.par_chunks(AT_A_TIME));
+            parts.for_each(|(means, nodes)| {
+                let means = means.chunks_exact_mut(field.channels());
+                means.zip(nodes).for_each(|(mean, &node)| self.mean(field, &known, node, mean));
+            });
             for (&node, mean) in next.iter().zip(means.chunks_exact(field.channels())) {
                 field.coefficients_mut(node).copy_from_slice(mean);
                 known[node.index()] = true;
@@ -118,14 +124,14 @@ impl Adjacency {
         }
     }
 
-    fn push_mean(&self, field: &Field, known: &[bool], node: NodeId, means: &mut Vec<Vec3>) {
+    fn mean(&self, field: &Field, known: &[bool], node: NodeId, mean: &mut [Vec3]) {
         let known = || self.neighbours(node).filter(|(neighbour, _)| known[neighbour.index()]);
         let weight: f64 = known().map(|(_, weight)| weight).sum();
-        means.extend((0..field.channels()).map(|channel| {
+        for (channel, mean) in mean.iter_mut().enumerate() {
             let value = |neighbour: NodeId| field.coefficients(neighbour)[channel].as_dvec3();
             let sum: DVec3 = known().map(|(neighbour, weight)| value(neighbour) * weight).sum();
-            (sum / weight).as_vec3()
-        }));
+            *mean = (sum / weight).as_vec3();
+        }
     }
 }
 
