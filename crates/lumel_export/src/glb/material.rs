@@ -23,6 +23,7 @@ const LIGHTMAP: [u32; 2] = [9729, 9729];
 const CLAMP: u32 = 33071;
 const UNLIT: &str = "KHR_materials_unlit";
 const STRENGTH: &str = "KHR_materials_emissive_strength";
+const SPECULAR: &str = "KHR_materials_specular";
 const TRANSFORM: &str = "KHR_texture_transform";
 const MOZ_LIGHTMAP: &str = "MOZ_lightmap";
 
@@ -302,6 +303,11 @@ fn describe(scene: &Scene, material: &Material, look: &Look<'_>, images: &mut Im
         images.add_gloss(&mut surface, &material.gloss);
     }
     json["pbrMetallicRoughness"] = surface;
+    if shown == Shown::Emission {
+        // Black surfaces would still mirror the surroundings a little.
+        json["extensions"][SPECULAR] = json!({ "specularFactor": 0.0 });
+        images.extensions.insert(SPECULAR);
+    }
     match mode {
         AlphaMode::Mask { cutoff } => {
             json["alphaMode"] = json!("MASK");

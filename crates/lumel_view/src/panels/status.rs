@@ -7,6 +7,7 @@ use crate::solver::Phase;
 use crate::stage::Stage;
 use crate::theme;
 use crate::values::{grouped, percent};
+use crate::widgets::busy;
 use eframe::egui::{self, ProgressBar, RichText, Ui};
 use lumel::{Accuracy, Ended, Settings};
 
@@ -33,7 +34,7 @@ fn left(session: &Session, ui: &mut Ui) {
     if let Some(phase) = session.phase() {
         solving(session, ui, &phase);
     } else if let Some(work) = session.background_work() {
-        ui.spinner();
+        busy(ui);
         ui.label(RichText::new(work).color(theme::TEXT));
     } else {
         let (text, color) = state(session);
@@ -95,7 +96,7 @@ fn solving(session: &Session, ui: &mut Ui, phase: &Phase) {
                 ProgressBar::new(share as f32).desired_width(150.0).desired_height(12.0).fill(theme::ACCENT),
             );
         }
-        None => drop(ui.spinner()),
+        None => drop(busy(ui)),
     }
     let mut text = match phase {
         Phase::Preparing => "Preparing".to_owned(),
