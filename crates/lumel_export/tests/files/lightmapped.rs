@@ -37,6 +37,7 @@ impl Shown {
             let strength = &material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"];
             assert_eq!(material["emissiveFactor"], serde_json::json!([1.0, 1.0, 1.0]));
             assert_eq!(material["pbrMetallicRoughness"]["baseColorFactor"][0], 0.0);
+            assert_eq!(material["extensions"]["KHR_materials_specular"]["specularFactor"], 0.0);
             (&material["emissiveTexture"], strength)
         } else {
             let lightmap = &material["extensions"]["MOZ_lightmap"];
