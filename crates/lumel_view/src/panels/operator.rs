@@ -7,8 +7,9 @@ use crate::stage::{Quality, Showing, Thumbnail};
 use crate::theme;
 use crate::viewport::{Subject, Viewport};
 use crate::widgets::hint;
+use eframe::egui::emath::GuiRounding as _;
 use eframe::egui::{
-    self, Align2, Color32, CornerRadius, FontId, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+    self, Align2, Color32, CornerRadius, FontId, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
 
 /// What the symbols mean.
@@ -97,7 +98,9 @@ fn one(quality: Quality, subject: &mut Subject<'_>, ui: &mut Ui, term: &Term, si
     let shown = subject.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
     let painter = ui.painter();
     if let Some(shown) = &shown {
-        painter.add(shown.picture.shape(rect));
+        // Texel by texel: between pixels it would be blurred.
+        let size = vec2(pixels[0] as f32, pixels[1] as f32) / scale;
+        painter.add(shown.picture.shape(Rect::from_min_size(rect.min.round_to_pixels(scale), size)));
     }
     let selected = term.selection == Some(subject.prefs.view.selection);
     let stroke = if selected { Stroke::new(2.0, theme::ACCENT) } else { Stroke::new(1.0, theme::LINE) };

@@ -229,8 +229,8 @@ fn lumels_are_lit_by_directions_of_their_own() {
     let Some(mut window) = Window::room() else { return };
     window.choose("Basis", "Lightmap");
     window.session().lumels.count = LumelCount::Budget(3000);
-    window.choose("Directional", "L1");
     window.wait_until("the unwrap", |app| app.session.layout().is_some());
+    window.choose("Directional", "L1");
     window.solve();
     window.wait_until("the lightmap", |app| app.session.has_whole_lightmap());
     window.run_steps(2);

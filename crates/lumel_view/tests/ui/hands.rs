@@ -89,18 +89,25 @@ impl Window {
         self.run_steps(1);
     }
 
-    /// Clicks in the middle of a widget, after it was scrolled into sight; once more if what goes on in the background moves it
-    /// meanwhile.
+    /// Clicks in the middle of a widget, after it was scrolled into sight.
     #[track_caller]
     fn click_on(&mut self, role: Role, label: &str) {
+        self.find(role, label).scroll_to_me();
+        self.run_steps(4);
+        self.click_in_sight(role, label);
+    }
+
+    /// Clicks in the middle of a widget that can be seen, wherever what goes on in the background moves it meanwhile.
+    #[track_caller]
+    fn click_in_sight(&mut self, role: Role, label: &str) {
+        let center = |window: &Self| window.find(role, label).rect().center();
+        let mut at = center(self);
         loop {
-            self.find(role, label).scroll_to_me();
-            self.run_steps(4);
-            let at = self.find(role, label).rect().center();
             self.hover_at(at);
             self.run_steps(1);
-            if self.find(role, label).rect().contains(at) {
-                return self.press_and_release(at);
+            match center(self) {
+                now if now == at => return self.press_and_release(at),
+                now => at = now,
             }
         }
     }
@@ -183,8 +190,7 @@ impl Window {
     pub(crate) fn choose(&mut self, list: &str, option: &str) {
         self.click_on(Role::ComboBox, list);
         self.run_steps(1);
-        let at = self.find(Role::Button, option).rect().center();
-        self.click_at(at);
+        self.click_in_sight(Role::Button, option);
     }
 
     /// Moves a slider by arrow keys.
