@@ -19,8 +19,8 @@ use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Longer than anything in the background takes.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Longer than anything in the background takes, on a machine with other work too.
+const PATIENCE: Duration = Duration::from_secs(240);
 
 /// A window with the program in it, and a folder for its files.
 pub(crate) struct Window {
