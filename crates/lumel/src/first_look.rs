@@ -7,10 +7,11 @@ use lumel_scene::{Barycentrics, SurfacePoint, TriId};
 use lumel_transport::{Control, CpuTransport, Job, Plan, Source, TransportError, accumulate};
 use std::sync::Arc;
 
-/// Triangles at which direct light is looked at, at most and at least.
-const DIRECT: [usize; 2] = [64_000, 8_000];
+/// Triangles at which direct light is looked at, at least and at most.
+const FEWEST_DIRECT: usize = 8_000;
+const MOST_DIRECT: usize = 64_000;
 
-/// Shadow rays that are traced for it, about; few lights need fewer.
+/// Shadow rays that are traced for it, about, between these limits.
 const DIRECT_RAYS: u64 = 256_000;
 
 /// Triangles at which it is looked at first, to know how many rays each takes.
@@ -32,8 +33,8 @@ const MIDDLE: Barycentrics = Barycentrics { u: 1.0 / 3.0, v: 1.0 / 3.0 };
 
 impl Baker {
     /// A first look at direct light, one bounce, and all later ones together as far as the two tell them, for looking at until a
-    /// solve has them: the same for any number of threads, and for any size of scene some 400,000 rays, unless more than a few dozen
-    /// lights shine on each place.
+    /// solve has them: the same for any number of threads, and for any size of scene at most some 400,000 rays, unless more than
+    /// eight lights shine on each place.
     ///
     /// Measured in the middle of some triangles, with few rays, and spread over the surfaces in between. Biased: what is finer than
     /// the triangles that are looked at is lost, and places inside geometry are taken for dark ones.
@@ -47,8 +48,7 @@ impl Baker {
         let (pilot, before) = (Places::new(self, PILOT), control.rays());
         lit(&pilot)?;
         let of_each = ((control.rays() - before) / pilot.triangles.len().max(1) as u64).max(1);
-        let [most, least] = DIRECT;
-        let few = Places::new(self, ((DIRECT_RAYS / of_each) as usize).clamp(least, most));
+        let few = Places::new(self, ((DIRECT_RAYS / of_each) as usize).clamp(FEWEST_DIRECT, MOST_DIRECT));
         let fewest = Places::new(self, INDIRECT);
         let mut bounces = vec![few.spread(&lit(&few)?.field)];
         let source = bounces.first().map_or(Source::Nothing, Source::Field);

@@ -45,9 +45,9 @@ const LOOKS: u32 = 4;
 /// - [`LightmapTarget::Three`]: `MOZ_lightmap` has linear irradiance over its `intensity`, which three.js multiplies by the albedo.
 ///   Materials that emit keep their emission. Bytes are coarse for what is dark; the `extras` of images name a view of the buffer,
 ///   `rgb9e5`, that has the same in 32 bits, row by row, for readers that know it.
-/// - [`LightmapTarget::Any`]: surfaces are black, without a sheen (`KHR_materials_specular`), and emit. The image has radiance over the `emissiveStrength` of
-///   `KHR_materials_emissive_strength`, on the sRGB curve: light that is reflected, with the mean albedo of each lumel, and
-///   emitted. Textures are as coarse as lumels there.
+/// - [`LightmapTarget::Any`]: surfaces are black, mirror nothing (`KHR_materials_specular`), and emit. The image has radiance
+///   over the `emissiveStrength` of `KHR_materials_emissive_strength`, on the sRGB curve: light that is reflected, with the mean
+///   albedo of each lumel, and emitted. Textures are as coarse as lumels there.
 /// - [`LightmapTarget::Occlusion`]: materials are those of the scene, and dim ambient light by the layer "occlusion".
 ///
 /// # Errors
