@@ -42,17 +42,16 @@ impl Baker {
     /// # Errors
     /// When it is cancelled or tracing fails.
     pub fn first_look(&self, control: &Control) -> Result<Vec<Field>, TransportError> {
-        let lit = |places: &Places<'_>| {
-            accumulate(&places.operator()?, &job(Source::Emitters(None), 0), control, None)
-        };
+        let lit = |operator: &Operator| accumulate(operator, &job(Source::Emitters(None), 0), control, None);
         let (pilot, before) = (Places::new(self, PILOT), control.rays());
-        lit(&pilot)?;
+        let operator = pilot.operator()?;
+        lit(&operator)?;
         let of_each = ((control.rays() - before) / pilot.triangles.len().max(1) as u64).max(1);
         let few = Places::new(self, ((DIRECT_RAYS / of_each) as usize).clamp(FEWEST_DIRECT, MOST_DIRECT));
         let fewest = Places::new(self, INDIRECT);
-        let mut bounces = vec![few.spread(&lit(&few)?.field)];
+        let mut bounces = vec![few.spread(&lit(&few.sharing(&operator)?)?.field)];
         let source = bounces.first().map_or(Source::Nothing, Source::Field);
-        let measured = accumulate(&fewest.operator()?, &job(source, 1), control, None)?;
+        let measured = accumulate(&fewest.sharing(&operator)?, &job(source, 1), control, None)?;
         bounces.push(fewest.spread(&measured.field));
         bounces.extend(self.later(&bounces));
         Ok(bounces)
@@ -66,6 +65,8 @@ impl Baker {
         Some(Field::from_values(series.values().iter().map(|value| mean.lerp(*value, SHAPE)).collect()))
     }
 }
+
+type Operator = CpuTransport<BounceBasis, PointReceivers>;
 
 fn job(source: Source<'_>, bounce: u32) -> Job<'_> {
     Job { source, bounce, pass: 0, active: None }
@@ -85,23 +86,32 @@ impl<'a> Places<'a> {
     }
 
     /// What measures light at the places, and reads it everywhere.
-    fn operator(&self) -> Result<CpuTransport<BounceBasis, PointReceivers>, TransportError> {
-        let (baker, scene) = (self.baker, self.baker.scene());
+    fn operator(&self) -> Result<Operator, TransportError> {
+        let (baker, receivers) = (self.baker, self.receivers()?);
+        let (tracer, basis) = (Arc::clone(baker.tracer()), Arc::clone(baker.basis()));
+        Ok(CpuTransport::new(Arc::clone(baker.scene()), tracer, basis, receivers, self.plan()))
+    }
+
+    /// The same that has all but the places from another.
+    fn sharing(&self, operator: &Operator) -> Result<Operator, TransportError> {
+        Ok(operator.towards(self.receivers()?, self.plan()))
+    }
+
+    fn receivers(&self) -> Result<Arc<PointReceivers>, TransportError> {
+        let scene = self.baker.scene();
         let at = |&tri: &TriId| {
             let middle = SurfacePoint { tri, bary: MIDDLE };
             (middle, scene.shading_normal(middle))
         };
-        let points = PointReceivers::on_surfaces(scene, self.triangles.iter().map(at)).map_err(|place| {
+        PointReceivers::on_surfaces(scene, self.triangles.iter().map(at)).map(Arc::new).map_err(|place| {
             let cause = format!("triangle {} has no direction", self.triangles[place].0);
             TransportError::Failed { worker: "a first look at all light".to_owned(), cause }
-        })?;
-        let plan = Plan {
-            direct_samples: DIRECT_SAMPLES,
-            indirect_samples: INDIRECT_SAMPLES,
-            ..baker.settings().plan()
-        };
-        let (tracer, basis) = (Arc::clone(baker.tracer()), Arc::clone(baker.basis()));
-        Ok(CpuTransport::new(Arc::clone(scene), tracer, basis, Arc::new(points), plan))
+        })
+    }
+
+    fn plan(&self) -> Plan {
+        let plan = self.baker.settings().plan();
+        Plan { direct_samples: DIRECT_SAMPLES, indirect_samples: INDIRECT_SAMPLES, ..plan }
     }
 
     /// What was measured at the places, spread over all nodes.

@@ -33,11 +33,12 @@ pub struct SkyGradient {
 /// of one texel keeps its power.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyImage {
-    texture: Texture,
+    // Numbers first: they tell two skies apart sooner than their texels.
     rotation: f32,
     strength: f32,
     map: Equirectangular,
     mean: Vec3,
+    texture: Texture,
 }
 
 /// Images that are shared are not looked at.
@@ -148,7 +149,15 @@ impl SkyImage {
             sum += texels.sum::<DVec3>() * map.solid_angle(row);
             sphere += map.solid_angle(row) * f64::from(width);
         }
-        Self { texture, rotation, strength, map, mean: (sum / sphere).as_vec3() }
+        Self { rotation, strength, map, mean: (sum / sphere).as_vec3(), texture }
+    }
+
+    /// The same image turned by `rotation`, radians, and multiplied by `strength` in place of what it is now.
+    #[must_use]
+    pub fn with(&self, rotation: f32, strength: f32) -> Self {
+        let (width, height) = self.texture.size();
+        let map = Equirectangular::new([width, height], rotation);
+        Self { rotation, strength, map, mean: self.mean, texture: self.texture.clone() }
     }
 
     /// The image, without its strength.
@@ -218,5 +227,7 @@ mod tests {
         let map = *image.image().expect("it is one").map();
         let share = map.solid_angle(1) / (0..4).map(|row| 8.0 * map.solid_angle(row)).sum::<f64>();
         assert!((f64::from(image.mean().0.x) / (6.0 * share) - 1.0).abs() < 1e-6);
+        let turned = image.image().expect("it is one").with(quarter, 3.0);
+        assert_eq!(Sky::from(turned), sky(quarter));
     }
 }

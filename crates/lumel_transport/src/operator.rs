@@ -61,6 +61,24 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
         Self { scene, tracer, basis, receivers, lights, plan, density, order, elements, shooting }
     }
 
+    /// What measures other receivers under the same lights, with other samples.
+    ///
+    /// All else is shared, and so `plan.emitters` and `plan.light_sampling` have no effect on which lights are sampled together.
+    pub fn towards<S: Receivers>(&self, receivers: Arc<S>, plan: Plan) -> CpuTransport<B, S> {
+        CpuTransport {
+            scene: Arc::clone(&self.scene),
+            tracer: Arc::clone(&self.tracer),
+            basis: Arc::clone(&self.basis),
+            lights: Arc::clone(&self.lights),
+            shooting: Shooting::default(),
+            density: self.density,
+            elements: receivers.identity(),
+            order: Order::new(&*receivers),
+            receivers,
+            plan,
+        }
+    }
+
     /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
     ///
     /// All else is shared, and so `plan.emitters` has no effect. Nodes beside those asked for may be measured in part.

@@ -17,6 +17,7 @@ use crate::rhythm::{AT_ONCE, Rhythm};
 use crate::screenshot;
 use crate::selection::Selection;
 use crate::session::{Hand, LightUse, SOLUTION_FORMATS, Session, Surroundings};
+use crate::sky::SKY_FORMATS;
 use crate::stage::Stage;
 use crate::theme::{self, Ground};
 use crate::viewport::{self, Subject, Viewport};
@@ -192,6 +193,7 @@ impl App {
             Command::SaveProjectAs => self.dialogs.open(FileDialog::save_project(&self.session)),
             Command::LoadSolution => self.dialogs.open(FileDialog::load_solution(&self.session)),
             Command::CompareSolution => self.dialogs.open(FileDialog::compare_solution(&self.session)),
+            Command::LoadSky => self.dialogs.open(FileDialog::load_sky(&self.session)),
             Command::SaveSolution => self.dialogs.open(FileDialog::save_solution(&self.session)),
             Command::SaveLightmap => self.dialogs.open(FileDialog::save_lightmap(&self.session)),
             Command::Screenshot => {
@@ -312,6 +314,8 @@ impl App {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
             if SOLUTION_FORMATS.contains(&extension.as_str()) {
                 self.session.load_solution(&path, LightUse::Show);
+            } else if SKY_FORMATS.contains(&extension.as_str()) {
+                self.session.load_sky(&path);
             } else {
                 self.open(OpenRequest::new(path.to_string_lossy()));
             }

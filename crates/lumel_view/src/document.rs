@@ -5,13 +5,14 @@ use crate::emissive::{EmissiveMaterial, emissive_materials};
 use crate::lights::{EditLight, default_name, shining};
 use crate::mesh::{Given, Mesh};
 use crate::selection::VertexValues;
+use crate::sky::EditSky;
 use crate::slots::Slots;
 use glam::Vec3;
 use lumel::{
     Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch, is_open, tracer_of,
 };
 use lumel_render_cpu::camera_for;
-use lumel_scene::{Light, Sky, TextureId};
+use lumel_scene::{Light, TextureId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -51,7 +52,7 @@ pub struct Document {
     /// The albedo that each material came with.
     pub albedos: Vec<Vec3>,
     /// The sky that it came with.
-    pub sky: Sky,
+    pub sky: EditSky,
     /// Its surfaces that emit light, by material, the strongest first.
     pub emissive: Vec<EmissiveMaterial>,
     /// Whether much of what its surfaces see above them is sky.
@@ -129,11 +130,11 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
         home: FlyCamera::from_camera(&camera).unwrap_or_default(),
         warnings: warnings.iter().map(ToString::to_string).collect(),
         auto_edge: opened.auto_edge.and_then(|auto| auto.length),
+        sky: EditSky::of(scene.sky(), project.as_ref().map(|project| (Path::new(&request.name), project))),
         project: project.map(|project| (PathBuf::from(&request.name), project)),
         request: request.clone(),
         baker,
         albedos: albedos_of(&scene).collect(),
-        sky: scene.sky().clone(),
         emissive: emissive_materials(&scene),
         is_outdoors: is_open(&scene, &*tracer),
         scene,

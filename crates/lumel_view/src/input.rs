@@ -23,6 +23,8 @@ pub enum Command {
     LoadSolution,
     /// Ask for a solution to compare with.
     CompareSolution,
+    /// Ask for an image of the sky.
+    LoadSky,
     /// Ask where to save the solution.
     SaveSolution,
     /// Ask where to save the lightmap.
@@ -415,6 +417,7 @@ impl Command {
     pub fn text(self) -> &'static str {
         match self {
             Self::CompareSolution => "Load a solution for comparison",
+            Self::LoadSky => "Load an image of the sky",
             Self::SaveSlot(_) => "Save camera, lights and settings",
             Self::RecallSlot(_) => "Recall camera, lights and settings",
             _ => match BINDINGS.iter().find(|b| b.command == self) {

@@ -3,7 +3,7 @@
 use super::lamps::LampPlace;
 use super::material::{Appearance, Look, Materials};
 use super::page_image::PageImages;
-use super::primitive::Streams;
+use super::primitive::{Attribute, Streams, place, vertex};
 use super::unwrapped::{extras, placed_attributes, split_by_place};
 use super::write;
 use crate::ExportError;
@@ -47,7 +47,8 @@ const LOOKS: u32 = 4;
 ///   `rgb9e5`, that has the same in 32 bits, row by row, for readers that know it.
 /// - [`LightmapTarget::Any`]: surfaces are black, mirror nothing (`KHR_materials_specular`), and emit. The image has radiance
 ///   over the `emissiveStrength` of `KHR_materials_emissive_strength`, on the sRGB curve: light that is reflected, with the mean
-///   albedo of each lumel, and emitted. Textures are as coarse as lumels there.
+///   albedo of each lumel, and emitted. Textures are as coarse as lumels there. Where a material has no texture beside it, the place
+///   on the page is `TEXCOORD_0`, too: some readers, such as Godot's, know no other for emission.
 /// - [`LightmapTarget::Occlusion`]: materials are those of the scene, and dim ambient light by the layer "occlusion".
 ///
 /// # Errors
@@ -107,6 +108,14 @@ pub fn write_lightmap_glb(
     if target == LightmapTarget::Any && scene.alphas().is_empty() {
         // Tints multiply the albedo, which is in the image.
         attributes.retain(|attribute| attribute.name != "COLOR_0");
+    }
+    if target == LightmapTarget::Any {
+        let both = |material, corner| match materials.is_textured(material) {
+            true => scene.uvs()[vertex(scene, corner)].to_array(),
+            false => place(atlas, corner).to_array(),
+        };
+        let first = attributes.iter_mut().filter(|attribute| attribute.name == "TEXCOORD_0");
+        first.for_each(|attribute| *attribute = Attribute::new("TEXCOORD_0", both));
     }
     let mut extras = extras(scene, atlas);
     extras["lightmap"]["value"] = json!(meaning);

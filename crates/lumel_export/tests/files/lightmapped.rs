@@ -270,6 +270,22 @@ fn what_light_passes_through_stays_so() {
     }
 }
 
+#[test]
+fn readers_of_one_set_of_coordinates_find_the_light() {
+    for scene in [colourful(), cards()] {
+        let glb = written(&scene, &lightmap_of(&scene), LightmapTarget::Any);
+        let mut n_same = 0;
+        for primitive in glb.primitives() {
+            let is_textured = glb.material(primitive)["pbrMetallicRoughness"]["baseColorTexture"].is_object();
+            let of = |name: &str| glb.floats(&primitive["attributes"][name], 2, "VEC2");
+            let is_same = of("TEXCOORD_0") == of("TEXCOORD_1");
+            assert_eq!(is_same, !is_textured, "{}", glb.material(primitive)["name"]);
+            n_same += usize::from(is_same);
+        }
+        assert!(n_same > 0);
+    }
+}
+
 fn in_files(check: impl Fn(&Scene, &Path)) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");

@@ -8,6 +8,7 @@ use crate::notice::Level;
 use crate::prefs::Prefs;
 use crate::selection::Selection;
 use crate::session::{LIGHTMAP_FORMATS, LightUse, MESH_FORMATS, SOLUTION_FORMATS, Session};
+use crate::sky::SKY_FORMATS;
 use crate::task::Background;
 use crate::theme;
 use crate::wake::Wake;
@@ -33,6 +34,8 @@ pub enum FilePurpose {
     SaveSolution,
     /// Where to save the lightmap.
     SaveLightmap,
+    /// An image of the sky.
+    LoadSky,
 }
 
 /// A question for a file.
@@ -113,6 +116,16 @@ impl FileDialog {
         }
     }
 
+    /// Asks for an image of the sky.
+    pub fn load_sky(session: &Session) -> Self {
+        let file = session.sky.file.as_ref().map(|file| file.to_string_lossy().into_owned());
+        let note = "An equirectangular image: .hdr and .exr hold radiance, others colours up to 1. A project can only refer to \
+                    images in its folder or below."
+            .to_owned();
+        let path = file.unwrap_or_else(|| session.path_beside_scene("hdr"));
+        Self { note, ..Self::new(FilePurpose::LoadSky, path) }
+    }
+
     fn title(&self) -> &'static str {
         match self.purpose {
             FilePurpose::OpenScene => "Open a scene",
@@ -122,6 +135,7 @@ impl FileDialog {
             FilePurpose::CompareSolution => "Compare with a solution",
             FilePurpose::SaveSolution => "Save the solution",
             FilePurpose::SaveLightmap => "Save the lightmap",
+            FilePurpose::LoadSky => "Light from an image of the sky",
         }
     }
 
@@ -129,7 +143,7 @@ impl FileDialog {
     fn verb(&self) -> &'static str {
         match self.purpose {
             FilePurpose::OpenScene => "Open",
-            FilePurpose::LoadSolution | FilePurpose::CompareSolution => "Load",
+            FilePurpose::LoadSolution | FilePurpose::CompareSolution | FilePurpose::LoadSky => "Load",
             FilePurpose::SaveMesh
             | FilePurpose::SaveProject
             | FilePurpose::SaveSolution
@@ -147,6 +161,7 @@ impl FileDialog {
             FilePurpose::SaveMesh => &MESH_FORMATS,
             FilePurpose::SaveProject => &["toml"],
             FilePurpose::SaveLightmap => &LIGHTMAP_FORMATS,
+            FilePurpose::LoadSky => &SKY_FORMATS,
             _ => &SOLUTION_FORMATS,
         }
     }
@@ -265,6 +280,10 @@ fn path_row(ui: &mut egui::Ui, dialog: &mut FileDialog, wake: &Wake) -> Option<D
     decision
 }
 
+fn there(path: &Path) -> Result<(), String> {
+    if path.exists() { Ok(()) } else { Err(format!("there is no such file: {}", path.display())) }
+}
+
 /// Does what the dialog is for.
 fn act(
     session: &mut Session,
@@ -290,10 +309,12 @@ fn act(
         FilePurpose::SaveProject => session.save_project(path)?,
         FilePurpose::SaveSolution => session.save_solution(path)?,
         FilePurpose::SaveLightmap => session.save_lightmap(path, &prefs.view)?,
+        FilePurpose::LoadSky => {
+            there(path)?;
+            session.load_sky(path);
+        }
         FilePurpose::LoadSolution | FilePurpose::CompareSolution => {
-            if !path.exists() {
-                return Err(format!("there is no such file: {name}"));
-            }
+            there(path)?;
             let show = dialog.purpose == FilePurpose::LoadSolution;
             if show && session.has_unsaved_light() {
                 let text = "The unsaved solution was kept for comparison";

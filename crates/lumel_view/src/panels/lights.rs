@@ -37,7 +37,7 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
         Some(light) => properties(ui, light, (origin, diagonal)),
         None => hint(ui, "No lights. Press Space to add one at the camera."),
     }
-    super::sky::show(session, ui);
+    super::sky::show(session, actions, ui);
     super::emissive::show(session, ui);
 }
 

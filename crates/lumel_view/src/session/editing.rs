@@ -4,10 +4,10 @@ use super::Session;
 use super::edit::Edit;
 use crate::lights::{EditLight, default_name};
 use crate::notice::Level;
-use crate::sky::SkyKind;
+use crate::sky;
 use crate::slots::Slot;
 use glam::Vec3;
-use lumel::{LightKind, RectLight, Sky};
+use lumel::{LightKind, RectLight};
 use lumel_scene::Radiance;
 
 /// Half-edge of a new light, as a share of the scene's diagonal.
@@ -118,8 +118,7 @@ impl Session {
 
     /// Lights the scene from a clear sky.
     pub fn use_sky(&mut self) {
-        let black = Sky::default();
-        self.sky = SkyKind::Gradient.sky(&black, &black);
+        self.sky = sky::clear().into();
     }
 
     /// Turns the active light towards a point.

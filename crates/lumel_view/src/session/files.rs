@@ -10,10 +10,10 @@ use crate::notice::Level;
 use crate::point_light::PointIllumination;
 use crate::relief::ReliefPrefs;
 use crate::selection::Selection;
-use crate::sky;
 use crate::task::Background;
 use lumel::{
-    Baker, CameraEntry, LightFile, Project, Saved, Scene, SettingsPatch, SolutionSelection, VertexLighting,
+    Baker, CameraEntry, LightFile, Project, Saved, Scene, SettingsPatch, SkyEntry, SolutionSelection,
+    VertexLighting,
 };
 use lumel_export::{ColorScale, GlbOptions, GltfMaterials, RadFile, write_glb, write_obj, write_ply};
 use std::path::{Path, PathBuf};
@@ -198,8 +198,12 @@ impl Session {
             project.materials.retain(|old| old.name != entry.name);
             project.materials.push(entry);
         }
-        if self.sky != document.sky {
-            project.sky = sky::entry_of(&self.sky).or(project.sky);
+        if self.sky != document.sky || self.sky.file.is_some() {
+            let mut sky = self.sky.entry();
+            if let Some(SkyEntry::Image(entry)) = &mut sky {
+                entry.image = relative(&entry.image, path)?;
+            }
+            project.sky = sky;
         }
         project.slots = self.slots.entries();
         project.bake = SettingsPatch::complete(&self.settings);
@@ -217,6 +221,7 @@ impl Session {
     }
 
     pub(super) fn poll_files(&mut self) {
+        self.poll_sky();
         if let Some(result) = self.loading.as_ref().and_then(Background::poll) {
             self.loading = None;
             match result {
@@ -336,14 +341,14 @@ fn folder_of(file: &Path) -> PathBuf {
 }
 
 /// A mesh's path as seen from a project file, which may only name what lies in its folder or below.
-fn relative(mesh: &Path, project: &Path) -> Result<PathBuf, String> {
+fn relative(file: &Path, project: &Path) -> Result<PathBuf, String> {
     let folder = folder_of(project);
     let absolute = |path: &Path| path.canonicalize().map_err(|e| format!("{e}: {}", path.display()));
-    let (mesh, folder) = (absolute(mesh)?, absolute(&folder)?);
-    mesh.strip_prefix(&folder).map(Path::to_owned).map_err(|_| {
+    let (file, folder) = (absolute(file)?, absolute(&folder)?);
+    file.strip_prefix(&folder).map(Path::to_owned).map_err(|_| {
         format!(
-            "a project can only refer to files in its folder; save it in the folder of the mesh: {}",
-            mesh.parent().unwrap_or(&mesh).display()
+            "a project can only refer to files in its folder; save it where this file is in the folder or below: {}",
+            file.display()
         )
     })
 }

@@ -19,6 +19,7 @@ mod opening;
 mod outcome;
 mod outdated;
 mod running;
+mod skies;
 mod solve;
 mod unsaved;
 
@@ -38,6 +39,7 @@ use crate::lights::EditLight;
 use crate::notice::Notices;
 use crate::recovery::{LeftBehind, Recovery};
 use crate::selection::{Illumination, Selection};
+use crate::sky::EditSky;
 use crate::slots::Slots;
 use crate::solver::{BounceStats, SolveJob};
 use crate::task::Background;
@@ -45,10 +47,11 @@ use crate::unshot::Unshot;
 use crate::wake::{Wake, Wakes};
 use edit::Edit;
 use glam::Vec3;
-use lumel::{Settings, Sky};
+use lumel::Settings;
 use lumels::Lightmapping;
 use rayon::ThreadPool;
 use running::Running;
+use skies::LoadedSky;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -73,7 +76,7 @@ pub struct Session {
     /// Rectangle lights.
     pub lights: Vec<EditLight>,
     /// Light from outside the scene.
-    pub sky: Sky,
+    pub sky: EditSky,
     /// The albedo of each material.
     pub albedos: Vec<Vec3>,
     /// Changes with the albedos and the sky that are shown.
@@ -121,6 +124,7 @@ pub struct Session {
     waiting: Option<OpenRequest>,
     restoring: Option<LeftBehind>,
     loading: Option<Background<LoadedLight>>,
+    loading_sky: Option<Background<LoadedSky>>,
     saving: Vec<Background<SavedFile>>,
     next_kept: u64,
     recovery: Option<Recovery>,
@@ -161,7 +165,7 @@ impl Session {
             document_generation: 0,
             mesh_generation: 0,
             lights: Vec::new(),
-            sky: Sky::default(),
+            sky: EditSky::default(),
             albedos: Vec::new(),
             paint_generation: 0,
             active: 0,
@@ -190,6 +194,7 @@ impl Session {
             waiting: None,
             restoring: None,
             loading: None,
+            loading_sky: None,
             saving: Vec::new(),
             next_kept: 0,
             recovery: folder.map(Recovery::of_this_process),
@@ -219,8 +224,8 @@ impl Session {
             document.scene = Arc::new(document.scene.repainted(&self.albedos));
             self.paint_generation += 1;
         }
-        if *document.scene.sky() != self.sky
-            && let Ok(scene) = document.scene.under_sky(self.sky.clone())
+        if *document.scene.sky() != self.sky.sky
+            && let Ok(scene) = document.scene.under_sky(self.sky.sky.clone())
         {
             document.scene = Arc::new(scene);
             self.paint_generation += 1;
@@ -236,8 +241,9 @@ impl Session {
     pub fn background_work(&self) -> Option<String> {
         let opening = self.opening.as_ref().map(|opening| opening.task.what());
         let loading = self.loading.as_ref().map(Background::what);
+        let loading_sky = self.loading_sky.as_ref().map(Background::what);
         let saving = self.saving.first().map(Background::what);
-        opening.or(loading).or(saving).or(self.unwrapping()).map(str::to_owned)
+        opening.or(loading).or(loading_sky).or(saving).or(self.unwrapping()).map(str::to_owned)
     }
 
     /// What wakes the window when work on another thread is done.

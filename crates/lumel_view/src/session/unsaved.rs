@@ -1,11 +1,10 @@
 //! Unsaved work: saving it for the next run, restoring it, discarding it.
 
-use super::{Computed, Session};
+use super::{Computed, Session, skies};
 use crate::lights::EditLight;
 use crate::notice::Level;
 use crate::recovery::{LeftBehind, Note, Recovery};
 use crate::selection::{Illumination, Selection};
-use crate::sky;
 use crate::slots::Slots;
 use crate::solver::{Keep, SolveStart};
 use lumel::{LightEntry, LightFile, Saved, Solution, SolutionLayer, TargetError};
@@ -50,7 +49,7 @@ impl Session {
             two_sided: request.options.two_sided.clone(),
             paths_anywhere: request.options.paths == lumel::PathPolicy::Anywhere,
             lights: self.lights.iter().map(EditLight::entry).collect(),
-            sky: sky::entry_of(&self.sky).filter(|_| self.sky != document.sky),
+            sky: self.sky.entry().filter(|_| self.sky != document.sky),
             albedos: self.albedos.clone(),
             slots: self.slots.entries(),
             settings: self.settings.clone(),
@@ -74,8 +73,10 @@ impl Session {
             )
         };
         self.lights = left.lights.iter().enumerate().map(entry).collect();
-        if let Some(sky) = left.sky.as_ref().and_then(sky::of_entry) {
-            self.sky = sky;
+        match left.sky.as_ref().map(skies::read) {
+            Some(Ok(sky)) => self.light_from(sky),
+            Some(Err(problem)) => self.notices.push(Level::Error, format!("Cannot load the sky: {problem}")),
+            None => {}
         }
         if left.albedos.len() == self.albedos.len() {
             self.albedos.clone_from(&left.albedos);

@@ -365,7 +365,7 @@ impl Stage {
             split: split.map(|split| (split.right, split.at)),
             relief: view.relief.relief(),
             ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
-            sky: session.sky.mean(),
+            sky: session.sky.sky.mean(),
         })
     }
 

@@ -297,7 +297,48 @@ fn a_sky_is_saved_with_the_project() {
     window.press(Key::F5);
     window.wait_for_files();
     assert_eq!(window.session().sky, sky);
-    assert!(!sky.is_zero() && !window.session().has_unsaved_edits());
+    assert!(!sky.sky.is_zero() && !window.session().has_unsaved_edits());
+}
+
+#[test]
+fn an_image_of_the_sky_is_loaded_turned_saved_and_restored() {
+    let Some(mut window) = room() else { return };
+    let file = window.file("noon.png");
+    image::RgbImage::from_fn(16, 8, |x, y| image::Rgb([16 * x as u8, 32 * (7 - y) as u8, 200]))
+        .save(&file)
+        .unwrap();
+    window.choose("Sky", "Image");
+    window.answer(window.file("midnight.png"));
+    assert!(window.reads("there is no such file"));
+    window.press(Key::Escape);
+    assert!(window.session().sky.sky.is_zero(), "nothing was chosen");
+    window.choose("Sky", "Image");
+    window.answer(&file);
+    window.wait_for_files();
+    let image = |window: &mut Window| window.session().sky.sky.image().cloned().unwrap();
+    assert_eq!((image(&mut window).rotation(), image(&mut window).strength()), (0.0, 1.0));
+    window.find(Role::Slider, "Sky rotation").set_value_accesskit(90.0);
+    window.run_steps(2);
+    window.find(Role::Slider, "Sky strength").set_value_accesskit(10.0);
+    window.run_steps(2);
+    let turned = image(&mut window);
+    assert!((turned.rotation().to_degrees() - 90.0).abs() < 1e-4 && (turned.strength() - 10.0).abs() < 1e-4);
+    window.press_with(CTRL, Key::S);
+    window.press(Key::F5);
+    window.wait_for_files();
+    let saved = image(&mut window);
+    assert!(saved.texture() == turned.texture() && (saved.rotation() - turned.rotation()).abs() < 1e-5);
+    assert!(!window.session().has_unsaved_edits() && window.has(Role::Button, "noon.png"));
+
+    window.find(Role::Slider, "Sky strength").set_value_accesskit(5.0);
+    window.run_steps(2);
+    window.solve();
+    assert_eq!(bits(window.state()), reference(window.state()));
+    let dimmed = image(&mut window);
+    let Some(mut window) = Window::keeping(window.closed(), |_| {}) else { return };
+    window.click("Restore");
+    window.wait_for_files();
+    assert_eq!(*image(&mut window), *dimmed);
 }
 
 #[test]

@@ -67,7 +67,7 @@ fn where_nothing_shines_a_banner_stays_until_something_does() {
 fn the_banner_lights_a_scene_by_the_sky_and_it_is_solved() {
     let Some(mut window) = dark() else { return };
     window.click("Use the sky");
-    assert!(!window.session().sky.is_zero() && !window.reads("Nothing shines in this scene"));
+    assert!(!window.session().sky.sky.is_zero() && !window.reads("Nothing shines in this scene"));
     window.session().settings.indirect_samples = 8;
     window.solve();
     assert!(!window.session().light.is_empty());
