@@ -83,6 +83,7 @@ fn measure(renderer: &Renderer, scene: &Scene, name: &str, (look, shading): (Loo
                 grid: false,
                 overlay: None,
                 sky,
+                backdrop: None,
             };
             renderer.draw(&target, &frame);
             renderer.gpu().device().poll(wgpu::PollType::wait_indefinitely()).unwrap();

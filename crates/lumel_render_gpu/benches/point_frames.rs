@@ -104,6 +104,7 @@ fn milliseconds(
             grid: false,
             overlay: None,
             sky: Radiance::ZERO,
+            backdrop: None,
         };
         renderer.draw(&target, &frame);
         renderer.gpu().device().poll(wgpu::PollType::wait_indefinitely()).unwrap();

@@ -100,6 +100,15 @@ impl Draw<'_> {
         wgpu::Color { r, g, b, a: 0.0 }
     }
 
+    /// The sky, where it is not the same everywhere.
+    fn backdrop(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let (Look::Radiance { .. }, Some(backdrop)) = (self.frame.look, self.frame.backdrop) else { return };
+        let (is_image, samples) = (backdrop.is_image(), self.target.samples());
+        pass.set_pipeline(&self.pipeline(Key::Backdrop { is_image, samples }));
+        pass.set_bind_group(1, &backdrop.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
     fn scene(&self, encoder: &mut wgpu::CommandEncoder, sees: bool, depth: wgpu::StoreOp, exposure: f32) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
@@ -116,6 +125,7 @@ impl Draw<'_> {
             return;
         }
         pass.set_bind_group(0, &self.target.view_group, &[]);
+        self.backdrop(&mut pass);
         let [width, height] = self.target.size();
         for Part { light, columns, surfaces } in self.parts(width) {
             if columns.is_empty() || !self.fits(light) {

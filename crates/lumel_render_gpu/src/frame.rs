@@ -1,6 +1,6 @@
 //! What to draw.
 
-use crate::{LightBuffer, LumelBuffer, Model, Overlay, PointBuffer};
+use crate::{Backdrop, LightBuffer, LumelBuffer, Model, Overlay, PointBuffer};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Relief, Rippled, Scale, ToneMapper};
 use lumel_scene::{Camera, Radiance, RectLight};
@@ -30,6 +30,8 @@ pub struct Frame<'a> {
     pub overlay: Option<&'a Overlay>,
     /// The background of [`Look::Radiance`], W·m⁻²·sr⁻¹; otherwise it is black.
     pub sky: Radiance,
+    /// What is drawn over that background, where the sky is not the same everywhere.
+    pub backdrop: Option<&'a Backdrop>,
 }
 
 /// The light on the surfaces.

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use lumel_render_cpu::Ripple;
-use lumel_scene::{AlphaMode, Camera, Material, TextureRef, Transparency, UvTransform};
+use lumel_scene::{AlphaMode, Camera, Material, Sky, SkyGradient, TextureRef, Transparency, UvTransform};
 
 /// The camera and the exposure: `view.wgsl`.
 #[repr(C)]
@@ -31,6 +31,18 @@ pub(crate) struct MaterialValues {
     normal_uv: [[f32; 4]; 2],
     normal_tilt: [f32; 4],
     alpha_uv: [[f32; 4]; 2],
+}
+
+/// A sky: `backdrop.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct BackdropValues {
+    zenith: [f32; 3],
+    turns: f32,
+    horizon: [f32; 3],
+    strength: f32,
+    ground: [f32; 3],
+    unused: f32,
 }
 
 /// Settings of the tone mapper: `tone.wgsl`.
@@ -80,6 +92,25 @@ impl View {
             size: [width, height],
             ripple: ripple.map_or([1.0, 0.0], |ripple| [ripple.length, ripple.slope]),
         })
+    }
+}
+
+impl BackdropValues {
+    /// `None` for a sky that is the same everywhere.
+    pub(crate) fn of(sky: &Sky) -> Option<Self> {
+        match sky {
+            Sky::Uniform(_) => None,
+            Sky::Gradient(SkyGradient { zenith, horizon, ground }) => Some(Self {
+                zenith: zenith.0.to_array(),
+                horizon: horizon.0.to_array(),
+                ground: ground.0.to_array(),
+                ..Self::default()
+            }),
+            Sky::Image(image) => {
+                let turns = (f64::from(image.rotation()).to_degrees() / 360.0).fract() as f32;
+                Some(Self { turns, strength: image.strength(), ..Self::default() })
+            }
+        }
     }
 }
 
@@ -169,6 +200,21 @@ mod tests {
             ("normal_tilt", offset_of!(MaterialValues, normal_tilt)),
             ("alpha_u", offset_of!(MaterialValues, alpha_uv)),
             ("alpha_v", offset_of!(MaterialValues, alpha_uv) + 16),
+        ]);
+        assert_eq!(members, ours);
+    }
+
+    #[test]
+    fn a_sky_has_the_layout_of_its_shader() {
+        let (span, members) = in_wgsl(&shaders::source(shaders::Shader::Backdrop), "Backdrop");
+        assert_eq!(span, size_of::<BackdropValues>());
+        let ours = offsets([
+            ("zenith", offset_of!(BackdropValues, zenith)),
+            ("turns", offset_of!(BackdropValues, turns)),
+            ("horizon", offset_of!(BackdropValues, horizon)),
+            ("strength", offset_of!(BackdropValues, strength)),
+            ("ground", offset_of!(BackdropValues, ground)),
+            ("unused", offset_of!(BackdropValues, unused)),
         ]);
         assert_eq!(members, ours);
     }

@@ -9,6 +9,7 @@
 //! wireframe, whose colours do not depend on the exposure.
 
 mod attachments;
+mod backdrop;
 mod batches;
 mod corners;
 mod display;
@@ -36,6 +37,7 @@ mod texture;
 mod vertices;
 
 pub use attachments::Samples;
+pub use backdrop::Backdrop;
 pub use error::RenderError;
 pub use frame::{Frame, Lit, Look, Values};
 pub use gpu::{Gpu, GpuError};

@@ -28,14 +28,28 @@ struct Linear {
 }
 
 impl Pyramid {
+    /// A white texel.
+    pub(crate) fn white() -> Self {
+        let level = Level { size: [1, 1], bytes: vec![u8::MAX; 4] };
+        Self { format: wgpu::TextureFormat::Rgba8Unorm, levels: vec![level] }
+    }
+
+    /// A texture in its own size, or the largest one that is at most `limit` wide and high.
+    pub(crate) fn largest(texture: &Texture, limit: u32) -> Self {
+        let (width, height) = texture.size();
+        if width.max(height) > limit {
+            let mut pyramid = Self::new(texture, limit);
+            pyramid.levels.truncate(1);
+            return pyramid;
+        }
+        let level = Level { size: [width, height], bytes: original(texture) };
+        Self { format: format_of(texture), levels: vec![level] }
+    }
+
     /// All sizes of a texture down to one texel, except those wider or higher than `limit`.
     pub(crate) fn new(texture: &Texture, limit: u32) -> Self {
         let encoding = texture.bytes().map(|(_, encoding)| encoding);
-        let format = match encoding {
-            Some(Encoding::Srgb) => wgpu::TextureFormat::Rgba8UnormSrgb,
-            Some(Encoding::Linear) => wgpu::TextureFormat::Rgba8Unorm,
-            None => wgpu::TextureFormat::Rgba16Float,
-        };
+        let format = format_of(texture);
         let (width, height) = texture.size();
         let mut levels = Vec::new();
         if width.max(height) <= limit {
@@ -51,6 +65,14 @@ impl Pyramid {
             next = smaller(level.size, at);
         }
         Self { format, levels }
+    }
+}
+
+fn format_of(texture: &Texture) -> wgpu::TextureFormat {
+    match texture.bytes() {
+        Some((_, Encoding::Srgb)) => wgpu::TextureFormat::Rgba8UnormSrgb,
+        Some((_, Encoding::Linear)) => wgpu::TextureFormat::Rgba8Unorm,
+        None => wgpu::TextureFormat::Rgba16Float,
     }
 }
 

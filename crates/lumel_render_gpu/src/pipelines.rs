@@ -178,6 +178,11 @@ pub(crate) enum Key {
     Normals(Tilt, Samples),
     Plain(Samples),
     RectLight(Samples),
+    /// The sky, which may be an image.
+    Backdrop {
+        is_image: bool,
+        samples: Samples,
+    },
     Tone(Curve),
     Dots(Layer, Samples),
     Lines(Layer, Samples),
@@ -209,6 +214,8 @@ pub(crate) struct Layouts {
     pub(crate) textures: wgpu::BindGroupLayout,
     /// One texture.
     pub(crate) rect_light: wgpu::BindGroupLayout,
+    /// The numbers of a sky, and its image.
+    pub(crate) backdrop: wgpu::BindGroupLayout,
     /// The exposed picture, the tone mapper's settings and the map of false colours.
     pub(crate) tone: wgpu::BindGroupLayout,
     /// The overlay.
@@ -269,6 +276,7 @@ impl Layouts {
             material: layout("material", &[uniform(true)]),
             textures: layout("textures", &[image; 4].concat()),
             rect_light: layout("rect_light", &image),
+            backdrop: layout("backdrop", &[uniform(false), texture(false)]),
             tone: layout("tone", &[texture(false), uniform(false), texture(false)]),
             composite: layout("composite", &[texture(false)]),
             lumels: layout("lumels", &[layers, uniform(false), layers]),
@@ -294,6 +302,8 @@ struct Recipe<'a> {
 enum Surface {
     /// The exposed picture; the nearest wins.
     Scene,
+    /// The exposed picture behind all of it.
+    Backdrop,
     /// Position and normal of the nearest, one sample for each pixel.
     Places,
     /// Light at them.
@@ -324,7 +334,7 @@ impl Pipelines {
 
     fn recipe(&self, key: Key) -> Recipe<'_> {
         let Layouts { view, material, textures, rect_light, tone, composite, lumels, .. } = &self.layouts;
-        let Layouts { points, places, lit_places, .. } = &self.layouts;
+        let Layouts { points, places, lit_places, backdrop, .. } = &self.layouts;
         let [view, lumels] = [view, lumels].map(Some);
         let number = |flag: bool| f64::from(u8::from(flag));
         let scene = |shader, samples, groups, vertices, constants| Recipe {
@@ -452,6 +462,12 @@ impl Pipelines {
                 let groups = vec![view, Some(rect_light)];
                 scene(Shader::RectLight, samples, groups, vec![vertices::RECT_LIGHT], vec![])
             }
+            Key::Backdrop { is_image, samples } => {
+                let groups = vec![view, Some(backdrop)];
+                let recipe =
+                    scene(Shader::Backdrop, samples, groups, vec![], vec![("IS_IMAGE", number(is_image))]);
+                Recipe { surface: Surface::Backdrop, ..recipe }
+            }
             Key::Tone(curve) => screen(Shader::Tone, tone, vec![("CURVE", f64::from(curve as u8))], None),
             Key::Dots(layer, samples) => {
                 let entries = ["dot_vertex", "dot_fragment"];
@@ -551,6 +567,9 @@ impl Surface {
                     wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() };
                 let formats = if let Self::Places = self { &PLACES[..] } else { &[HDR] };
                 (formats, None, primitive, depth(true, wgpu::CompareFunction::Greater))
+            }
+            Self::Backdrop => {
+                (&[HDR], None, wgpu::PrimitiveState::default(), depth(false, wgpu::CompareFunction::Always))
             }
             Self::Overlay(layer, topology, polygon_mode) => {
                 let compare = match layer {

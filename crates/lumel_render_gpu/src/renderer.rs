@@ -5,14 +5,16 @@ use crate::mips::{Level, Pyramid};
 use crate::pipelines::Pipelines;
 use crate::read;
 use crate::texture::{self, Blank};
-use crate::{Frame, Gpu, LightBuffer, LumelBuffer, Model, PointBuffer, RenderError, Samples, Target, Tile};
+use crate::{
+    Backdrop, Frame, Gpu, LightBuffer, LumelBuffer, Model, PointBuffer, RenderError, Samples, Target, Tile,
+};
 use glam::Vec3;
 use lumel_basis::{
     Directional, IncidentRadiance, Lighting, PointCloud, VertexCountError, incident_at_vertices,
     irradiance_at_vertices,
 };
 use lumel_render_cpu::{Picture, false_color_map};
-use lumel_scene::Scene;
+use lumel_scene::{Scene, Sky};
 use lumel_uv::Atlas;
 use std::sync::Arc;
 
@@ -133,6 +135,15 @@ impl Renderer {
     /// Replaces the light at scattered points, in the order of their cloud. NaN becomes zero.
     pub fn set_points(&self, points: &PointBuffer, values: &[Vec3]) {
         points.set(&self.gpu, values);
+    }
+
+    /// A sky to draw behind surfaces; `before`, which it replaces, is changed where it has the same image. `None` for a sky that is the
+    /// same everywhere.
+    ///
+    /// # Errors
+    /// If it does not fit.
+    pub fn backdrop(&self, sky: &Sky, before: Option<Backdrop>) -> Result<Option<Backdrop>, RenderError> {
+        Backdrop::new(&self.gpu, &self.pipelines.layouts, sky, before)
     }
 
     /// A picture to draw on.

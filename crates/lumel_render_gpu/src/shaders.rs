@@ -17,6 +17,7 @@ pub(crate) enum Shader {
     Normals,
     Plain,
     RectLight,
+    Backdrop,
     Tone,
     Overlay,
     Composite,
@@ -24,7 +25,7 @@ pub(crate) enum Shader {
 
 impl Shader {
     /// In the order of their numbers.
-    pub(crate) const ALL: [Self; 13] = [
+    pub(crate) const ALL: [Self; 14] = [
         Self::Value,
         Self::LumelValue,
         Self::Surface,
@@ -35,6 +36,7 @@ impl Shader {
         Self::Normals,
         Self::Plain,
         Self::RectLight,
+        Self::Backdrop,
         Self::Tone,
         Self::Overlay,
         Self::Composite,
@@ -77,6 +79,7 @@ pub(crate) fn source(shader: Shader) -> String {
         Shader::Normals => &[VIEW, MATERIAL, TEXTURES, TILT, include_str!("../shaders/normals.wgsl")],
         Shader::Plain => &[VIEW, HEADLIGHT, include_str!("../shaders/plain.wgsl")],
         Shader::RectLight => &[VIEW, include_str!("../shaders/rect_light.wgsl")],
+        Shader::Backdrop => &[VIEW, SCREEN, include_str!("../shaders/backdrop.wgsl")],
         Shader::Tone => &[SCREEN, include_str!("../shaders/tone.wgsl")],
         Shader::Overlay => &[VIEW, include_str!("../shaders/overlay.wgsl")],
         Shader::Composite => &[SCREEN, include_str!("../shaders/composite.wgsl")],

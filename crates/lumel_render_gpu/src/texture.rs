@@ -45,10 +45,7 @@ impl Blank {
             .flat_map(|filter| wraps().map(move |(u, v)| (filter, u, v)))
             .map(|(filter, u, v)| sampler(filter, u, v))
             .collect();
-        let size = [1, 1];
-        let level = crate::mips::Level { size, bytes: vec![u8::MAX; 4] };
-        let pyramid = Pyramid { format: wgpu::TextureFormat::Rgba8Unorm, levels: vec![level] };
-        let white = Image { view: send(gpu, "white", &pyramid), sampler: samplers[0].clone() };
+        let white = Image { view: send(gpu, "white", &Pyramid::white()), sampler: samplers[0].clone() };
         Self { samplers, white }
     }
 

@@ -31,14 +31,21 @@ pub struct SkyGradient {
 ///
 /// The middle of the image is the direction −Z, its right half +X, its top +Y. Texels are not interpolated, so that a sun
 /// of one texel keeps its power.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SkyImage {
-    // Numbers first: they tell two skies apart sooner than their texels.
     rotation: f32,
     strength: f32,
     map: Equirectangular,
     mean: Vec3,
-    texture: Texture,
+    texture: Arc<Texture>,
+}
+
+/// Texels are looked at last, and those that are shared not at all.
+impl PartialEq for SkyImage {
+    fn eq(&self, other: &Self) -> bool {
+        let placed = |sky: &Self| (sky.rotation, sky.strength, sky.map, sky.mean);
+        placed(self) == placed(other) && (self.has_texels_of(other) || self.texture == other.texture)
+    }
 }
 
 /// Images that are shared are not looked at.
@@ -149,7 +156,7 @@ impl SkyImage {
             sum += texels.sum::<DVec3>() * map.solid_angle(row);
             sphere += map.solid_angle(row) * f64::from(width);
         }
-        Self { rotation, strength, map, mean: (sum / sphere).as_vec3(), texture }
+        Self { rotation, strength, map, mean: (sum / sphere).as_vec3(), texture: Arc::new(texture) }
     }
 
     /// The same image turned by `rotation`, radians, and multiplied by `strength` in place of what it is now.
@@ -157,7 +164,12 @@ impl SkyImage {
     pub fn with(&self, rotation: f32, strength: f32) -> Self {
         let (width, height) = self.texture.size();
         let map = Equirectangular::new([width, height], rotation);
-        Self { rotation, strength, map, mean: self.mean, texture: self.texture.clone() }
+        Self { rotation, strength, map, mean: self.mean, texture: Arc::clone(&self.texture) }
+    }
+
+    /// Whether it shares the texels of another one, made by [`Self::with`].
+    pub fn has_texels_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.texture, &other.texture)
     }
 
     /// The image, without its strength.
@@ -228,6 +240,7 @@ mod tests {
         let share = map.solid_angle(1) / (0..4).map(|row| 8.0 * map.solid_angle(row)).sum::<f64>();
         assert!((f64::from(image.mean().0.x) / (6.0 * share) - 1.0).abs() < 1e-6);
         let turned = image.image().expect("it is one").with(quarter, 3.0);
+        assert!(turned.has_texels_of(image.image().expect("it is one")));
         assert_eq!(Sky::from(turned), sky(quarter));
     }
 }

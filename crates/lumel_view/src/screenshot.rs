@@ -153,6 +153,7 @@ pub fn without_window(
     };
     let prefs = ViewPrefs::default();
     let lamps = drawn(&contents.lights);
+    let backdrop = renderer.backdrop(document.scene.sky(), None)?;
     let target = renderer.target([width, height], Samples::Four)?;
     renderer.draw(
         &target,
@@ -168,6 +169,7 @@ pub fn without_window(
             grid: false,
             overlay: None,
             sky: document.scene.sky().mean(),
+            backdrop: backdrop.as_ref(),
         },
     );
     let picture = renderer.read(&target)?;

@@ -1,11 +1,11 @@
 //! The device draws what the CPU draws.
 
-use crate::common::{Subject, differences, keep, looks, renderer, share_beyond};
+use crate::common::{Subject, Uploaded, differences, keep, looks, radiance, renderer, share_beyond};
 use crate::scenes;
 use glam::Vec3;
-use lumel_render_cpu::Picture;
+use lumel_render_cpu::{Picture, ToneMapper};
 use lumel_render_gpu::{Look, Samples};
-use lumel_scene::{Irradiance, SurfacePoint};
+use lumel_scene::{Camera, Irradiance, Radiance, Sky, SkyGradient, SkyImage, SurfacePoint, Texture};
 
 /// Of the pixels; the rest are those whose centre lies on an edge.
 const EXCEPTIONS: f64 = 0.005;
@@ -44,6 +44,44 @@ fn textures_and_normal_maps_look_as_on_the_cpu() {
 #[test]
 fn all_that_a_scene_can_have_looks_as_on_the_cpu() {
     agrees(&scenes::everything(), &looks(0.25, [0.2, 7.0]));
+}
+
+#[test]
+fn skies_look_as_on_the_cpu() {
+    let subject = scenes::everything();
+    let texels: Vec<[f32; 3]> = (0..64 * 32)
+        .map(|i| [(i % 64) as f32 / 32.0, (i / 64) as f32 / 16.0, (i % 7) as f32 / 7.0])
+        .collect();
+    let texture = Texture::from_floats("sky", 64, 32, texels).unwrap();
+    let image = SkyImage::new(texture, 100.0, 0.7);
+    let gradient = SkyGradient {
+        zenith: Radiance(Vec3::new(0.1, 0.4, 1.5)),
+        horizon: Radiance::splat(0.9),
+        ground: Radiance(Vec3::new(0.3, 0.2, 0.1)),
+    };
+    let skies = [gradient.into(), image.with(-0.4, 2.0).into(), image.into()];
+    let size = [173, 120];
+    let mut shown: Option<Uploaded<'_>> = None;
+    let subjects = skies.map(|sky: Sky| {
+        let scene = subject.scene.under_sky(sky).unwrap();
+        Subject { light: subject.light.clone(), scene, camera: subject.camera.clone() }
+    });
+    for subject in &subjects {
+        for tilt in [0.0, 0.9] {
+            let forward = (subject.camera.forward + Vec3::Y * tilt).normalize();
+            let camera = Camera { forward, ..subject.camera.clone() };
+            let subject = Subject { light: subject.light.clone(), scene: subject.scene.clone(), camera };
+            agrees(&subject, &[radiance(-0.3, ToneMapper::Agx)]);
+        }
+        // What another sky has left is changed.
+        let Some(renderer) = renderer() else { return };
+        let before = shown.take().and_then(|shown| shown.backdrop);
+        let mut uploaded = subject.on(renderer);
+        uploaded.backdrop = renderer.backdrop(subject.scene.sky(), before).unwrap();
+        let look = radiance(0.0, ToneMapper::None);
+        assert_same(&uploaded.show(size, Samples::One, look), &subject.traced(size, look), "a changed sky");
+        shown = Some(uploaded);
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use lumel_basis::{Lighting, Moment, VertexLighting};
 use lumel_render_cpu::{
     Display, FalseColor, Legend, Picture, Relief, Resolution, Rippled, Scale, Show, ToneMapper, View,
 };
-use lumel_render_gpu::{Frame, Gpu, LightBuffer, Lit, Look, Model, Renderer, Samples};
+use lumel_render_gpu::{Backdrop, Frame, Gpu, LightBuffer, Lit, Look, Model, Renderer, Samples};
 use lumel_scene::{Camera, Light, RectLight, Scene};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock};
@@ -43,6 +43,7 @@ pub(crate) struct Uploaded<'a> {
     pub(crate) model: Model,
     pub(crate) light: LightBuffer,
     pub(crate) rect_lights: Vec<RectLight>,
+    pub(crate) backdrop: Option<Backdrop>,
 }
 
 impl Subject {
@@ -58,7 +59,8 @@ impl Subject {
         let model = renderer.upload(&self.scene).unwrap();
         let light = renderer.light(&model);
         renderer.set_light(&light, &self.scene, &self.lighting()).unwrap();
-        Uploaded { renderer, subject: self, model, light, rect_lights: self.rect_lights() }
+        let backdrop = renderer.backdrop(self.scene.sky(), None).unwrap();
+        Uploaded { renderer, subject: self, model, light, rect_lights: self.rect_lights(), backdrop }
     }
 
     /// The light as it lies at the vertices.
@@ -111,6 +113,7 @@ impl Uploaded<'_> {
             grid: false,
             overlay: None,
             sky: self.subject.scene.sky().mean(),
+            backdrop: self.backdrop.as_ref(),
         }
     }
 

@@ -51,7 +51,8 @@ impl Lumels {
         let model = renderer.upload_with_atlas(&subject.scene, &self.atlas).unwrap();
         let light = renderer.light(&model);
         renderer.set_light(&light, &subject.scene, &subject.lighting()).unwrap();
-        let uploaded = Uploaded { renderer, subject, model, light, rect_lights: subject.rect_lights() };
+        let rect_lights = subject.rect_lights();
+        let uploaded = Uploaded { renderer, subject, model, light, rect_lights, backdrop: None };
         let lumels = renderer.lumels(&self.atlas).unwrap();
         for (page, &size) in self.atlas.pages().iter().enumerate() {
             let first = self.atlas.first_lumel(page);

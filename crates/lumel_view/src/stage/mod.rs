@@ -8,6 +8,7 @@ mod lumels;
 mod metered;
 mod points;
 mod showing;
+mod sky;
 mod strip;
 
 pub use blit::ShownPicture;
@@ -23,7 +24,7 @@ use crate::values;
 use blit::Blit;
 use content::Content;
 use eframe::egui_wgpu::RenderState;
-use lumel::{MaterialId, Moment, Radiance, RectLight, Scene, VertexLighting};
+use lumel::{MaterialId, Moment, RectLight, Scene, Sky, VertexLighting};
 use lumel_lightmap::Filter;
 use lumel_render_cpu::{Relief, Ripple, Rippled, Scale};
 use lumel_render_gpu::{
@@ -32,6 +33,7 @@ use lumel_render_gpu::{
 use lumels::{LumelContent, ShownLumels};
 use metered::Metered;
 use points::{PointContent, ShownPoints};
+use sky::ShownSky;
 use std::sync::{Arc, Mutex, PoisonError};
 use strip::{Canvas, Strip};
 
@@ -75,7 +77,7 @@ struct Drawn {
     split: Option<(Side, f32)>,
     relief: Relief,
     ripple: Option<(Ripple, Vec<MaterialId>)>,
-    sky: Radiance,
+    sky: Sky,
 }
 
 impl Drawn {
@@ -130,6 +132,7 @@ pub struct Stage {
     blit: Blit,
     drawn: Option<Drawn>,
     overlay: Option<DrawnMarks>,
+    sky: ShownSky,
     strip: Strip,
     exposure: Metered,
     range: Option<AutomaticRange>,
@@ -163,6 +166,7 @@ impl Stage {
             blit,
             drawn: None,
             overlay: None,
+            sky: ShownSky::default(),
             strip: Strip::default(),
             exposure: Metered::default(),
             range: None,
@@ -221,6 +225,9 @@ impl Stage {
         }
         self.fit_target(drawn.size, drawn.samples)?;
         self.fit_overlay(showing.marks);
+        if let Err(problem) = self.sky.fill(&self.renderer, &drawn.sky) {
+            self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem.to_string());
+        }
         let (Some(LoadedModel { model, .. }), Some(ShownTarget { target, shown })) =
             (&self.model, &self.target)
         else {
@@ -252,7 +259,8 @@ impl Stage {
             wireframe: drawn.wireframe,
             grid: drawn.grid,
             overlay: self.overlay.as_ref().map(|marks| &marks.overlay),
-            sky: drawn.sky,
+            sky: drawn.sky.mean(),
+            backdrop: self.sky.backdrop(),
         };
         self.renderer.draw(target, &frame);
         self.pictures += 1;
@@ -274,9 +282,10 @@ impl Stage {
     ) -> Result<Option<ShownThumbnail>, RenderError> {
         let Some(document) = &showing.session.document else { return Ok(None) };
         self.load(showing.session, &document.scene)?;
-        let Self { state, blit, renderer, model, strip, .. } = self;
+        let Self { state, blit, renderer, model, strip, sky, .. } = self;
         let Some(LoadedModel { model, .. }) = model else { return Ok(None) };
-        let canvas = Canvas { state, blit, renderer, model, scene: &document.scene };
+        let canvas =
+            Canvas { state, blit, renderer, model, scene: &document.scene, backdrop: sky.backdrop() };
         strip.thumbnail(&canvas, showing, wanted).map(Some)
     }
 
@@ -365,7 +374,7 @@ impl Stage {
             split: split.map(|split| (split.right, split.at)),
             relief: view.relief.relief(),
             ripple: showing.ripple.map(|ripple| (ripple, session.rippled_materials())),
-            sky: session.sky.sky.mean(),
+            sky: session.sky.sky.clone(),
         })
     }
 

@@ -11,7 +11,9 @@ use crate::selection::Selection;
 use eframe::egui_wgpu::RenderState;
 use lumel::{RectLight, Scene, VertexLighting};
 use lumel_render_cpu::Relief;
-use lumel_render_gpu::{Frame, LightBuffer, Lit, Look, Model, RenderError, Renderer, Samples, Target};
+use lumel_render_gpu::{
+    Backdrop, Frame, LightBuffer, Lit, Look, Model, RenderError, Renderer, Samples, Target,
+};
 
 /// What a small picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +44,7 @@ pub(super) struct Canvas<'a> {
     pub(super) renderer: &'a Renderer,
     pub(super) model: &'a Model,
     pub(super) scene: &'a Scene,
+    pub(super) backdrop: Option<&'a Backdrop>,
 }
 
 /// All of them.
@@ -150,6 +153,7 @@ impl Strip {
             grid: false,
             overlay: None,
             sky: canvas.scene.sky().mean(),
+            backdrop: canvas.backdrop,
         };
         canvas.renderer.draw(&cell.target, &frame);
         cell.drawn = Some(drawn);
