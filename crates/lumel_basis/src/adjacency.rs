@@ -3,6 +3,7 @@
 use crate::{Field, NodeId};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// So many nodes of a ring are computed at a time.
 const AT_A_TIME: usize = 1024;
@@ -93,14 +94,15 @@ impl Adjacency {
         if !known.contains(&false) {
             return known;
         }
-        let mut queued = known.clone();
+        let queued: Vec<AtomicBool> = known.iter().map(|&known| AtomicBool::new(known)).collect();
+        // Who finds a node first makes no difference: all of a ring is computed from those before it.
+        let is_new = |node: &NodeId| !queued[node.index()].swap(true, Ordering::Relaxed);
         let mut ring: Vec<NodeId> =
             (0..known.len() as u32).map(NodeId).filter(|n| known[n.index()]).collect();
         let mut means = Vec::new();
         while !ring.is_empty() {
-            let beside = ring.iter().flat_map(|&node| self.neighbours(node));
-            let new = beside.filter(|(node, _)| !std::mem::replace(&mut queued[node.index()], true));
-            let next: Vec<NodeId> = new.map(|(node, _)| node).collect();
+            let beside = ring.par_iter().flat_map_iter(|&node| self.neighbourhood(node).filter(is_new));
+            let next: Vec<NodeId> = beside.collect();
             means.resize(next.len() * field.channels(), Vec3::ZERO);
             let parts = means.par_chunks_mut(AT_A_TIME * field.channels()).zip(next.par_chunks(AT_A_TIME));
             parts.for_each(|(means, nodes)| {

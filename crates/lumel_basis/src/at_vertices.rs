@@ -5,6 +5,7 @@ use crate::{
 };
 use glam::Vec3;
 use lumel_scene::{Barycentrics, Scene, SurfacePoint, TriId};
+use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Irradiance at every vertex of a scene, W·m⁻²: what is stored there, or samples at [`VertexPoints`] with the normals
@@ -65,8 +66,8 @@ impl VertexPoints {
 
     /// Irradiance of a field at every vertex, W·m⁻².
     pub fn read(&self, basis: &dyn Basis, field: &Field) -> Vec<Vec3> {
-        let mut weights = NodeWeights::default();
-        self.0.iter().map(|&at| field.at(basis, at, &mut weights).0).collect()
+        let value = |weights: &mut NodeWeights, &at: &SurfacePoint| field.at(basis, at, weights).0;
+        self.0.par_iter().map_init(NodeWeights::default, value).collect()
     }
 
     /// The coefficients of harmonics of a field at every vertex; `None` for a field of irradiance alone.
@@ -87,27 +88,25 @@ impl VertexPoints {
 
     /// The share of the weights of the nodes that a vertex is read from at which `flags` hold; a node without a flag counts as true.
     pub fn share(&self, basis: &dyn Basis, flags: &[bool]) -> Vec<f32> {
-        let mut weights = NodeWeights::default();
-        let mut share = |&at: &SurfacePoint| {
+        let share = |weights: &mut NodeWeights, &at: &SurfacePoint| {
             weights.clear();
-            basis.weights_at(at, &mut weights);
+            basis.weights_at(at, weights);
             let all: f32 = weights.iter().map(|(_, weight)| weight).sum();
             let flag = |node: usize| flags.get(node).copied().unwrap_or(true);
             let held = weights.iter().filter(|(node, _)| flag(node.index())).map(|(_, weight)| weight);
             held.sum::<f32>() / all
         };
-        self.0.iter().map(&mut share).collect()
+        self.0.par_iter().map_init(NodeWeights::default, share).collect()
     }
 
     /// Whether `flags` hold at all nodes that a vertex is read from; a node without a flag counts as true.
     pub fn all(&self, basis: &dyn Basis, flags: &[bool]) -> Vec<bool> {
-        let mut weights = NodeWeights::default();
-        let mut all = |&at: &SurfacePoint| {
+        let all = |weights: &mut NodeWeights, &at: &SurfacePoint| {
             weights.clear();
-            basis.weights_at(at, &mut weights);
+            basis.weights_at(at, weights);
             let flag = |node: usize| flags.get(node).copied().unwrap_or(true);
             weights.iter().filter(|(_, weight)| *weight > 0.0).all(|(node, _)| flag(node.index()))
         };
-        self.0.iter().map(&mut all).collect()
+        self.0.par_iter().map_init(NodeWeights::default, all).collect()
     }
 }

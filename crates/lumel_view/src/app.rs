@@ -7,6 +7,7 @@ use crate::dialogs::{Dialogs, FileDialog};
 use crate::dock::{self, Pane};
 use crate::document::{Document, OpenRequest};
 use crate::gauges::Gauges;
+use crate::heap::keep_freed_memory;
 use crate::input::{self, Command, Numpad};
 use crate::notice::Level;
 use crate::panels::Panels;
@@ -118,6 +119,9 @@ impl App {
         let stage = cc.wgpu_render_state.clone().map(Stage::new);
         match &stage {
             Some(stage) if stage.gpu().is_software() => {
+                if !keep_freed_memory() {
+                    log::debug!("memory of frames is given back to the system each time");
+                }
                 let text =
                     format!("Software renderer: {}. A graphics driver would be faster.", stage.gpu().name());
                 session.notices.log(Level::Warning, text);

@@ -17,6 +17,7 @@ pub mod emissive;
 pub mod event_loop;
 pub mod gauges;
 pub mod gizmo;
+mod heap;
 pub mod history;
 pub mod input;
 pub mod inputs;

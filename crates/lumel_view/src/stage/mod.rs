@@ -44,9 +44,9 @@ const RIGHT: usize = 1;
 /// The colours of bends of light: from a tenth of what they may be to ten times that.
 const BENDS: [f32; 2] = [0.1, 10.0];
 
-/// A software renderer draws at most so many pixels of a picture that changes with every frame. Fewer would hardly be faster:
+/// A software renderer draws at most so many pixels of a picture that changes with every frame. Much fewer would hardly be faster:
 /// it shades blocks of 4 x 4 pixels, however small the part of them that a triangle covers.
-const LIVE_PIXELS: f64 = 180_000.0;
+const LIVE_PIXELS: f64 = 150_000.0;
 
 /// The same where light of scattered points is gathered at each.
 const LIVE_PIXELS_OF_POINTS: f64 = 0.25 * LIVE_PIXELS;
