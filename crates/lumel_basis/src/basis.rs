@@ -44,6 +44,11 @@ pub trait Basis: Send + Sync {
         None
     }
 
+    /// Another basis, which holds direct light where this one would blur the edges of its shadows: surfaces reflect it from there.
+    fn direct(&self) -> Option<&dyn Basis> {
+        None
+    }
+
     /// How far apart the places are, metres, by which its functions are integrated well enough; infinite if a few in each triangle do.
     fn resolution(&self) -> f32 {
         f32::INFINITY

@@ -205,23 +205,17 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
     fn measure_chunk(
         &self,
         job: &Job<'_>,
-        reflected: Option<&Reflected<'_>>,
+        reflected: &[Reflected<'_>],
         chunk: u32,
         control: &Control,
     ) -> Result<Sums, TransportError> {
         control.check()?;
         let rows = self.chunk_rows(chunk, control)?;
-        let sums = match (reflected, job.source) {
-            (Some(reflected), _) => {
-                let albedos = reflected.albedos(&self.inner.scene, chunk, rows.ends);
-                match &self.areas {
-                    None => self.bounce_at_points(job, reflected, rows, albedos),
-                    Some(areas) => {
-                        let patterns = (&areas.rays, chunk);
-                        self.bounce_over_areas(job, patterns, rows, reflected, albedos, control)?
-                    }
-                }
-            }
+        let sums = match (reflected.split_first(), job.source) {
+            (Some(reflected), _) => match &self.areas {
+                None => self.bounce_at_points(job, reflected, rows, chunk),
+                Some(areas) => self.bounce_over_areas(job, (&areas.rays, chunk), rows, reflected, control)?,
+            },
             (None, Source::Emitters(mask)) => match &self.areas {
                 Some(AreaRows { rays, lights: Some(lights), .. }) => {
                     self.direct_over_areas(job, mask, (rays, lights, chunk), rows, control)?
@@ -250,12 +244,12 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
     fn bounce_at_points(
         &self,
         job: &Job<'_>,
-        reflected: &Reflected<'_>,
+        (first, others): (&Reflected<'_>, &[Reflected<'_>]),
         rows: ChunkRows<'_>,
-        albedos: Option<&[[u16; 3]]>,
+        chunk: u32,
     ) -> Sums {
         let lanes = rows.elements.len();
-        let values = match albedos {
+        let of = |reflected: &Reflected<'_>| match reflected.albedos(&self.inner.scene, chunk, rows.ends) {
             _ if !reflected.is_linear() => {
                 let (scene, basis) = (&self.inner.scene, &*self.inner.basis);
                 let mut weights = NodeWeights::default();
@@ -264,6 +258,10 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
             None => means(lanes, rows.ends, |end, _| reflected.plane_at(end)),
             Some(albedos) => means(lanes, rows.ends, |end, i| reflected.plane_at(end) * unpacked(albedos[i])),
         };
+        let mut values = of(first);
+        for other in others {
+            values.iter_mut().zip(of(other)).for_each(|(sum, value)| *sum += value);
+        }
         let (active, group) = self.active(job, rows.elements);
         group.irradiance(&active.iter().map(|&i| values[i]).collect::<Vec<_>>())
     }
@@ -441,20 +439,20 @@ impl<B: Basis, R: Receivers + 'static> Transport for CachedTransport<B, R> {
                 if shot.is_small() {
                     return self.shoot(job, &shot, chunks, control, sink);
                 }
-                Some(self.reflectance.of(&*self.inner.basis, field))
+                self.reflectance.of_source(&*self.inner.basis, job.source)
             }
-            Source::Field(field) | Source::Shot(field, _) => {
-                Some(self.reflectance.of(&*self.inner.basis, field))
+            Source::Field(_) | Source::Reflecting { .. } | Source::Shot(..) => {
+                self.reflectance.of_source(&*self.inner.basis, job.source)
             }
-            Source::Nothing if at_points && self.rows.key.requested >= VALIDITY_RAYS => None,
-            Source::Emitters(_) if lights_on_rows => None,
-            Source::Emitters(_) if at_points && self.inner.lights.needs_hemisphere() => None,
+            Source::Nothing if at_points && self.rows.key.requested >= VALIDITY_RAYS => Vec::new(),
+            Source::Emitters(_) if lights_on_rows => Vec::new(),
+            Source::Emitters(_) if at_points && self.inner.lights.needs_hemisphere() => Vec::new(),
             Source::Emitters(_) | Source::Ambient(_) | Source::Nothing => {
                 return self.inner.measure(job, chunks, control, sink);
             }
         };
         scattered(chunks).into_par_iter().try_for_each(|chunk| {
-            sink.accept(chunk, self.measure_chunk(job, reflected.as_ref(), chunk, control)?);
+            sink.accept(chunk, self.measure_chunk(job, &reflected, chunk, control)?);
             Ok(())
         })
     }

@@ -36,25 +36,32 @@ impl<B: Basis, R: Receivers + 'static> CachedTransport<B, R> {
     }
 
     /// One bounce of the elements of a chunk, at the sites that their rays started from.
-    pub(crate) fn bounce_over_areas(
+    pub(crate) fn bounce_over_areas<'a>(
         &self,
         job: &Job<'_>,
         (patterns, chunk): (&AreaPatterns, u32),
-        rows: ChunkRows<'_>,
-        reflected: &Reflected<'_>,
-        albedos: Option<&[[u16; 3]]>,
+        rows: ChunkRows<'a>,
+        (first, others): (&'a Reflected<'a>, &'a [Reflected<'a>]),
         control: &Control,
     ) -> Result<Sums, TransportError> {
         let inner = &self.inner;
         let mut sums = ElementSums::some(rows.elements.len());
         let (measured, mut weights) = (measured(job, rows), NodeWeights::default());
+        let with_albedos =
+            |reflected: &'a Reflected<'a>| (reflected, reflected.albedos(&inner.scene, chunk, rows.ends));
+        let (first, others) = (with_albedos(first), others.iter().map(with_albedos).collect::<Vec<_>>());
         for part in patterns.parts(&inner.order, chunk) {
             control.check()?;
             let area = self.area_chunk(&part, rows.elements);
             measure::add_samples::<CHUNK, _, _>(inner, &area, &measured, &mut sums, |i, slot| {
                 let at = rows.at(area.first + slot, i);
-                let (end, albedo) = (rows.ends[at], albedos.map(|albedos| albedos[at]));
-                let value = reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights);
+                let end = rows.ends[at];
+                let mut of = |(reflected, albedos): &(&Reflected<'_>, Option<&[[u16; 3]]>)| {
+                    let albedo = albedos.map(|albedos| albedos[at]);
+                    reflected.at(&inner.scene, &*inner.basis, end, albedo, &mut weights)
+                };
+                let mut value = of(&first);
+                others.iter().for_each(|other| value += of(other));
                 value.truncate().extend(f32::from(u8::from(end != StoredEnd::INSIDE)))
             });
         }

@@ -69,7 +69,7 @@ pub(crate) fn bundle<'a>(site: &Site, directions: &'a [Vec3]) -> Bundle<'a> {
 ///
 /// One term of `∫ (ρ/π) E cos θ dω`; the density's π cancels the one of the diffuse surface. Unbiased for `field`.
 #[inline]
-pub(crate) fn reflected<B: Basis>(
+pub(crate) fn reflected<B: Basis + ?Sized>(
     scene: &Scene,
     basis: &B,
     field: &Field,

@@ -15,7 +15,15 @@ pub enum Source<'a> {
     Emitters(Option<&'a EmitterMask>),
     /// The surfaces, with this irradiance on them: one bounce.
     Field(&'a Field),
-    /// The same, where the irradiance is zero at all nodes but these: a part of a bounce.
+    /// The surfaces, with direct light on them in the [basis that holds it](lumel_basis::Basis::direct), and if there is any, with other
+    /// light in the basis that carries bounces.
+    Reflecting {
+        /// Direct light.
+        direct: &'a Field,
+        /// All other light.
+        carried: Option<&'a Field>,
+    },
+    /// The same as of a field, where the irradiance is zero at all nodes but these: a part of a bounce.
     ///
     /// Shots of all nodes, each once, add up to the bounce of one linear operator: number of bounce and pass must be the same for
     /// all of them.

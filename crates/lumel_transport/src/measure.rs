@@ -49,6 +49,14 @@ impl<'a, B: Basis, R: Receivers> Reader<'a, B, R> {
             Source::Field(field) | Source::Shot(field, _) => {
                 hemisphere::reflected(&op.scene, &*op.basis, field, end, weights).0.as_dvec3()
             }
+            Source::Reflecting { direct, carried } => {
+                let basis: &dyn Basis = op.basis.direct().unwrap_or(&*op.basis);
+                let direct = hemisphere::reflected(&op.scene, basis, direct, end, weights).0;
+                let carried = carried.map_or(Vec3::ZERO, |field| {
+                    hemisphere::reflected(&op.scene, &*op.basis, field, end, weights).0
+                });
+                (direct + carried).as_dvec3()
+            }
             Source::Emitters(mask) => hemisphere::emitted(&op.scene, &op.lights, *mask, end).0.as_dvec3(),
             // Distances tell what that brings.
             Source::Ambient(_) | Source::Nothing => DVec3::ZERO,
@@ -143,7 +151,9 @@ pub(crate) struct JobPatterns {
 pub(crate) fn patterns<B: Basis, R: Receivers>(op: &CpuTransport<B, R>, job: &Job<'_>) -> JobPatterns {
     let requested = |n| AreaPatterns::new(&op.plan, &op.order, n, op.shared_key(job));
     let (rays, lights) = match job.source {
-        Source::Field(_) | Source::Shot(..) | Source::Ambient(_) => (Some(op.plan.indirect_samples), None),
+        Source::Field(_) | Source::Reflecting { .. } | Source::Shot(..) | Source::Ambient(_) => {
+            (Some(op.plan.indirect_samples), None)
+        }
         Source::Nothing => (Some(VALIDITY_RAYS), None),
         // Without anything that shines, too, it is to be known what lies inside geometry.
         Source::Emitters(_) if !op.lights.needs_hemisphere() => (None, Some(op.plan.direct_samples)),

@@ -2,6 +2,7 @@
 
 use crate::ends::{RayEnd, StoredEnd};
 use crate::hemisphere;
+use crate::job::Source;
 use glam::Vec4;
 use lumel_basis::{Basis, Field, Identity, NodeId, NodeWeights};
 use lumel_scene::{Albedo, Scene, TriId};
@@ -22,23 +23,34 @@ pub(crate) struct Reflectance {
     triangles: Arc<[Option<Albedo>]>,
     /// Per chunk, the albedos at the ends of its rays; only where there are any that vary within a triangle.
     at_ends: Option<Vec<OnceLock<AlbedosAtEnds>>>,
+    /// The same for the basis that holds direct light, if that is another.
+    direct: Option<Box<Reflectance>>,
 }
 
 type AlbedosAtEnds = Box<[[u16; 3]]>;
 
 impl Reflectance {
-    pub(crate) fn new<B: Basis>(scene: &Scene, basis: &B, n_chunks: usize) -> Self {
+    pub(crate) fn new<B: Basis + ?Sized>(scene: &Scene, basis: &B, n_chunks: usize) -> Self {
         let n_triangles = if basis.corner_nodes().is_some() { scene.triangle_count() as u32 } else { 0 };
         let albedo = |tri: u32| scene.uniform_albedo(TriId(tri));
         let triangles: Vec<Option<Albedo>> = (0..n_triangles).into_par_iter().map(albedo).collect();
         let varies = triangles.contains(&None);
-        Self { basis: basis.identity(), triangles: triangles.into(), at_ends: Self::slots(varies, n_chunks) }
+        Self {
+            basis: basis.identity(),
+            triangles: triangles.into(),
+            at_ends: Self::slots(varies, n_chunks),
+            direct: basis.direct().map(|direct| Box::new(Self::new(scene, direct, n_chunks))),
+        }
     }
 
     /// The same for rays in other chunks.
     pub(crate) fn for_chunks(&self, n_chunks: usize) -> Self {
-        let triangles = Arc::clone(&self.triangles);
-        Self { basis: self.basis, triangles, at_ends: Self::slots(self.varies(), n_chunks) }
+        Self {
+            basis: self.basis,
+            triangles: Arc::clone(&self.triangles),
+            at_ends: Self::slots(self.at_ends.is_some(), n_chunks),
+            direct: self.direct.as_ref().map(|direct| Box::new(direct.for_chunks(n_chunks))),
+        }
     }
 
     fn slots(varies: bool, n_chunks: usize) -> Option<Vec<OnceLock<AlbedosAtEnds>>> {
@@ -52,15 +64,32 @@ impl Reflectance {
 
     /// Whether albedos have to be kept per ray.
     pub(crate) fn varies(&self) -> bool {
-        self.at_ends.is_some()
+        self.at_ends.is_some() || self.direct.as_ref().is_some_and(|direct| direct.varies())
     }
 
-    /// The radiosity that surfaces reflect of a field.
-    pub(crate) fn of<'a, B: Basis>(&'a self, basis: &B, field: &'a Field) -> Reflected<'a> {
+    /// The radiosity that surfaces reflect of a source, basis by basis; none of what is no light on surfaces.
+    pub(crate) fn of_source<'a, B: Basis>(&'a self, basis: &'a B, source: Source<'a>) -> Vec<Reflected<'a>> {
+        let of = |field| self.of(basis, field);
+        match source {
+            Source::Field(field) | Source::Shot(field, _) => vec![of(field)],
+            Source::Reflecting { direct, carried } => {
+                let direct = match (&self.direct, basis.direct()) {
+                    (Some(reflectance), Some(basis)) => {
+                        Reflected { direct: Some(basis), ..reflectance.of(basis, direct) }
+                    }
+                    _ => of(direct),
+                };
+                [direct].into_iter().chain(carried.map(of)).collect()
+            }
+            Source::Emitters(_) | Source::Ambient(_) | Source::Nothing => Vec::new(),
+        }
+    }
+
+    fn of<'a, B: Basis + ?Sized>(&'a self, basis: &B, field: &'a Field) -> Reflected<'a> {
         let corner_nodes = basis.corner_nodes().unwrap_or_default();
         let triangles = corner_nodes.par_iter().zip(&self.triangles[..]);
         let planes = triangles.map(|(nodes, albedo)| plane(field, nodes, *albedo)).collect();
-        Reflected { reflectance: self, field, planes }
+        Reflected { reflectance: self, field, planes, direct: None }
     }
 
     /// The triangles that reflect anything of a field that is zero at all nodes but some, in their order.
@@ -138,6 +167,8 @@ pub(crate) struct Reflected<'a> {
     reflectance: &'a Reflectance,
     field: &'a Field,
     planes: Vec<Plane>,
+    /// The basis of direct light, if it is this that is reflected and has one of its own.
+    direct: Option<&'a dyn Basis>,
 }
 
 impl Reflected<'_> {
@@ -172,7 +203,11 @@ impl Reflected<'_> {
             return albedo.map_or(radiosity, |albedo| radiosity * unpacked(albedo));
         }
         let end = end.end().unwrap_or(RayEnd::BackFace);
-        hemisphere::reflected(scene, basis, self.field, &end, weights).0.extend(0.0)
+        let reflected = match self.direct {
+            Some(direct) => hemisphere::reflected(scene, direct, self.field, &end, weights),
+            None => hemisphere::reflected(scene, basis, self.field, &end, weights),
+        };
+        reflected.0.extend(0.0)
     }
 }
 
