@@ -109,7 +109,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let transport = CachedTransport::new(traced, None);
 
     let integrals = Integrals::new(basis.areas.clone(), reflecting_areas(&scene, &*basis));
-    let operator = Operator { transport: &transport, basis: &*basis, active: None };
+    let operator = Operator::new(&transport, &*basis);
     let (mut state, schedule) = (SolveState::new(), Gather { stop: Stop::Bounces(3) });
     solve(operator, &integrals, &schedule, &mut state, &Control::default(), &Silent)?;
 

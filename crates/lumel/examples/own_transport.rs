@@ -106,7 +106,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let integrals = Integrals::new(basis.node_areas().to_vec(), reflecting_areas(&scene, &*basis));
     let solved = |transport: &dyn Transport| {
         let (mut state, schedule) = (SolveState::new(), Gather { stop: Stop::Bounces(8) });
-        let operator = Operator { transport, basis: &*basis, active: None };
+        let operator = Operator::new(transport, &*basis);
         solve(operator, &integrals, &schedule, &mut state, &control, &Silent).map(|()| state.total())
     };
     let (by_matrix, by_rows) = (solved(&matrix)?, solved(&CachedTransport::new(traced(), None))?);

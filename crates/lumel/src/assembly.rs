@@ -1,6 +1,7 @@
 //! The operators that settings ask for.
 
 use crate::BounceBasis;
+use crate::direct_at_vertices::{AtVertices, DirectAtVertices};
 use crate::method::Method;
 use crate::point_levels::StoredHalves;
 use crate::settings::{Memory, ScheduleKind, Settings, SolverKind, TargetError};
@@ -22,8 +23,8 @@ pub(crate) struct Assembly {
     pub(crate) transport: Box<dyn Transport>,
     pub(crate) stored: StoredRays,
     pub(crate) rest: Rest,
-    /// Measures direct light at the vertices in the end, where points carry the bounces.
-    pub(crate) direct: Option<Box<dyn Transport>>,
+    /// Measures direct light at the vertices, where points carry the bounces.
+    pub(crate) direct: Option<AtVertices>,
     /// Measures some of the points, where these follow light.
     pub(crate) halves: Option<Box<dyn Halves + Send>>,
     /// Measures all light by direction in the end, where the settings want it.
@@ -153,6 +154,8 @@ impl<R: Receivers + 'static> Parts<'_, R> {
             (Box::new(cached) as Box<dyn Transport>, Some(stored))
         };
         let directional = self.directional(method, shared.directional.as_ref());
+        let at_vertices = DirectAtVertices::new(self.scene, self.surfaces, self.settings);
+        let direct = at_vertices.as_ref().map(|direct| direct.operator(self.settings.plan()));
         let ((transport, bounces), rest) = match method {
             Method::Neumann => ((traced(), None), Rest::Nothing),
             Method::Cached { .. } => (cached(self.settings.indirect_samples), Rest::Nothing),
@@ -161,17 +164,15 @@ impl<R: Receivers + 'static> Parts<'_, R> {
                 let first = target::first_plan(self.settings, rays);
                 let like = CachedTransport::new(self.traced(first), None);
                 let shoots = self.settings.schedule == ScheduleKind::Shoot;
-                (
-                    (traced(), None),
-                    Rest::Replicates(target, Box::new(StoredReplicates { like, first, shoots })),
-                )
+                let replicates = StoredReplicates { like, first, shoots, direct: at_vertices };
+                ((traced(), None), Rest::Replicates(target, Box::new(replicates)))
             }
         };
         let stored = |directional: &DirectionalTransport<_, _>| directional.stored();
         let stored = StoredRays { bounces, directional: directional.as_ref().and_then(stored) };
         let directional = directional.map(|operator| Box::new(operator) as Box<dyn Transport>);
         let halves = self.settings.refines_points().then(|| self.halves());
-        let (schedule, direct) = (self.settings.schedule(), self.direct());
+        let schedule = self.settings.schedule();
         Assembly { method, schedule, transport, stored, rest, direct, halves, directional }
     }
 
@@ -197,28 +198,7 @@ impl<R: Receivers + 'static> Parts<'_, R> {
         })
     }
 
-    /// Measures direct light at the vertices, as the projection says, where points carry the bounces. With a target error, all light is
-    /// that of the points, whose errors are known.
-    fn direct(&self) -> Option<Box<dyn Transport>> {
-        let Self { scene, surfaces, settings, .. } = *self;
-        let is_read = surfaces.basis.points().is_some() && settings.target_error == TargetError::Off;
-        is_read.then(|| -> Box<dyn Transport> {
-            match settings.projection.sampling() {
-                Sampling::Point => {
-                    let measured = surfaces.at_vertices();
-                    Box::new(Parts { scene, surfaces, measured, settings }.traced(settings.plan()))
-                }
-                Sampling::Area => {
-                    let measured = surfaces.over_areas();
-                    Box::new(Parts { scene, surfaces, measured, settings }.traced(settings.plan()))
-                }
-            }
-        })
-    }
-
     fn traced(&self, plan: Plan) -> CpuTransport<BounceBasis, R> {
-        let Surfaces { tracer, basis, .. } = self.surfaces;
-        let measured = (Arc::clone(&self.measured.receivers), self.measured.order.clone());
-        CpuTransport::in_order(Arc::clone(self.scene), Arc::clone(tracer), Arc::clone(basis), measured, plan)
+        self.surfaces.traced(self.scene, self.measured, plan)
     }
 }

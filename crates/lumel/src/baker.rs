@@ -2,6 +2,7 @@
 
 use crate::BounceBasis;
 use crate::assembly::{Assembly, Rest, StoredRays, directional_memory};
+use crate::direct_at_vertices::AtVertices;
 use crate::layers;
 use crate::method::Method;
 use crate::point_levels;
@@ -12,8 +13,8 @@ use lumel_accel::{RayTracer, tracer_of};
 use lumel_basis::{Basis, Field, LeastSquares, NodeId, Readout, Receivers, Sampling, reflecting_areas};
 use lumel_scene::Scene;
 use lumel_solve::{
-    Integrals, Observer, Operator, PowerLog, Problem, RefinedLevels, SolveError, SolveState, brightest,
-    final_gather, read_direct, solve, solve_directional, solve_layers, solve_to_error,
+    DirectOperator, Integrals, Observer, Operator, PowerLog, Problem, RefinedLevels, SolveError, SolveState,
+    brightest, final_gather, solve, solve_directional, solve_layers, solve_to_error,
 };
 use lumel_transport::{Control, Order, Transport};
 use std::sync::Arc;
@@ -183,7 +184,7 @@ impl Baker {
             BounceBasis::Vertices(basis) => {
                 self.scene().positions()[basis.first_vertices()[node.index()] as usize]
             }
-            BounceBasis::Points(basis) => basis.points()[node.index()].position,
+            BounceBasis::Points { points, .. } => points.points()[node.index()].position,
         }
     }
 
@@ -220,7 +221,7 @@ impl Baker {
         let mut problem = self.problem();
         if let Some(refined) = &refined {
             refined.prepare(&*self.surfaces.basis, state);
-            problem.operator = refined.operator(&*self.surfaces.basis);
+            problem.operator = refined.operator(problem.operator);
         }
         let directional = self.assembly.directional.as_ref().map(|transport| self.operator(&**transport));
         let finish = |state: &mut SolveState| match directional {
@@ -245,10 +246,6 @@ impl Baker {
         {
             final_gather(finisher, state, control, observer)?;
         }
-        if let Some(direct) = &self.assembly.direct {
-            let operator = Operator { transport: &**direct, basis: &*self.surfaces.vertices, active: None };
-            read_direct(operator, state, control, observer)?;
-        }
         finish(state)?;
         if self.settings.layers == Layers::Lights {
             let masks = layers::masks(&self.scene, &self.settings);
@@ -261,17 +258,18 @@ impl Baker {
     /// The points that are measured, where these follow light and the solve is not finished.
     fn refined_levels(
         &self,
-        state: &SolveState,
+        state: &mut SolveState,
         control: &Control,
         observer: &dyn Observer,
     ) -> Result<Option<RefinedLevels<'_>>, SolveError> {
-        let basis = &*self.surfaces.basis;
         let refinement = point_levels::refinement(&self.settings, self.scene.has_varying_albedo());
         let powers = PowerLog::of(&self.integrals, &state.bounces);
         let is_finished = !state.valid.is_empty() && self.assembly.schedule.next(state, &powers).is_none();
-        match (refinement, basis.hierarchy(), &self.assembly.halves) {
+        let operator = self.problem().operator;
+        match (refinement, self.surfaces.basis.hierarchy(), &self.assembly.halves) {
             (Some(refinement), Some(hierarchy), Some(halves)) if !is_finished => {
-                RefinedLevels::new(basis, hierarchy, &**halves, refinement, control, observer).map(Some)
+                RefinedLevels::new(operator, hierarchy, &**halves, refinement, state, control, observer)
+                    .map(Some)
             }
             _ => Ok(None),
         }
@@ -280,7 +278,7 @@ impl Baker {
     /// What is solved.
     pub(crate) fn problem(&self) -> Problem<'_> {
         Problem {
-            operator: self.operator(&*self.assembly.transport),
+            operator: Operator { direct: self.direct(), ..self.operator(&*self.assembly.transport) },
             integrals: &self.integrals,
             readout: self.readout(),
             schedule: &*self.assembly.schedule,
@@ -289,7 +287,17 @@ impl Baker {
     }
 
     fn operator<'a>(&'a self, transport: &'a dyn Transport) -> Operator<'a> {
-        Operator { transport, basis: &*self.surfaces.basis, active: None }
+        Operator::new(transport, &*self.surfaces.basis)
+    }
+
+    /// What measures direct light at the vertices, where points carry the bounces.
+    pub(crate) fn at_vertices(&self) -> Option<&AtVertices> {
+        self.assembly.direct.as_ref()
+    }
+
+    fn direct(&self) -> Option<DirectOperator<'_>> {
+        let AtVertices { transport, .. } = self.at_vertices()?;
+        Some(DirectOperator { transport: &**transport, basis: &*self.surfaces.vertices })
     }
 
     /// How carried light is read, where that is a function of its own.

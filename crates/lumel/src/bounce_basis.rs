@@ -10,7 +10,12 @@ pub enum BounceBasis {
     /// Piecewise linear functions on the vertices.
     Vertices(Arc<VertexBasis>),
     /// Kernels around scattered points.
-    Points(Arc<MeshlessBasis>),
+    Points {
+        /// The points.
+        points: Arc<MeshlessBasis>,
+        /// What holds direct light, where there are more vertices than points.
+        direct: Option<Arc<VertexBasis>>,
+    },
 }
 
 impl BounceBasis {
@@ -18,7 +23,7 @@ impl BounceBasis {
     pub fn vertices(&self) -> Option<&Arc<VertexBasis>> {
         match self {
             Self::Vertices(basis) => Some(basis),
-            Self::Points(_) => None,
+            Self::Points { .. } => None,
         }
     }
 
@@ -26,21 +31,28 @@ impl BounceBasis {
     pub fn points(&self) -> Option<&Arc<MeshlessBasis>> {
         match self {
             Self::Vertices(_) => None,
-            Self::Points(basis) => Some(basis),
+            Self::Points { points, .. } => Some(points),
         }
     }
 
     fn any(&self) -> &dyn Basis {
         match self {
             Self::Vertices(basis) => &**basis,
-            Self::Points(basis) => &**basis,
+            Self::Points { points, .. } => &**points,
         }
     }
 }
 
 impl Basis for BounceBasis {
     fn identity(&self) -> Identity {
-        self.any().identity()
+        let identity = self.any().identity();
+        match self.direct() {
+            None => identity,
+            Some(direct) => {
+                let parts = [identity, direct.identity()];
+                Identity::new("direct light apart", parts.iter().map(|part| &part.as_bytes()[..]))
+            }
+        }
     }
 
     fn node_count(&self) -> usize {
@@ -52,7 +64,7 @@ impl Basis for BounceBasis {
         // Asked for by every ray: without a call where light is at vertices.
         match self {
             Self::Vertices(basis) => basis.weights_at(at, weights),
-            Self::Points(basis) => basis.weights_at(at, weights),
+            Self::Points { points, .. } => points.weights_at(at, weights),
         }
     }
 
@@ -70,6 +82,13 @@ impl Basis for BounceBasis {
 
     fn hierarchy(&self) -> Option<&dyn Hierarchy> {
         self.any().hierarchy()
+    }
+
+    fn direct(&self) -> Option<&dyn Basis> {
+        match self {
+            Self::Vertices(_) | Self::Points { direct: None, .. } => None,
+            Self::Points { direct: Some(direct), .. } => Some(&**direct),
+        }
     }
 
     fn resolution(&self) -> f32 {

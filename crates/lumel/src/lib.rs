@@ -24,6 +24,7 @@ mod camera_entry;
 mod dark;
 mod decimal;
 mod difference;
+mod direct_at_vertices;
 mod error_estimate;
 mod file_format;
 mod first_look;

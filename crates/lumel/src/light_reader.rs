@@ -1,5 +1,6 @@
 //! How the light of one solve is read.
 
+use crate::settings::TargetError;
 use crate::{Baker, Projection};
 use glam::Vec3;
 use lumel_basis::{Coefficients, Field, LeastSquares, Limits};
@@ -25,7 +26,10 @@ impl Baker {
         let least_squares = least_squares.map(|(solver, direct)| (solver, solver.limits(direct)));
         let reader = LightReader { baker: self, least_squares, direct: None };
         let carried = state.bounces.first().map(|direct| reader.at_vertices(direct));
-        let measured = state.read_direct.as_ref().map(|direct| self.measured_at_vertices(direct));
+        // With a target error, it is the light of the points whose errors are known.
+        let is_read = self.settings().target_error == TargetError::Off;
+        let measured = state.read_direct.as_ref().filter(|_| is_read);
+        let measured = measured.map(|direct| self.measured_at_vertices(direct));
         LightReader { direct: measured.zip(carried).map(|(measured, carried)| [measured, carried]), ..reader }
     }
 

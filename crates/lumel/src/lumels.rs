@@ -5,11 +5,11 @@ use crate::BounceBasis;
 use crate::assembly::directional_plan;
 use crate::settings::Memory;
 use crate::target::target;
-use lumel_basis::{Directional, Field, Identity, LumelReceivers, NodeId, Receivers};
+use lumel_basis::{Basis, Directional, Field, Identity, LumelReceivers, NodeId, Receivers};
 use lumel_lightmap::{LumelLight, PartLight};
 use lumel_sample::SamplerKind;
 use lumel_scene::Scene;
-use lumel_solve::{SolveState, Target};
+use lumel_solve::{Gatherable, SolveState, Target};
 use lumel_transport::{
     CachedTransport, Control, CpuTransport, DIRECTIONAL_PASS, DirectionalTransport, Job, Order, Plan, Source,
     Stored, TransportError, accumulate,
@@ -152,7 +152,7 @@ impl Baker {
 
     /// What measuring the light of a solve at lumels begins with.
     pub fn no_light_at_lumels(&self, state: &SolveState, lumels: &Lumels) -> LumelLight {
-        LumelLight::new(lumels.coverage.len(), sources(state).len(), has_tail(state))
+        LumelLight::new(lumels.coverage.len(), sources(state, &**self.basis()).len(), has_tail(state))
     }
 
     /// Measures the light of a solve over what each lumel covers, on average with as many samples as a triangle of mean size: half
@@ -199,7 +199,7 @@ impl Baker {
         control: &Control,
         part_done: PartDone<'_>,
     ) -> Result<(), TransportError> {
-        let (operator, sources) = (self.cached_at_lumels(lumels), sources(state));
+        let (operator, sources) = (self.cached_at_lumels(lumels), sources(state, &**self.basis()));
         loop {
             self.finish_round((&operator, &sources), light, parts, control, part_done)?;
             let Some(active) = self.next_round(lumels, light) else { break };
@@ -225,8 +225,8 @@ impl Baker {
         light.begin_directional(kind.harmonics());
         let plan = directional_plan(self.settings().plan());
         let operator = self.traced_at_lumels(lumels, plan);
-        let gatherable = (state.bounces.len() > 1).then(|| state.gatherable());
-        let sources = [Some(Source::Emitters(None)), gatherable.as_ref().map(Source::Field)];
+        let gatherable = (state.bounces.len() > 1).then(|| state.gatherable(&**self.basis()));
+        let sources = [Some(Source::Emitters(None)), gatherable.as_ref().map(Gatherable::source)];
         while let Some(range) = light.next_directional_part(most) {
             let wanted: Vec<bool> = (0..light.len()).map(|lumel| range.contains(&lumel)).collect();
             let operator = DirectionalTransport::new(operator.with_samples(plan, &wanted), kind);
@@ -406,36 +406,24 @@ pub(crate) fn portion_of(plan: Plan, [round, half]: [u32; 2]) -> Plan {
 
 /// What the light of one step at the lumels comes from.
 enum StepSource<'a> {
-    Emitters,
-    Bounce(&'a Field),
-    /// The last bounce and all after it, which arrive as the tail.
-    Rest(Field),
+    Bounce(Source<'a>),
+    /// What surfaces reflect into light that no bounce contains.
+    Rest(Gatherable<'a>),
 }
 
 impl StepSource<'_> {
     fn source(&self) -> Source<'_> {
         match self {
-            Self::Emitters => Source::Emitters(None),
-            Self::Bounce(field) => Source::Field(field),
-            Self::Rest(field) => Source::Field(field),
+            Self::Bounce(source) => *source,
+            Self::Rest(gatherable) => gatherable.source(),
         }
     }
 }
 
-/// The sources of all bounces of a state, and of its tail.
-fn sources(state: &SolveState) -> Vec<StepSource<'_>> {
-    let mut sources = vec![StepSource::Emitters];
-    if state.shot.is_some() {
-        // What is unshot is reflected now.
-        sources.push(StepSource::Rest(state.gatherable()));
-        return sources;
-    }
-    let (carried, last) = state.bounces.split_at(state.bounces.len().saturating_sub(1));
-    sources.extend(carried.iter().map(StepSource::Bounce));
-    if let (Some(tail), [last]) = (&state.tail, last) {
-        sources.push(StepSource::Rest(Field::sum(tail.node_count(), [last, tail])));
-    }
-    sources
+/// The sources of all bounces of a state in a basis, and of the rest; direct light is measured in any case.
+fn sources<'a>(state: &'a SolveState, basis: &dyn Basis) -> Vec<StepSource<'a>> {
+    let bounces = (0..state.bounces.len().max(1)).map(|k| StepSource::Bounce(state.source_of(k, basis)));
+    bounces.chain(state.gatherable_beyond_bounces(basis).map(StepSource::Rest)).collect()
 }
 
 /// Whether the last source of a state is its tail.

@@ -2,9 +2,9 @@
 
 use crate::{Baker, Settings};
 use glam::Vec3;
-use lumel_basis::{Field, PointReceivers, Receivers, Sampling};
-use lumel_solve::{REPLICATES, SolveState, mean_and_error};
-use lumel_transport::{Control, CpuTransport, Job, Plan, Source, Transport, TransportError, accumulate};
+use lumel_basis::{Basis, Field, PointReceivers, Receivers, Sampling};
+use lumel_solve::{Gatherable, REPLICATES, SolveState, mean_and_error};
+use lumel_transport::{Control, CpuTransport, Job, Plan, Transport, TransportError, accumulate};
 use std::sync::Arc;
 
 /// Irradiance at points, W·m⁻².
@@ -43,7 +43,7 @@ pub fn measure_points(
         Plan { direct_samples, indirect_samples, ..baker.settings().plan() },
     );
     let n_bounces = state.bounces.len();
-    let steps = replicates(&transport, state, None, control)?;
+    let steps = replicates((&transport, &**baker.basis()), state, None, control)?;
     let n_points = points.node_count();
     let totals = totals(n_points, &steps);
     Ok(PointMeasurement {
@@ -72,7 +72,7 @@ pub fn vertex_errors(
     let transport = baker.traced_transport(share_of_samples(baker));
     let n_nodes = transport.shape().nodes;
     let active = (transport.shape().sampling == Sampling::Point).then_some(state.valid.as_slice());
-    let steps = replicates(&*transport, state, active, control)?;
+    let steps = replicates((&*transport, &**baker.basis()), state, active, control)?;
     let reader = baker.light_reader(state);
     let totals: Vec<Field> =
         totals(n_nodes, &steps).iter().map(|total| reader.read(total).into_owned()).collect();
@@ -92,24 +92,15 @@ fn share_of_samples(baker: &Baker) -> [u32; 2] {
 ///
 /// The variance within one of them would say nothing: its samples are spread evenly, not independently.
 fn replicates(
-    transport: &dyn Transport,
+    (transport, basis): (&dyn Transport, &dyn Basis),
     state: &SolveState,
     active: Option<&[bool]>,
     control: &Control,
 ) -> Result<Vec<Vec<Field>>, TransportError> {
-    let n_bounces = state.bounces.len();
-    // Shots tell no bounces apart. Beyond the last bounce, its light and all later light bounce once more into the tail.
-    let before_tail = match (&state.shot, &state.tail) {
-        (Some(_), _) => Some(state.gatherable()),
-        (None, Some(tail)) => {
-            Some(Field::sum(tail.node_count(), state.bounces.last().into_iter().chain([tail])))
-        }
-        (None, None) => None,
-    };
-    let sources = (0..n_bounces)
-        .map(|k| if k == 0 { Source::Emitters(None) } else { Source::Field(&state.bounces[k - 1]) });
+    let into_rest = state.gatherable_beyond_bounces(basis);
+    let sources = (0..state.bounces.len()).map(|k| state.source_of(k, basis));
     let mut steps: Vec<Vec<Field>> = Vec::new();
-    for (bounce, source) in sources.chain(before_tail.as_ref().map(Source::Field)).enumerate() {
+    for (bounce, source) in sources.chain(into_rest.as_ref().map(Gatherable::source)).enumerate() {
         let replicate = |pass| {
             // Apart from the points of the solve, which the gathered light depends on.
             let job = Job { source, bounce: bounce as u32, pass: pass + 1, active };

@@ -49,6 +49,7 @@ impl Baker {
                 shots: shot.shots,
             }),
             tail: state.tail.as_ref().map(values),
+            direct: state.read_direct.as_ref().map(values),
             standard_error: state.errors.as_ref().map(|errors| values(&errors.standard_error)),
             rounds: state.rounds.clone(),
             splits: self.splits().to_vec(),
@@ -109,7 +110,9 @@ impl Baker {
     fn resume_checkpoint(&self, checkpoint: &Checkpoint) -> Result<SolveState, ResumeError> {
         let meta = &checkpoint.meta;
         self.check_origin(checkpoint)?;
-        if checkpoint.node_count() != self.basis().node_count() {
+        let is_at_vertices = |direct: &Vec<Vec3>| direct.len() == self.surfaces().vertices.node_count();
+        let is_whole = checkpoint.direct.as_ref().is_none_or(is_at_vertices);
+        if checkpoint.node_count() != self.basis().node_count() || !is_whole {
             return Err(ResumeError::Basis);
         }
         let field = |values: &Vec<Vec3>| Field::from_values(values.clone());
@@ -123,6 +126,7 @@ impl Baker {
                 shots: shot.shots,
             }),
             tail: checkpoint.tail.as_ref().map(field),
+            read_direct: checkpoint.direct.as_ref().map(field),
             errors: errors.map(|(standard_error, accuracy)| Errors { standard_error, accuracy }),
             rounds: checkpoint.rounds.clone(),
             ..self.state(checkpoint.valid.clone(), bounces)
@@ -177,7 +181,12 @@ impl Baker {
             _ => {}
         }
         let unshot = Field::zeros(state.node_count());
-        Ok(SolveState { shot: Some(ShotLight { reflected, unshot, shots: 0 }), ..state })
+        let shot = Some(ShotLight { reflected, unshot, shots: 0 });
+        let is_read = self.settings().projection == Projection::LeastSquares;
+        let unread = is_read.then(|| self.surfaces().least_squares());
+        let direct = self.basis().points().and(solution.bounces.first());
+        let read_direct = direct.map(|direct| self.at_nodes(direct, unread));
+        Ok(SolveState { shot, read_direct, ..state })
     }
 
     /// Light at vertices that was read as the nearest function, as it is carried.
@@ -201,9 +210,9 @@ impl Baker {
             return state;
         }
         let wanted = self.problem().schedule.wanted(&state, &PowerLog::of(self.integrals(), &state.bounces));
-        let SolveState { basis, valid, mut bounces, shot, .. } = state;
+        let SolveState { basis, valid, mut bounces, shot, read_direct, .. } = state;
         bounces.truncate(wanted.unwrap_or(usize::MAX));
-        SolveState { basis, valid, bounces, shot, ..SolveState::new() }
+        SolveState { basis, valid, bounces, shot, read_direct, ..SolveState::new() }
     }
 
     /// A state of these bounces.

@@ -4,10 +4,10 @@ use crate::BounceBasis;
 use crate::settings::Settings;
 use lumel_accel::RayTracer;
 use lumel_basis::{
-    AreaReceivers, LeastSquares, MeshlessBasis, PointReceivers, Receivers, VertexBasis, VertexPoints,
+    AreaReceivers, Basis, LeastSquares, MeshlessBasis, PointReceivers, Receivers, VertexBasis, VertexPoints,
 };
 use lumel_scene::Scene;
-use lumel_transport::{Order, SurfaceWalks};
+use lumel_transport::{CpuTransport, Order, Plan, SurfaceWalks};
 use std::sync::{Arc, OnceLock};
 
 /// The ray tracer, the basis and the receivers of a scene; cheap to clone, and shared by its [relit](Scene::relit) ones.
@@ -69,10 +69,25 @@ impl Surfaces {
             Some((spacing, levels)) => {
                 let obstacles = SurfaceWalks { scene, tracer: &*self.tracer };
                 let points = MeshlessBasis::around_obstacles(Arc::clone(scene), spacing, levels, &obstacles);
-                BounceBasis::Points(Arc::new(points))
+                // Kernels blur the edges of shadows by more than vertices do that lie closer together.
+                let is_finer = self.vertices.node_count() > points.node_count();
+                let direct = is_finer.then(|| Arc::clone(&self.vertices));
+                BounceBasis::Points { points: Arc::new(points), direct }
             }
         };
         Self { basis: Arc::new(basis), at_nodes: Arc::default(), ..self.clone() }
+    }
+
+    /// The operator that measures there under the light of a scene with these surfaces, every job of which traces rays of its own.
+    pub(crate) fn traced<R: Receivers>(
+        &self,
+        scene: &Arc<Scene>,
+        measured: &Ordered<R>,
+        plan: Plan,
+    ) -> CpuTransport<BounceBasis, R> {
+        let (tracer, basis) = (Arc::clone(&self.tracer), Arc::clone(&self.basis));
+        let measured = (Arc::clone(&measured.receivers), measured.order.clone());
+        CpuTransport::in_order(Arc::clone(scene), tracer, basis, measured, plan)
     }
 
     /// Measures at the scattered points; at the vertices where there are none.

@@ -1,5 +1,6 @@
 //! Stopping at an error: its samples, and the operators of replicates.
 
+use crate::direct_at_vertices::DirectAtVertices;
 use crate::settings::{Settings, TargetError};
 use lumel_basis::{Basis, Receivers};
 use lumel_sample::SamplerKind;
@@ -57,6 +58,8 @@ pub(crate) struct StoredReplicates<B, R> {
     pub(crate) first: Plan,
     /// Whether light is shot.
     pub(crate) shoots: bool,
+    /// Direct light at the vertices, where it is measured there.
+    pub(crate) direct: Option<DirectAtVertices>,
 }
 
 impl<B, R> StoredReplicates<B, R> {
@@ -78,6 +81,10 @@ impl<B, R> StoredReplicates<B, R> {
 impl<B: Basis + 'static, R: Receivers + 'static> Replicates for StoredReplicates<B, R> {
     fn operator(&self, round: Round, nodes: &[bool]) -> Box<dyn Transport> {
         Box::new(self.like.with_samples(self.plan(round), nodes))
+    }
+
+    fn direct(&self, round: Round) -> Option<Box<dyn Transport>> {
+        self.direct.as_ref().map(|direct| direct.operator(self.plan(round)).transport)
     }
 
     fn bytes(&self, round: Round, nodes: &[bool]) -> u64 {

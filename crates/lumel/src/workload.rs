@@ -5,11 +5,14 @@ use crate::assembly::directional_plan;
 use crate::layers::light_layers;
 use crate::method::Method;
 use crate::settings::{BounceLimit, Layers, Settings};
-use lumel_basis::{Directional, Sampling};
+use lumel_basis::{Basis, Directional, Sampling};
 use lumel_solve::Step;
 
 /// Rays that are looked along at each vertex to tell whether it lies inside geometry, where none are kept.
 const VALIDITY_RAYS: f64 = 64.0;
+
+/// A mesh has about twice as many triangles as vertices; each gets this share of the rays of a vertex.
+const AREA_SHARE: f64 = 0.5;
 
 /// What reading the ends of kept rays takes of tracing them: the first time, when textures are looked up, and from then on.
 /// Measured on the atrium.
@@ -22,6 +25,8 @@ pub(crate) struct Workload {
     /// Elements measured per bounce.
     elements: u64,
     work: Work,
+    /// Direct light at the vertices, where points carry the bounces.
+    at_vertices: Option<AtVertices>,
     /// Layers of lights that are told apart in the end.
     layers: u32,
     limit: BounceLimit,
@@ -51,6 +56,35 @@ struct Work {
     keeps_rays: bool,
 }
 
+/// How much measuring direct light at the vertices has to do.
+#[derive(Clone, Copy, Debug)]
+struct AtVertices {
+    /// Elements measured, all jobs together.
+    elements: u64,
+    /// Work per element of a bounce, in rays that are traced.
+    work: f64,
+    /// Whether it comes before all other steps: which points are measured depends on it.
+    is_first: bool,
+}
+
+impl AtVertices {
+    fn new(baker: &Baker) -> Option<Self> {
+        let (settings, direct) = (baker.settings(), baker.at_vertices()?);
+        let shape = direct.transport.shape();
+        let shadow = f64::from(settings.direct_samples);
+        let by_rays = if direct.needs_hemisphere { f64::from(settings.indirect_samples) } else { 0.0 };
+        let (jobs, rays) = match shape.sampling {
+            Sampling::Point => (2, VALIDITY_RAYS + shadow + by_rays),
+            // Places that see the lights are looked from, too.
+            Sampling::Area => (1, AREA_SHARE * (2.0 * shadow + by_rays)),
+        };
+        let elements = shape.elements as u64;
+        let work = rays * elements as f64 / baker.elements_per_step().max(1) as f64;
+        let is_first = settings.refines_points() && baker.basis().direct().is_some();
+        Some(Self { elements: jobs * elements, work, is_first })
+    }
+}
+
 /// What is still missing after a bounce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder {
@@ -69,14 +103,19 @@ impl Workload {
             Layers::Lights => light_layers(baker.scene(), settings).len() as u32,
         };
         let expected = u32::try_from(baker.expected_steps().saturating_sub(1)).ok();
-        Self { layers, expected, ..Self::of(baker.elements_per_step(), settings, baker.method()) }
+        let at_vertices = AtVertices::new(baker);
+        Self {
+            at_vertices,
+            layers,
+            expected,
+            ..Self::of(baker.elements_per_step(), settings, baker.method())
+        }
     }
 
     /// Without layers.
     pub(crate) fn of(elements: u64, settings: &Settings, method: Method) -> Self {
         let over_areas = settings.projection.sampling() == Sampling::Area;
-        // A mesh has about twice as many triangles as vertices; each gets half the rays of a vertex.
-        let share = if over_areas { 0.5 } else { 1.0 };
+        let share = if over_areas { AREA_SHARE } else { 1.0 };
         let all = share * f64::from(settings.indirect_samples);
         let shadow = f64::from(settings.direct_samples);
         let directional = match settings.directional {
@@ -102,7 +141,7 @@ impl Workload {
         let (first, later) = if keeps_rays { (FIRST_READING * kept, READING * kept) } else { (all, all) };
         let work = Work { validity, direct, first, later, gather, directional, shadow, keeps_rays };
         let (limit, remainder) = (settings.bounces, f64::from(settings.remainder));
-        Self { elements, work, layers: 0, limit, remainder, expected: None }
+        Self { elements, work, at_vertices: None, layers: 0, limit, remainder, expected: None }
     }
 
     /// Whether a step traces the rays that later ones read.
@@ -130,11 +169,15 @@ impl Workload {
         self.layers
     }
 
-    /// Share of a step that is done; `None` for a round, which has as many solves as it takes, for direct light that is read elsewhere, and for a layer while the
-    /// number of its bounces is unknown.
+    /// Share of a step that is done; `None` for a round, which has as many solves as it takes, and for a layer while the number of
+    /// its bounces is unknown.
     pub(crate) fn step_share(&self, step: Step, elements: u64, remainders: &[Remainder]) -> Option<f64> {
         let jobs = match step {
-            Step::Round(_) | Step::ReadDirect => return None,
+            Step::Round(_) => return None,
+            Step::ReadDirect => {
+                let all = self.at_vertices?.elements.max(1);
+                return Some((elements as f64 / all as f64).min(1.0));
+            }
             Step::Validity | Step::Bounce(_) | Step::Shot(_) | Step::FinalGather => 1,
             Step::Directional => 1 + u64::from(self.last_bounce(remainders) != Some(0)),
             Step::Layer(_) => {
@@ -165,17 +208,21 @@ impl Workload {
     /// The work before a step and after it, where `last` is the last bounce.
     fn around(&self, step: Step, last: u32) -> Option<[f64; 2]> {
         let Work { validity, direct, gather, .. } = self.work;
-        let after = |bounces: u32| validity + direct + self.bounces(bounces);
+        let read = self.read_direct();
+        let first = if self.at_vertices.is_some_and(|direct| direct.is_first) { read } else { 0.0 };
+        let after = |bounces: u32| validity + direct + read + self.bounces(bounces);
         let all = after(last) + if last > 0 { gather } else { 0.0 };
         Some(match step {
-            Step::Validity => [0.0, validity],
-            Step::Bounce(0) => [validity, after(0)],
+            Step::ReadDirect if first > 0.0 => [0.0, first],
+            Step::Validity => [first, first + validity],
+            Step::Bounce(0) => [first + validity, first + validity + direct],
+            Step::ReadDirect => [after(0) - read, after(0)],
             Step::Bounce(bounce) => [after(bounce - 1), after(bounce)],
             Step::FinalGather => [after(last), all],
             Step::Directional => [all, self.before_layer(0, last)],
             Step::Layer(layer) => [layer, layer + 1].map(|layer| self.before_layer(layer, last)),
             // How many will follow is not known.
-            Step::Round(_) | Step::Shot(_) | Step::ReadDirect => return None,
+            Step::Round(_) | Step::Shot(_) => return None,
         })
     }
 
@@ -184,7 +231,13 @@ impl Workload {
         let Work { validity, direct, later, gather, directional, shadow, .. } = self.work;
         let gather = if last > 0 { gather } else { 0.0 };
         let of_layer = shadow + f64::from(last) * later + gather + directional;
-        validity + direct + self.bounces(last) + gather + directional + f64::from(layer) * of_layer
+        let once = validity + direct + self.read_direct();
+        once + self.bounces(last) + gather + directional + f64::from(layer) * of_layer
+    }
+
+    /// The work of direct light at the vertices.
+    fn read_direct(&self) -> f64 {
+        self.at_vertices.map_or(0.0, |direct| direct.work)
     }
 
     /// The work of so many bounces.

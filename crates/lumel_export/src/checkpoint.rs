@@ -23,11 +23,14 @@ const KIND: Kind = Kind {
     remedy: "a bake writes one after every bounce",
 };
 
+/// The member of direct light in another basis.
+const DIRECT: &str = "direct";
+
 /// The state of a solve: everything its next step reads, by node of its basis.
 ///
 /// For lumel alone, unlike a [`Solution`], which is light at vertices for any reader. As a file it is a NumPy archive of
-/// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail`, `standard_error`, `reflected` and `unshot` (nodes, 3) and `rounds`
-/// (rounds, nodes), `splits` (edges, 2) if the scene was refined, of what is known of the light at the lumels of an atlas if that is measured, of how far the
+/// `valid` (nodes), `bounces` (bounces, nodes, 3), optionally `tail`, `standard_error`, `reflected` and `unshot` (nodes, 3), `direct` (nodes of
+/// another basis, 3) and `rounds` (rounds, nodes), `splits` (edges, 2) if the scene was refined, of what is known of the light at the lumels of an atlas if that is measured, of how far the
 /// mesh is refined as long as it is, and of `meta.json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
@@ -41,6 +44,8 @@ pub struct Checkpoint {
     pub shot: Option<SavedShots>,
     /// Estimate of the light that was not computed, W·m⁻².
     pub tail: Option<Vec<Vec3>>,
+    /// Direct light in another basis, by its nodes, W·m⁻², where it is measured there, too.
+    pub direct: Option<Vec<Vec3>>,
     /// Standard error of the sum, W·m⁻², where replicates tell.
     pub standard_error: Option<Vec<Vec3>>,
     /// The nodes that each round of a target error measures.
@@ -167,6 +172,7 @@ impl Checkpoint {
         self.validate()?;
         let vectors = self.vector_arrays();
         let names = ["valid", "bounces"].into_iter().chain(vectors.iter().map(|(name, _)| *name));
+        let names = names.chain(self.direct.as_ref().map(|_| DIRECT));
         let names = names.chain((!self.rounds.is_empty()).then_some("rounds"));
         let names = names.chain((!self.splits.is_empty()).then_some(SPLITS));
         let arrays = names.map(str::to_owned).collect();
@@ -180,6 +186,9 @@ impl Checkpoint {
             npz.array("bounces", &stacked(&self.bounces, self.node_count()))?;
             for (name, array) in &vectors {
                 npz.array(name, &Array::from_vectors(array))?;
+            }
+            if let Some(direct) = &self.direct {
+                npz.array(DIRECT, &Array::from_vectors(direct))?;
             }
             if !self.rounds.is_empty() {
                 let shape = vec![self.rounds.len(), self.node_count()];
@@ -205,10 +214,9 @@ impl Checkpoint {
         let others = self.vector_arrays().into_iter().map(|(name, array)| (name.to_owned(), array));
         for (array, values) in bounces.chain(others) {
             self.check_length(&array, values.len())?;
-            if let Some(vertex) = values.iter().position(|value| !value.is_finite()) {
-                return Err(SolutionError::NotFinite { array, vertex });
-            }
+            check_finite(array, values)?;
         }
+        self.direct.as_ref().map_or(Ok(()), |direct| check_finite(DIRECT.to_owned(), direct))?;
         self.rounds.iter().try_for_each(|round| self.check_length("rounds", round.len()))
     }
 
@@ -255,6 +263,7 @@ impl Checkpoint {
             shot,
             bounces: read_stacked(npz, "bounces", valid.len())?,
             tail: read_optional(npz, "tail")?,
+            direct: read_optional(npz, DIRECT)?,
             standard_error: read_optional(npz, "standard_error")?,
             splits: read_splits(npz)?,
             rounds: if npz.has_array("rounds") { read_rounds(npz, valid.len())? } else { Vec::new() },
@@ -263,6 +272,13 @@ impl Checkpoint {
         };
         checkpoint.validate()?;
         Ok(checkpoint)
+    }
+}
+
+fn check_finite(array: String, values: &[Vec3]) -> Result<(), SolutionError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(vertex) => Err(SolutionError::NotFinite { array, vertex }),
     }
 }
 
@@ -373,6 +389,8 @@ mod tests {
             bounces: vec![field(1.0), field(0.5)],
             shot: Some(SavedShots { reflected: field(2.0), unshot: field(3.0), shots: 7 }),
             tail: Some(field(0.25)),
+            // Another basis has other nodes.
+            direct: Some(field(4.0)[..3].to_vec()),
             standard_error: Some(field(0.0)),
             rounds: vec![vec![true; 4], vec![false, true, false, false]],
             splits: vec![[0, 2], [4, 1]],
@@ -387,6 +405,7 @@ mod tests {
         let bare = Checkpoint {
             shot: None,
             tail: None,
+            direct: None,
             standard_error: None,
             rounds: Vec::new(),
             splits: Vec::new(),
@@ -433,6 +452,10 @@ mod tests {
         infinite.bounces[1][2].y = f32::INFINITY;
         let error = infinite.save(&path).unwrap_err().to_string();
         assert!(error.contains("bounces[1]"), "{error}");
+        let mut infinite = checkpoint();
+        infinite.direct = Some(vec![Vec3::NAN]);
+        let error = infinite.save(&path).unwrap_err().to_string();
+        assert!(error.contains("direct"), "{error}");
     }
 
     #[test]

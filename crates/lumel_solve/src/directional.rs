@@ -2,7 +2,8 @@
 
 use crate::SolveState;
 use crate::observer::{Observer, Step};
-use crate::solver::{Operator, SolveError, measured_step};
+use crate::operator::Operator;
+use crate::solver::SolveError;
 use lumel_basis::Field;
 use lumel_transport::{Control, DIRECTIONAL_PASS, EmitterMask, Job, Source, TransportError};
 
@@ -34,11 +35,11 @@ pub(crate) fn by_direction(
 ) -> Result<Field, TransportError> {
     let measured = |source, bounce| {
         let job = Job { source, bounce, pass: DIRECTIONAL_PASS, active: operator.active(&state.valid) };
-        Ok(measured_step(operator, &job, control, None)?.field)
+        Ok(operator.apply(&job, control, None)?.field)
     };
     let mut parts = vec![measured(Source::Emitters(mask), 0)?];
     if state.bounces.len() > 1 || state.shot.is_some() {
-        parts.push(measured(Source::Field(&state.gatherable()), 1)?);
+        parts.push(measured(state.gatherable(operator.basis).source(), 1)?);
     }
     let mut sum = Field::sum(state.node_count(), &parts);
     sum.set_irradiance(&state.total());

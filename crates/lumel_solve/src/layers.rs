@@ -3,9 +3,10 @@
 use crate::directional::by_direction;
 use crate::integrals::{ambient_field, scaled};
 use crate::observer::{Observer, Step};
+use crate::operator::Operator;
 use crate::replicates::Problem;
 use crate::schedule::Shot;
-use crate::solver::{Operator, SolveError, measured_step, transport_shot};
+use crate::solver::{SolveError, transport_shot};
 use crate::{PowerLog, SolveState};
 use lumel_basis::{Field, NodeId};
 use lumel_transport::{Control, EmitterMask, Job, Source, TransportError};
@@ -30,15 +31,23 @@ pub fn solve_layers(
     let Problem { operator, integrals, .. } = problem;
     let tail_factors = state.tail.as_ref().and_then(|_| integrals.tail_factors(&state.bounces));
     let batches = if state.shot.is_some() { batches(&problem, state, control)? } else { Vec::new() };
+    let direct = operator.reflected_direct();
+    let visible = direct.map(|direct| direct.visible(control)).transpose()?.flatten();
     let (mut layers, mut by_directions) = (Vec::with_capacity(masks.len()), Vec::new());
     for (number, mask) in (0..).zip(masks) {
         let step = Step::Layer(number);
         observer.step_started(step);
         let mut layer = SolveState { basis: state.basis, valid: state.valid.clone(), ..SolveState::new() };
-        for bounce in 0..state.bounces.len() as u32 {
-            let source = layer.unshot().map_or(Source::Emitters(Some(mask)), Source::Field);
-            let job = Job { source, bounce, pass: 0, active: operator.active(&state.valid) };
-            let field = measured_step(operator, &job, control, None)?.field;
+        if let Some(direct) = direct {
+            layer.read_direct = Some(direct.measure(Some(mask), visible.as_deref(), control)?);
+        }
+        for bounce in 0..state.bounces.len() {
+            let source = match bounce {
+                0 => Source::Emitters(Some(mask)),
+                _ => layer.source_of(bounce, operator.basis),
+            };
+            let job = Job { source, bounce: bounce as u32, pass: 0, active: operator.active(&state.valid) };
+            let field = operator.apply(&job, control, None)?.field;
             layer.bounces.push(field);
         }
         batches.iter().try_for_each(|nodes| transport_shot(operator, &mut layer, nodes, control))?;
@@ -69,6 +78,7 @@ fn batches(
         basis: solved.basis,
         valid: solved.valid.clone(),
         bounces: solved.bounces.clone(),
+        read_direct: solved.read_direct.clone(),
         ..SolveState::new()
     };
     let powers = PowerLog::of(problem.integrals, &state.bounces);

@@ -2,7 +2,8 @@
 
 use crate::SolveState;
 use crate::observer::{Observer, Step};
-use crate::solver::{Operator, SolveError};
+use crate::operator::Operator;
+use crate::solver::{self, SolveError};
 use lumel_basis::{Basis, Field, Hierarchy, NodeId, Sampling};
 use lumel_scene::luminance;
 use lumel_transport::{
@@ -49,19 +50,25 @@ impl<'h> RefinedLevels<'h> {
     ///
     /// Nodes of the two coarsest levels all are. Of a finer level those are that a node of the level before overlaps whose
     /// coefficient is above the error and above noise, which the two halves of its samples tell. Coefficients are those of the first bounce. Direct
-    /// light, whose shadows are too sharp for nodes, is measured at all of them where that takes no hemisphere rays; else it counts as a bounce does.
+    /// light, whose shadows are too sharp for nodes, is measured before in the basis that holds it, if there is one. Otherwise it is measured at
+    /// all nodes where that takes no hemisphere rays; else it counts as a bounce does. `of_all` is the operator of all nodes.
     ///
     /// # Errors
     /// When it is cancelled or an operator fails.
     pub fn new(
-        basis: &dyn Basis,
+        of_all: Operator<'_>,
         hierarchy: &dyn Hierarchy,
         halves: &'h dyn Halves,
         refinement: Refinement,
+        state: &mut SolveState,
         control: &Control,
         observer: &dyn Observer,
     ) -> Result<Self, SolveError> {
+        if of_all.reflected_direct().is_some() {
+            solver::measure_direct(of_all, state, control, observer)?;
+        }
         observer.step_started(Step::Validity);
+        let basis = of_all.basis;
         let nodes = basis.node_count();
         let mut growing = Growing {
             basis,
@@ -75,8 +82,8 @@ impl<'h> RefinedLevels<'h> {
             variances: vec![0.0; nodes],
             passes: Passes::default(),
         };
-        let direct = halves.direct();
-        let everywhere = match direct {
+        let (direct, in_other) = (halves.direct(), state.direct_in(basis));
+        let everywhere = match direct.filter(|_| in_other.is_none()) {
             None => None,
             Some(direct) => {
                 let job = Job { source: Source::Emitters(None), bounce: 0, pass: 0, active: None };
@@ -85,6 +92,8 @@ impl<'h> RefinedLevels<'h> {
                 Some(field)
             }
         };
+        let lit = in_other.map(|direct| Source::Reflecting { direct, carried: None });
+        let lit = lit.or(everywhere.as_ref().map(Source::Field));
         let mut is_cut = false;
         let coarse = hierarchy.level_count().min(WHOLE_LEVELS);
         let mut fresh: Vec<NodeId> =
@@ -95,7 +104,7 @@ impl<'h> RefinedLevels<'h> {
                 is_cut = true;
                 break;
             }
-            growing.add(&fresh, everywhere.as_ref())?;
+            growing.add(&fresh, lit)?;
             if level + 1 >= hierarchy.level_count() {
                 break;
             }
@@ -108,8 +117,8 @@ impl<'h> RefinedLevels<'h> {
     }
 
     /// The operator of the nodes that are measured.
-    pub fn operator<'a>(&'a self, basis: &'a dyn Basis) -> Operator<'a> {
-        Operator { transport: &self.transport, basis, active: Some(&self.transport.active) }
+    pub fn operator<'a>(&'a self, of_all: Operator<'a>) -> Operator<'a> {
+        Operator { transport: &self.transport, active: Some(&self.transport.active), ..of_all }
     }
 
     /// Which nodes are measured.
@@ -149,9 +158,9 @@ impl Growing<'_> {
         self.active.iter().filter(|active| **active).count()
     }
 
-    /// Measures the first bounce at some more nodes, of direct light that is known `everywhere`, or else of what is known of it with these
-    /// nodes, whose own direct light then counts, too.
-    fn add(&mut self, fresh: &[NodeId], everywhere: Option<&Field>) -> Result<(), SolveError> {
+    /// Measures the first bounce at some more nodes, of direct light where it is known everywhere (`lit`), or else of what is known of it with
+    /// these nodes, whose own direct light then counts, too.
+    fn add(&mut self, fresh: &[NodeId], lit: Option<Source<'_>>) -> Result<(), SolveError> {
         let mut nodes = vec![false; self.active.len()];
         fresh.iter().for_each(|node| nodes[node.index()] = true);
         let nodes: Arc<[bool]> = nodes.into();
@@ -169,8 +178,8 @@ impl Growing<'_> {
             self.valid[node.index()] = seen[node.index()];
         }
         let (mut found, mut so_far) = (Vec::new(), Field::zeros(0));
-        let carried = match everywhere {
-            Some(direct) => direct,
+        let lit = match lit {
+            Some(lit) => lit,
             None => {
                 let direct = measure(Source::Emitters(None), 0, Some(&seen))?;
                 let mean = merged(&direct).field;
@@ -180,10 +189,10 @@ impl Growing<'_> {
                 found.push(direct);
                 so_far.clone_from(&self.direct);
                 self.operator().complete(&mut so_far, &self.valid);
-                &so_far
+                Source::Field(&so_far)
             }
         };
-        found.push(measure(Source::Field(carried), 1, Some(&seen))?);
+        found.push(measure(lit, 1, Some(&seen))?);
         for sums in &found {
             let [mean, a, b] = [&sums[..], &sums[..1], &sums[1..]].map(|sums| merged(sums).field);
             for &node in fresh {
@@ -198,7 +207,7 @@ impl Growing<'_> {
     }
 
     fn operator(&self) -> Operator<'_> {
-        Operator { transport: &self.passes, basis: self.basis, active: Some(&self.active) }
+        Operator { active: Some(&self.active), ..Operator::new(&self.passes, self.basis) }
     }
 
     /// Which nodes of a level differ by too much from what coarser levels say.

@@ -5,7 +5,7 @@
 //! coefficients are next to each other, a [`Schedule`] decides what is transported next and when enough has been.
 //! [`solve_to_error`] solves eight times at once, with samples of their own, and adds samples where the spread of the
 //! eight is still above a target. [`solve_layers`] tells the light of some emitters from that of the others, [`solve_directional`] where light comes from.
-//! [`read_direct`] measures direct light where it is read, if that is another basis.
+//! With a [`DirectOperator`], direct light is measured in another basis, too, in which it is read.
 
 mod accuracy;
 mod brightest;
@@ -14,8 +14,8 @@ mod integrals;
 mod layers;
 mod levels;
 mod observer;
+mod operator;
 mod power_log;
-mod read_direct;
 mod replicates;
 mod schedule;
 mod solver;
@@ -28,9 +28,9 @@ pub use integrals::Integrals;
 pub use layers::{mix, solve_layers};
 pub use levels::{Halves, RefinedLevels, Refinement};
 pub use observer::{Observer, Silent, Snapshot, Step};
+pub use operator::{DirectOperator, Operator};
 pub use power_log::PowerLog;
-pub use read_direct::read_direct;
 pub use replicates::{Problem, Replicates, Round, solve_to_error};
 pub use schedule::{Gather, Schedule, Shoot, Shot, Stop};
-pub use solver::{Operator, SolveError, final_gather, solve};
-pub use state::{ShotLight, SolveState};
+pub use solver::{SolveError, final_gather, solve};
+pub use state::{Gatherable, ShotLight, SolveState};

@@ -15,7 +15,7 @@ pub enum Step {
     Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
-    /// Measuring direct light once more, in the basis in which light is read.
+    /// Measuring direct light in the basis in which it is read, where that is another than carries bounces.
     ReadDirect,
     /// Measuring where all light comes from.
     Directional,

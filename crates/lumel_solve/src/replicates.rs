@@ -6,8 +6,9 @@
 use crate::accuracy::{Accuracy, Ended, Errors, REPLICATES, Spread, Target};
 use crate::integrals::ambient_field;
 use crate::observer::{Observer, Snapshot, Step};
+use crate::operator::{DirectOperator, Operator};
 use crate::schedule::{Schedule, Shot};
-use crate::solver::{self, Operator, SolveError};
+use crate::solver::{self, SolveError};
 use crate::state::ShotLight;
 use crate::{Integrals, PowerLog, SolveState};
 use glam::DVec3;
@@ -39,6 +40,13 @@ impl Round {
 pub trait Replicates: Sync {
     /// The operator of a round, for what counts towards certain nodes. It keeps its rays.
     fn operator(&self, round: Round, nodes: &[bool]) -> Box<dyn Transport>;
+
+    /// What measures direct light in the basis that [holds it](lumel_basis::Basis::direct), with the samples of a round; `None` if there is
+    /// no such basis.
+    fn direct(&self, round: Round) -> Option<Box<dyn Transport>> {
+        let _ = round;
+        None
+    }
 
     /// Bytes of the rays that the operator of a round keeps for those nodes.
     fn bytes(&self, round: Round, nodes: &[bool]) -> u64;
@@ -86,6 +94,8 @@ impl Problem<'_> {
 /// node is above is decided by the mean variance of it and its neighbours: decided by its own, nodes would stop that are
 /// good by luck, and their intervals would be too narrow.
 ///
+/// Where another basis holds direct light, each replicate has measured it there in the first round: bounces average its noise away.
+///
 /// When the solve is cancelled, `state` holds the last finished round. Given such a state, it measures the samples of its
 /// rounds once more and continues with the next; the result has the same bits as if it had not been stopped. A state of
 /// other bounces, or with another tail, is [reopened](Problem::reopen) before.
@@ -101,6 +111,7 @@ pub fn solve_to_error(
     observer: &dyn Observer,
 ) -> Result<(), SolveError> {
     let Operator { transport, basis, .. } = problem.operator;
+    let direct = problem.operator.reflected_direct();
     let expected = basis.identity();
     solver::check_basis(state, expected)?;
     problem.reopen(state);
@@ -113,7 +124,9 @@ pub fn solve_to_error(
             SolveState { basis: Some(expected), rounds: vec![valid.clone()], valid, ..SolveState::new() };
     }
     let mut bytes = 0;
-    let mut solve = Solve { problem, control, valid: state.valid.clone(), replicates: Default::default() };
+    let visible = direct.map(|direct| direct.visible(control)).transpose()?.flatten();
+    let (valid, replicated) = (state.valid.clone(), Default::default());
+    let mut solve = Solve { problem, control, valid, visible, replicates: replicated };
     for number in 0.. {
         let active = state.rounds[number as usize].clone();
         let needed =
@@ -140,6 +153,7 @@ pub fn solve_to_error(
         };
         let accuracy = Accuracy { rounds: number + 1, ended, ..spread.accuracy };
         state.valid.clone_from(&solve.valid);
+        state.read_direct = solve.read_direct();
         (state.bounces, state.shot, state.tail) = (solved.bounces, solved.shot, solved.tail);
         state.errors = Some(Errors { standard_error: spread.standard_error, accuracy });
         state.rounds.push(spread.above);
@@ -158,6 +172,8 @@ struct Solve<'a> {
     problem: Problem<'a>,
     control: &'a Control,
     valid: Vec<bool>,
+    /// Which nodes of the basis that holds direct light lie outside geometry, where that is another and they are points.
+    visible: Option<Vec<bool>>,
     replicates: [Replicate; REPLICATES],
 }
 
@@ -167,6 +183,8 @@ struct Replicate {
     passes: Passes,
     /// The direct light of each pass: measured once, as its rays are not stored.
     direct: Vec<Sums>,
+    /// The same in the basis that holds direct light, if that is another.
+    read_direct: Option<Field>,
 }
 
 struct Solved {
@@ -177,6 +195,13 @@ struct Solved {
     total: Field,
     /// Of each replicate, the sum of all bounces and the tail, as users read it.
     totals: Vec<Vec<DVec3>>,
+}
+
+impl Replicate {
+    /// Direct light as surfaces reflect it, if it is held in another basis.
+    fn reflected_direct(&self) -> Option<Source<'_>> {
+        self.read_direct.as_ref().map(|direct| Source::Reflecting { direct, carried: None })
+    }
 }
 
 impl Solve<'_> {
@@ -203,6 +228,9 @@ impl Solve<'_> {
                 direct.nodes.iter().for_each(|node| known[node.index()] = true);
                 self.valid.iter_mut().zip(&known).for_each(|(valid, known)| *valid &= known);
             }
+            if number == 0 {
+                self.replicates[replicate].read_direct = self.measured_direct(replicates, round)?;
+            }
             self.replicates[replicate].passes.push(pass);
             self.replicates[replicate].direct.push(direct);
             if number == 0 && observer.wants_snapshot() {
@@ -212,6 +240,24 @@ impl Solve<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The direct light of a replicate in the basis that holds it, if that is another.
+    fn measured_direct(
+        &self,
+        replicates: &dyn Replicates,
+        round: Round,
+    ) -> Result<Option<Field>, TransportError> {
+        let direct = self.problem.operator.reflected_direct();
+        let Some((direct, transport)) = direct.zip(replicates.direct(round)) else { return Ok(None) };
+        let direct = DirectOperator { transport: &*transport, ..direct };
+        direct.measure(None, self.visible.as_deref(), self.control).map(Some)
+    }
+
+    /// The mean of it.
+    fn read_direct(&self) -> Option<Field> {
+        let all = self.replicates.iter().map(|replicate| replicate.read_direct.clone());
+        all.collect::<Option<Vec<Field>>>().map(|all| mean(&all))
     }
 
     /// Solves all replicates, step by step together, so that all end with the same. Their mean decides about steps.
@@ -227,16 +273,25 @@ impl Solve<'_> {
         let mut shots = Vec::new();
         while let Some(shot) = schedule.next(&light, &powers) {
             if let Shot::Nodes(nodes) = shot {
-                if shots.is_empty() {
-                    shots = last.iter().map(ShotLight::new).collect();
+                if shots.is_empty() && self.replicates.iter().all(|replicate| replicate.read_direct.is_some())
+                {
+                    shots = self.shots_of_direct()?;
+                } else {
+                    if shots.is_empty() {
+                        shots = last.iter().map(ShotLight::new).collect();
+                    }
+                    self.shoot(&mut shots, &nodes)?;
                 }
-                self.shoot(&mut shots, &nodes)?;
                 light.shot = Some(mean_of_shots(&shots));
                 continue;
             }
+            let is_first = light.bounces.len() == 1;
+            let bounced = |(replicate, field): (&Replicate, _)| {
+                let direct = replicate.reflected_direct().filter(|_| is_first);
+                self.measured(replicate, direct.unwrap_or(Source::Field(field)))
+            };
             let both = self.replicates.iter().zip(&last);
-            let next: Result<Vec<Field>, TransportError> =
-                both.map(|(replicate, field)| self.bounced(replicate, field)).collect();
+            let next: Result<Vec<Field>, TransportError> = both.map(bounced).collect();
             before = std::mem::replace(&mut last, next?);
             add_to(&mut totals, &last);
             let bounce = mean(&last);
@@ -280,13 +335,18 @@ impl Solve<'_> {
         Ok(())
     }
 
+    /// A first shot of all direct light, from the basis that holds it.
+    fn shots_of_direct(&self) -> Result<Vec<ShotLight>, TransportError> {
+        let sources =
+            self.replicates.iter().filter_map(|replicate| Some((replicate, replicate.reflected_direct()?)));
+        sources
+            .map(|(replicate, source)| self.measured(replicate, source).map(ShotLight::of_direct))
+            .collect()
+    }
+
     fn direct(&self, replicate: &Replicate) -> Field {
         let shape = replicate.passes.shape();
         self.completed(Measured::merge(shape.nodes, shape.channels, &replicate.direct))
-    }
-
-    fn bounced(&self, replicate: &Replicate, field: &Field) -> Result<Field, TransportError> {
-        self.measured(replicate, Source::Field(field))
     }
 
     fn measured(&self, replicate: &Replicate, source: Source<'_>) -> Result<Field, TransportError> {

@@ -1,12 +1,13 @@
 //! Solving, step by step.
 
 use crate::observer::{Observer, Snapshot, Step};
+use crate::operator::{Operator, visible_points};
 use crate::schedule::{Schedule, Shot};
 use crate::state::ShotLight;
 use crate::{Integrals, PowerLog, SolveState};
 use glam::Vec3;
-use lumel_basis::{Basis, Field, Identity, NodeId, Sampling};
-use lumel_transport::{Control, Job, Measured, PartialField, Source, Transport, TransportError, accumulate};
+use lumel_basis::{Field, Identity, NodeId, Sampling};
+use lumel_transport::{Control, Job, Measured, PartialField, Source, Transport, TransportError};
 use std::sync::Arc;
 
 /// Why a solve ended early.
@@ -46,47 +47,11 @@ impl From<TransportError> for SolveError {
     }
 }
 
-/// The discrete operator of a solve: what measures, and the basis whose nodes it measures.
-#[derive(Clone, Copy)]
-pub struct Operator<'a> {
-    /// What measures.
-    pub transport: &'a dyn Transport,
-    /// The basis of what is read and of what is measured.
-    pub basis: &'a dyn Basis,
-    /// The nodes of a hierarchy that may have coefficients, unless all may; the others have none where they are not measured.
-    pub active: Option<&'a [bool]>,
-}
-
-impl Operator<'_> {
-    /// The elements of a job, where elements are nodes and some of them cannot be measured.
-    pub(crate) fn active<'a>(&self, valid: &'a [bool]) -> Option<&'a [bool]> {
-        (self.transport.shape().sampling == Sampling::Point).then_some(valid)
-    }
-
-    /// Gives nodes that cannot be measured the light of their neighbours.
-    pub(crate) fn extrapolate(&self, field: &mut Field, known: &[bool]) {
-        let is_active = |node: usize| self.active.is_none_or(|active| active[node]);
-        if (0..known.len()).any(|node| is_active(node) && !known[node]) {
-            self.basis.adjacency().complete(field, known);
-        }
-    }
-
-    /// Makes what was measured at some nodes the light of all: the others follow their neighbours, and values become coefficients.
-    pub(crate) fn complete(&self, field: &mut Field, known: &[bool]) {
-        self.extrapolate(field, known);
-        if let Some(hierarchy) = self.basis.hierarchy() {
-            let counts = self.active.map(|active| {
-                active.iter().zip(known).map(|(active, known)| active | known).collect::<Vec<bool>>()
-            });
-            hierarchy.analyze(field, counts.as_deref());
-        }
-    }
-}
-
 /// Continues from `state` until the schedule is finished.
 ///
 /// Each step transports light that no step before it has, never the running sum, and what it brings is kept by itself.
 /// Each has sample points of its own. When the solve is cancelled, `state` holds the steps that were finished.
+/// Where direct light is read in another basis, it is measured there before the first bounce.
 ///
 /// # Errors
 /// See [`SolveError`].
@@ -106,7 +71,11 @@ pub fn solve(
         state.basis = Some(expected);
     }
     let mut powers = PowerLog::of(integrals, &state.bounces);
-    while let Some(shot) = schedule.next(state, &powers) {
+    loop {
+        if !state.bounces.is_empty() {
+            measure_direct(operator, state, control, observer)?;
+        }
+        let Some(shot) = schedule.next(state, &powers) else { break };
         if let Shot::Nodes(nodes) = shot {
             shoot(operator, state, &nodes, control, observer)?;
             continue;
@@ -115,13 +84,13 @@ pub fn solve(
         let step = Step::Bounce(bounce);
         observer.step_started(step);
         let measured = {
-            let source = match (shot, state.unshot()) {
-                (Shot::All, Some(unshot)) => Source::Field(unshot),
-                _ => Source::Emitters(None),
+            let source = match shot {
+                Shot::All => state.unshot_source(operator.basis),
+                Shot::Emitters | Shot::Nodes(_) => Source::Emitters(None),
             };
             let job = Job { source, bounce, pass: 0, active: operator.active(&state.valid) };
             let live = Live { operator, step, state, observer };
-            measured_step(operator, &job, control, Some(&live))?
+            operator.apply(&job, control, Some(&live))?
         };
         if bounce == 0 {
             // Over areas, it is the first measurement that shows which nodes cannot be measured.
@@ -131,6 +100,21 @@ pub fn solve(
         state.bounces.push(measured.field);
         observer.step_done(step, state);
     }
+    Ok(())
+}
+
+/// Measures direct light where it is read, if that is another basis and `state` does not have it.
+pub(crate) fn measure_direct(
+    operator: Operator<'_>,
+    state: &mut SolveState,
+    control: &Control,
+    observer: &dyn Observer,
+) -> Result<(), TransportError> {
+    let Some(direct) = operator.direct.filter(|_| state.read_direct.is_none()) else { return Ok(()) };
+    observer.step_started(Step::ReadDirect);
+    let visible = direct.visible(control)?;
+    state.read_direct = Some(direct.measure(None, visible.as_deref(), control)?);
+    observer.step_done(Step::ReadDirect, state);
     Ok(())
 }
 
@@ -155,7 +139,8 @@ fn shoot(
     Ok(())
 }
 
-/// The step itself, which nobody watches. All shots are measured by the same samples.
+/// The step itself, which nobody watches. All shots are measured by the same samples. Where another basis holds direct light, the
+/// first shot is all of that, whatever nodes of this one are the brightest.
 pub(crate) fn transport_shot(
     operator: Operator<'_>,
     state: &mut SolveState,
@@ -163,16 +148,23 @@ pub(crate) fn transport_shot(
     control: &Control,
 ) -> Result<(), TransportError> {
     let Some(direct) = state.bounces.first() else { return Ok(()) };
-    let mut shot = state.shot.take().unwrap_or_else(|| ShotLight::new(direct));
-    let sent = shot.sent(nodes);
-    let source = Source::Shot(&sent, nodes);
-    let job = Job { source, bounce: 1, pass: 0, active: operator.active(&state.valid) };
-    let arrived = measured_step(operator, &job, control, None);
-    if let Ok(arrived) = &arrived {
-        shot.receive(nodes, &arrived.field);
+    let arrived = |source| {
+        let job = Job { source, bounce: 1, pass: 0, active: operator.active(&state.valid) };
+        operator.apply(&job, control, None)
+    };
+    if let (None, Some(direct)) = (&state.shot, state.direct_in(operator.basis)) {
+        let arrived = arrived(Source::Reflecting { direct, carried: None })?;
+        state.shot = Some(ShotLight::of_direct(arrived.field));
+        return Ok(());
     }
-    state.shot = Some(shot);
-    arrived.map(|_| ())
+    let sent = match &state.shot {
+        Some(shot) => shot.sent(nodes),
+        None => ShotLight::new(direct).sent(nodes),
+    };
+    let arrived = arrived(Source::Shot(&sent, nodes))?;
+    let shot = state.shot.take().unwrap_or_else(|| ShotLight::new(direct));
+    state.shot.insert(shot).receive(nodes, &arrived.field);
+    Ok(())
 }
 
 /// Refuses a state of another basis.
@@ -180,18 +172,6 @@ pub(crate) fn check_basis(state: &SolveState, expected: Identity) -> Result<(), 
     let found = state.basis;
     let is_new = state.valid.is_empty() && state.bounces.is_empty();
     if is_new || found == Some(expected) { Ok(()) } else { Err(SolveError::WrongState { found, expected }) }
-}
-
-/// One application of the operator, with the nodes that were not measured extrapolated: coefficients of its basis.
-pub(crate) fn measured_step(
-    operator: Operator<'_>,
-    job: &Job<'_>,
-    control: &Control,
-    progress: Option<&dyn PartialField>,
-) -> Result<Measured, TransportError> {
-    let mut measured = accumulate(operator.transport, job, control, progress)?;
-    operator.complete(&mut measured.field, &measured.known);
-    Ok(measured)
 }
 
 /// Measures all light of a finished solve but the direct once more, by another operator with more rays.
@@ -219,11 +199,10 @@ pub(crate) fn gathered(
     state: &SolveState,
     control: &Control,
 ) -> Result<Field, TransportError> {
-    let source = state.gatherable();
+    let gatherable = state.gatherable(operator.basis);
     // Rays apart from those of the bounces.
-    let job =
-        Job { source: Source::Field(&source), bounce: 1, pass: 1, active: operator.active(&state.valid) };
-    Ok(measured_step(operator, &job, control, None)?.field)
+    let job = Job { source: gatherable.source(), bounce: 1, pass: 1, active: operator.active(&state.valid) };
+    Ok(operator.apply(&job, control, None)?.field)
 }
 
 /// Finds the nodes that lie outside geometry.
@@ -241,15 +220,6 @@ pub(crate) fn find_valid(
     let visible = visible_points(transport, control)?;
     observer.step_done(Step::Validity, state);
     Ok(visible)
-}
-
-/// Which nodes that are measured at points lie outside geometry.
-pub(crate) fn visible_points(
-    transport: &dyn Transport,
-    control: &Control,
-) -> Result<Vec<bool>, TransportError> {
-    let job = Job { source: Source::Nothing, bounce: 0, pass: 0, active: None };
-    Ok(accumulate(transport, &job, control, None)?.visible().collect())
 }
 
 /// Makes snapshots of a bounce under way.

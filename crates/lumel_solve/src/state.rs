@@ -2,7 +2,9 @@
 
 use crate::Errors;
 use glam::Vec3;
-use lumel_basis::{Field, Identity, NodeId};
+use lumel_basis::{Basis, Field, Identity, NodeId};
+use lumel_transport::Source;
+use std::ops::Range;
 
 /// All that is needed to continue a solve.
 ///
@@ -26,7 +28,8 @@ pub struct SolveState {
     pub tail: Option<Field>,
     /// All light but the direct, measured once more with many rays of their own: a final gather.
     pub gathered: Option<Field>,
-    /// Direct light in the basis in which light is read, where that is another than carries it from bounce to bounce.
+    /// Direct light in the basis in which it is read, where that is another than carries bounces. If it is the one that [holds direct
+    /// light](Basis::direct), surfaces reflect this, and what `bounces` have of it stands for its power alone.
     pub read_direct: Option<Field>,
     /// How far the sum may be off, where replicates tell.
     pub errors: Option<Errors>,
@@ -57,6 +60,11 @@ impl ShotLight {
         let dark = vec![Vec3::ZERO; direct.values().len()];
         let reflected = Field::with_channels(direct.channels(), dark);
         Self { reflected, unshot: direct.clone(), shots: 0 }
+    }
+
+    /// After a first shot of all direct light, from another basis, which has brought this.
+    pub(crate) fn of_direct(arrived: Field) -> Self {
+        Self { unshot: arrived.clone(), reflected: arrived, shots: 1 }
     }
 
     /// What these nodes send: their unshot light.
@@ -120,17 +128,62 @@ impl SolveState {
         }
     }
 
+    /// Direct light as surfaces reflect it, if the basis of the bounces leaves that to another one.
+    pub(crate) fn direct_in(&self, basis: &dyn Basis) -> Option<&Field> {
+        basis.direct().and(self.read_direct.as_ref())
+    }
+
+    /// What shines in a bounce in this basis: all emitters in the first, the direct light, and in each later one the bounce before it,
+    /// which must be there.
+    pub fn source_of(&self, bounce: usize, basis: &dyn Basis) -> Source<'_> {
+        match (bounce.checked_sub(1), self.direct_in(basis)) {
+            (None, _) => Source::Emitters(None),
+            (Some(0), Some(direct)) => Source::Reflecting { direct, carried: None },
+            (Some(before), _) => Source::Field(&self.bounces[before]),
+        }
+    }
+
+    /// What shines in a bounce of all [unshot](Self::unshot) light.
+    pub(crate) fn unshot_source(&self, basis: &dyn Basis) -> Source<'_> {
+        match &self.shot {
+            Some(shot) => Source::Field(&shot.unshot),
+            None => self.source_of(self.bounces.len(), basis),
+        }
+    }
+
     /// The light that surfaces reflect once more into all bounces but the direct light, and into the tail; of what was shot, what
     /// is unshot too.
-    pub fn gatherable(&self) -> Field {
-        if self.shot.is_some() {
-            // What was unshot is reflected now.
-            return Field::sum(self.node_count(), self.found().chain(&self.tail));
+    pub fn gatherable(&self, basis: &dyn Basis) -> Gatherable<'_> {
+        // Beyond the last bounce, its light and all later light bounce into the tail. What was unshot is reflected now.
+        let is_last_reflected = self.shot.is_some() || self.tail.is_some();
+        let reflected = self.bounces.len() - usize::from(!is_last_reflected && !self.bounces.is_empty());
+        self.reflecting(0..reflected, basis)
+    }
+
+    /// The part of it that surfaces reflect into light that [no bounce contains](Self::beyond_bounces); `None` where there is none.
+    pub fn gatherable_beyond_bounces(&self, basis: &dyn Basis) -> Option<Gatherable<'_>> {
+        let last = self.bounces.len().checked_sub(1)?;
+        match (&self.shot, &self.tail) {
+            (Some(_), _) => Some(self.gatherable(basis)),
+            (None, Some(_)) => Some(self.reflecting(last..last + 1, basis)),
+            (None, None) => None,
         }
-        let Some((last, before)) = self.bounces.split_last() else { return Field::zeros(self.node_count()) };
-        // Beyond the last bounce, its light and all later light bounce into the tail.
-        let into_tail = self.tail.iter().flat_map(|tail| [last, tail]);
-        Field::sum(self.node_count(), before.iter().chain(into_tail))
+    }
+
+    /// What surfaces reflect of these bounces, of what was shot, and of the tail.
+    fn reflecting(&self, bounces: Range<usize>, basis: &dyn Basis) -> Gatherable<'_> {
+        let direct = self.direct_in(basis).filter(|_| bounces.contains(&0));
+        let bounces = &self.bounces[bounces][usize::from(direct.is_some())..];
+        let carried = bounces.iter().chain(self.shot.iter().map(|shot| &shot.reflected)).chain(&self.tail);
+        let carried: Vec<&Field> = carried.collect();
+        match direct {
+            Some(direct) if carried.is_empty() => Gatherable::Reflecting { direct, carried: None },
+            Some(direct) => {
+                let carried = Some(Field::sum(self.node_count(), carried));
+                Gatherable::Reflecting { direct, carried }
+            }
+            None => Gatherable::Field(Field::sum(self.node_count(), carried)),
+        }
     }
 
     /// Light that has arrived but has not been reflected: after gathering, the last bounce. `None` before direct light.
@@ -140,9 +193,32 @@ impl SolveState {
 
     /// Removes what only a finished solve has: it is made from the bounces, or what was shot.
     pub(crate) fn reopen(&mut self) {
-        (self.tail, self.gathered, self.errors) = (None, None, None);
-        (self.read_direct, self.directional) = (None, None);
+        (self.tail, self.gathered, self.errors, self.directional) = (None, None, None, None);
         self.layers.clear();
         self.directional_layers.clear();
+    }
+}
+
+/// Light that surfaces reflect, of several bounces together.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gatherable<'a> {
+    /// All in the basis that carries bounces.
+    Field(Field),
+    /// Direct light in a basis of its own.
+    Reflecting {
+        /// Direct light.
+        direct: &'a Field,
+        /// All other light, in the basis that carries bounces.
+        carried: Option<Field>,
+    },
+}
+
+impl Gatherable<'_> {
+    /// What shines where it is gathered.
+    pub fn source(&self) -> Source<'_> {
+        match self {
+            Self::Field(field) => Source::Field(field),
+            Self::Reflecting { direct, carried } => Source::Reflecting { direct, carried: carried.as_ref() },
+        }
     }
 }

@@ -116,6 +116,15 @@ impl Illumination {
         Self { id: NEXT.fetch_add(1, Ordering::Relaxed), ..Self::default() }
     }
 
+    /// Replaces direct light, if there is any, by what was measured elsewhere.
+    pub fn set_direct(&mut self, direct: VertexValues) {
+        if let Some(bounce) = self.bounces.first_mut().filter(|bounce| **bounce != direct) {
+            *bounce = direct;
+            // What was shown of it is not what it is.
+            self.id = Self::new().id;
+        }
+    }
+
     /// Whether there is nothing to see.
     pub fn is_empty(&self) -> bool {
         self.bounces.is_empty() && self.current.is_none() && self.sum_only.is_none()

@@ -219,7 +219,7 @@ pub(crate) enum Step {
     Shot(u32),
     /// A final gather of all indirect light.
     FinalGather,
-    /// Direct light at vertices, where points have carried the bounces.
+    /// Direct light at vertices, where points carry the bounces.
     ReadDirect,
     Directional,
     /// More samples where the error is above the target.
@@ -388,7 +388,7 @@ impl Summary {
             |step: Step, share| StepReport { step: step.key(), seconds: seconds_of(step), share, in_rounds };
         let validity = seconds_of(Step::Validity).map(|_| report(Step::Validity, None));
         let shares = baker.shares(state).into_iter().enumerate();
-        let bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
+        let mut bounces = shares.map(|(k, share)| report(Step::Bounce(k), Some(share)));
         let shots = shots_report(baker, state, log);
         let rounds = state.errors.as_ref().map_or(0, |errors| errors.accuracy.rounds);
         let rounds = (0..rounds).map(|round| report(Step::Round(round), None));
@@ -407,11 +407,12 @@ impl Summary {
             method: baker.method().to_string(),
             steps: validity
                 .into_iter()
+                .chain(bounces.next())
+                .chain(read_direct)
                 .chain(bounces)
                 .chain(shots)
                 .chain(gather)
                 .chain(rounds)
-                .chain(read_direct)
                 .chain(directional)
                 .chain(layers)
                 .collect(),

@@ -45,7 +45,7 @@ fn go_on(operator: &Operator, stage: &Stage, stop: Stop, state: &mut SolveState)
 }
 
 fn as_solved(operator: &Operator) -> lumel_solve::Operator<'_> {
-    lumel_solve::Operator { transport: &*operator.transport, basis: &*operator.basis, active: None }
+    lumel_solve::Operator::new(&*operator.transport, &*operator.basis)
 }
 
 fn integrals(stage: &Stage, operator: &Operator) -> Integrals {

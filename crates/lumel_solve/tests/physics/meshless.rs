@@ -45,7 +45,7 @@ impl Points {
     }
 
     fn operator(&self) -> Operator<'_> {
-        Operator { transport: &*self.transport, basis: &*self.basis, active: None }
+        Operator::new(&*self.transport, &*self.basis)
     }
 
     fn integrals(&self) -> Integrals {
@@ -273,12 +273,12 @@ impl SomePoints {
         let (basis, control) = (&*points.basis, Control::default());
         let refinement = Refinement { error, max_nodes: usize::MAX };
         let hierarchy = basis.hierarchy().expect("several levels");
-        let refined = RefinedLevels::new(basis, hierarchy, self, refinement, &control, &Silent);
+        let (mut state, of_all) = (SolveState::new(), points.operator());
+        let refined = RefinedLevels::new(of_all, hierarchy, self, refinement, &mut state, &control, &Silent);
         let refined = refined.expect("nobody cancels");
-        let mut state = SolveState::new();
         refined.prepare(basis, &mut state);
         let gather = Gather { stop: Stop::Bounces(6) };
-        let operator = refined.operator(basis);
+        let operator = refined.operator(of_all);
         solve(operator, &points.integrals(), &gather, &mut state, &control, &Silent).expect("nobody cancels");
         let share = |level: u32| {
             let nodes = basis.nodes_of_level(level);

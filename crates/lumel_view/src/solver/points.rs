@@ -3,7 +3,7 @@
 use super::published::{Published, Shared, lock};
 use crate::point_light::{Direct, PointIllumination, PointValues};
 use glam::Vec3;
-use lumel::{Baker, Snapshot, SolveState};
+use lumel::{Baker, LightReader, Snapshot, SolveState};
 use lumel_basis::{Basis as _, Field, Hierarchy, MeshlessBasis, NodeId, NodeWeights, PointCloud};
 use std::sync::Arc;
 
@@ -34,13 +34,19 @@ impl Points {
     }
 
     /// All light of a state that is done or was stopped, or of a round.
-    pub(super) fn publish_all(&self, published: &mut Published, state: &SolveState, tail: Option<&Field>) {
+    pub(super) fn publish_all(
+        &self,
+        published: &mut Published,
+        (reader, state): (&LightReader<'_>, &SolveState),
+        tail: Option<&Field>,
+    ) {
+        let direct = reader.direct_at_vertices().map_or(Direct::AtPoints, |_| Direct::AtVertices);
         let tail = tail.and_then(|tail| self.values(tail));
         self.publish(published, |points| {
             points.bounces = state.bounces.iter().filter_map(|field| self.values(field)).collect();
             (points.current, points.tail) = (None, tail);
             points.valid = Arc::new(state.valid.clone());
-            points.direct = if state.read_direct.is_some() { Direct::AtVertices } else { Direct::AtPoints };
+            points.direct = direct;
         });
     }
 }

@@ -32,7 +32,7 @@ pub enum Phase {
     Shot(u32),
     /// Measuring all light but the direct once more.
     FinalGather,
-    /// Measuring direct light at the vertices, where points have carried the bounces.
+    /// Measuring direct light at the vertices, where points carry the bounces.
     ReadDirect,
     /// Measuring where all light comes from.
     Directional,

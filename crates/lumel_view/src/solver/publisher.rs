@@ -5,6 +5,7 @@ use super::first_look::FirstLook;
 use super::points::{Points, extrapolated};
 use super::published::{BounceStats, Phase, Shared, lock};
 use super::task::Keep;
+use crate::point_light::Direct;
 use crate::selection::{Illumination, VertexValues};
 use crate::unshot::Unshot;
 use glam::Vec3;
@@ -112,6 +113,7 @@ impl<'a> Publisher<'a> {
             return self.publish_round(state);
         }
         for_each_prefix(state, |so_far| self.publish_bounce(so_far, 0.0));
+        self.publish_direct(state);
         self.publish_shots(state);
     }
 
@@ -139,6 +141,17 @@ impl<'a> Publisher<'a> {
                 points.current = None;
                 points.valid = Arc::new(state.valid.clone());
             });
+        });
+    }
+
+    /// Publishes direct light as it was measured at the vertices in place of what points have of it.
+    fn publish_direct(&self, state: &SolveState) {
+        let reader = self.baker.light_reader(state);
+        let Some(direct) = reader.direct_at_vertices() else { return };
+        let direct = Arc::new(direct.to_vec());
+        self.shared.publish_light(|p| {
+            p.light.set_direct(direct);
+            self.points.publish(p, |points| points.direct = Direct::AtVertices);
         });
     }
 
@@ -174,7 +187,7 @@ impl<'a> Publisher<'a> {
         self.shared.publish_light(|p| {
             p.light = Illumination { bounces, tail, valid, standard_error, ..Illumination::new() };
             p.stats = stats;
-            self.points.publish_all(p, state, state.tail.as_ref());
+            self.points.publish_all(p, (&reader, state), state.tail.as_ref());
         });
     }
 
@@ -330,7 +343,14 @@ impl Observer for Publisher<'_> {
             lock(&self.shared.published).course.extend(moment);
         }
         match step {
-            Step::Bounce(_) => self.publish_bounce(state, seconds.unwrap_or(0.0)),
+            Step::Bounce(bounce) => {
+                self.publish_bounce(state, seconds.unwrap_or(0.0));
+                if bounce == 0 {
+                    self.publish_direct(state);
+                }
+            }
+            // It may be there before what points have of it.
+            Step::ReadDirect if !state.bounces.is_empty() => self.publish_direct(state),
             Step::Round(_) => self.publish_round(state),
             Step::Shot(_) if self.wants_snapshot() => {
                 let (bounces, shot) = (state.bounces.clone(), state.shot.clone());

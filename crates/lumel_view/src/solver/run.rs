@@ -8,7 +8,7 @@ use super::publisher::Publisher;
 use super::refine;
 use super::task::{Keep, SolveStart, Solved, Task, Work};
 use crate::mesh::Mesh;
-use crate::selection::{Illumination, Layer};
+use crate::selection::Layer;
 use crate::unshot::Unshot;
 use lumel::{Baker, Control, LightReader, ResumeError, SolveState, Tracker, TransportError};
 use lumel_basis::Field;
@@ -145,15 +145,12 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
     let valid = Arc::new(baker.flags_at_vertices(&state.valid));
     let layers = layers(&reader, &state);
     let directional = state.directional.as_ref().and_then(|field| reader.directional_at_vertices(field));
-    drop(reader);
     let unshot = Unshot::of(&baker, &state).map(Arc::new);
     let points = Points::of(&baker, shared);
     shared.publish_light(|p| {
-        points.publish_all(p, &state, beyond.as_ref());
-        if let (Some(bounce), Some(direct)) = (p.light.bounces.first_mut(), direct) {
-            *bounce = direct;
-            // What was shown of it is not what it is.
-            p.light.id = Illumination::new().id;
+        points.publish_all(p, (&reader, &state), beyond.as_ref());
+        if let Some(direct) = direct {
+            p.light.set_direct(direct);
         }
         p.light.current = None;
         p.light.tail = tail;
@@ -162,6 +159,7 @@ fn conclude(shared: &Shared, baker: Arc<Baker>, state: SolveState) {
         p.light.directional = directional.map(Arc::new);
         p.unshot = unshot;
     });
+    drop(reader);
     *lock(&shared.solved) = Some(Arc::new(Solved { baker, state }));
 }
 

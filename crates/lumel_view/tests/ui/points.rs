@@ -152,7 +152,7 @@ fn light_at_points_is_seen_while_it_is_measured() {
         |app: &App| app.session.light.points.as_ref().is_some_and(|points| points.current.is_some());
     window.wait_until("a part of the first bounce", current);
     let points = window.session().light.points.clone().unwrap();
-    assert_eq!((points.direct, points.bounces.len()), (Direct::AtPoints, 1));
+    assert_eq!((points.direct, points.bounces.len()), (Direct::AtVertices, 1));
     window.press(Key::Escape);
     window.wait_until("the stop", |app| !app.session.is_solving());
     let points = window.session().light.points.as_ref().unwrap();
