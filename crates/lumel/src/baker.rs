@@ -320,6 +320,7 @@ fn integrals(scene: &Scene, basis: &BounceBasis) -> Integrals {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::{PointSpacing, ScheduleKind};
     use crate::{BounceLimit, Light, OpenOptions, Projection, Silent};
     use glam::Vec3;
 
@@ -380,6 +381,44 @@ mod tests {
         assert_eq!(reflected, reflected_by_new);
         assert_eq!(rays_of_new - rays, 8 * relit.elements_per_step(), "no hemisphere ray is traced again");
         assert!(state == new, "the bits of bounces differ");
+    }
+
+    #[test]
+    fn each_layer_of_points_reflects_its_own_direct_light_of_the_vertices() {
+        let opened = crate::open("cornell-box", &OpenOptions::default()).unwrap();
+        let scene = opened.builder.build().unwrap().0;
+        let mut lights = scene.lights().to_vec();
+        lights.extend(scene.lights().to_vec().into_iter().map(|light| match light {
+            Light::Rect(mut rect) => {
+                rect.center.x += 0.3;
+                Light::Rect(rect)
+            }
+            light => light,
+        }));
+        let scene = Arc::new(scene.relit(lights).unwrap());
+        for schedule in [ScheduleKind::Gather, ScheduleKind::Shoot] {
+            // Settings of users cannot have both, as readers know layers at vertices alone.
+            let settings = Settings {
+                point_spacing: PointSpacing::Points(200),
+                layers: Layers::Lights,
+                bounces: if schedule == ScheduleKind::Gather {
+                    BounceLimit::Count(2)
+                } else {
+                    BounceLimit::All
+                },
+                schedule,
+                direct_samples: 4,
+                indirect_samples: 16,
+                ..Settings::default()
+            };
+            let (baker, mut state) = (Baker::new(Arc::clone(&scene), settings), SolveState::new());
+            baker.run(&mut state, &Control::default(), &Silent).unwrap();
+            assert!(baker.basis().direct().is_some() && state.layers.len() == 2);
+            let sum = Field::sum(state.node_count(), &state.layers);
+            let off = |(a, b): (&Vec3, &Vec3)| (*a - *b).length() / (1e-3 + b.length());
+            let worst = sum.values().iter().zip(state.total().values()).map(off).fold(0.0, f32::max);
+            assert!(worst < 1e-4, "{schedule:?}: {worst}");
+        }
     }
 
     #[test]

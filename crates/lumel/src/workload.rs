@@ -309,6 +309,32 @@ mod tests {
     }
 
     #[test]
+    fn direct_light_at_vertices_comes_before_the_first_bounce_or_before_all() {
+        let settings = Settings {
+            bounces: BounceLimit::Count(1),
+            direct_samples: 50,
+            indirect_samples: 100,
+            ..at_vertices()
+        };
+        // 100 rays to keep, 50 of direct light, 60 at the vertices, and what reading 100 takes once.
+        let work = |is_first| Workload {
+            at_vertices: Some(AtVertices { elements: 4000, work: 60.0, is_first }),
+            ..Workload::of(1000, &settings, Method::Cached { memory: Memory(1) })
+        };
+        let share = |is_first, step, elements| work(is_first).share(step, elements, &[]).unwrap() * 240.0;
+        let is = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        is(share(false, Step::Validity, 500), 50.0);
+        is(share(false, Step::Bounce(0), 500), 125.0);
+        is(share(false, Step::ReadDirect, 1000), 165.0);
+        is(share(true, Step::ReadDirect, 1000), 15.0);
+        is(share(true, Step::Validity, 500), 110.0);
+        is(share(true, Step::Bounce(0), 500), 185.0);
+        is(share(false, Step::Bounce(1), 500), 225.0);
+        is(share(true, Step::Bounce(1), 500), 225.0);
+        assert_eq!(work(false).step_share(Step::ReadDirect, 1000, &[]), Some(0.25));
+    }
+
+    #[test]
     fn the_number_of_bounces_is_expected_before_it_can_be_foreseen() {
         let unknown = workload(BounceLimit::All);
         assert_eq!(unknown.share(Step::Bounce(1), 500, &[]), None);

@@ -11,10 +11,11 @@ use lumel::{
     Projection, SamplerKind, Saved, Scene, SceneBuilder, ScheduleKind, Settings, Silent, SolutionSelection,
     SolveState, SolverKind, gated,
 };
-use lumel_basis::{Basis, FieldLighting, Lighting};
+use lumel_basis::{Basis, Field, FieldLighting, Lighting, PointReceivers, VertexBasis};
 use lumel_testkit::mesh::{Facing, cuboid};
 use lumel_testkit::random_surface_points;
 use lumel_testkit::scene::{bulb, ceiling_light, grey, scene};
+use lumel_transport::{CachedTransport, CpuTransport, Job, Plan, Source, Transport, accumulate};
 use lumel_uv::{Density, Pace, UnwrapSettings, unwrap};
 use std::sync::{Arc, Mutex};
 
@@ -91,6 +92,89 @@ fn bounces_on_points_are_those_on_vertices_and_direct_light_is_that_at_vertices(
     }
 }
 
+/// A room with a bulb close to its floor, whose light points that are far apart would blur.
+fn room_with_a_bright_spot() -> Arc<Scene> {
+    let room = cuboid(Vec3::ZERO, Vec3::ONE, 40, Facing::Inward, [0; 6]);
+    built(scene(room, vec![grey(0.6, 0.0)], vec![bulb(Vec3::new(0.5, 0.5, 0.06), 2.0)]))
+}
+
+/// A few points.
+fn coarse() -> Settings {
+    Settings { point_spacing: PointSpacing::Metres(0.2), ..settings() }
+}
+
+#[test]
+fn rays_read_direct_light_from_vertices_where_these_are_more_than_points() {
+    let scene = room_with_a_bright_spot();
+    let stored = Settings { projection: Projection::Point, bounces: BounceLimit::Count(1), ..coarse() };
+    let traced = Settings { solver: SolverKind::Neumann, ..stored.clone() };
+    for way in [&stored, &traced] {
+        let (baker, state) = solved(&scene, way);
+        let points = baker.basis().points().unwrap();
+        let vertices = Arc::new(VertexBasis::new(Arc::clone(&scene)));
+        assert!(points.node_count() < 200 && vertices.node_count() > 5000);
+        // The very rays, with what they meet in another basis.
+        let receivers = Arc::new(PointReceivers::at_nodes(points));
+        let Settings { direct_samples, indirect_samples, sampler, seed, .. } = *way;
+        let plan = Plan { direct_samples, indirect_samples, sampler, seed, ..Plan::default() };
+        let measured = |transport: &dyn Transport, field: &Field| {
+            let job = Job { source: Source::Field(field), bounce: 1, pass: 0, active: None };
+            let found = accumulate(transport, &job, &Control::default(), None).unwrap();
+            found.field.values().to_vec()
+        };
+        let tracer = || Arc::clone(baker.tracer());
+        let (basis, places) = (Arc::clone(&vertices), Arc::clone(&receivers));
+        let of_vertices = CpuTransport::new(Arc::clone(&scene), tracer(), basis, places, plan);
+        let of_points = CpuTransport::new(Arc::clone(&scene), tracer(), Arc::clone(points), receivers, plan);
+        let direct = state.read_direct.as_ref().unwrap();
+        let expected = match way.solver {
+            SolverKind::Neumann => measured(&of_vertices, direct),
+            _ => measured(&CachedTransport::new(of_vertices, None), direct),
+        };
+        let off = difference(state.bounces[1].values(), &expected);
+        assert!(off < 1e-6, "{:?}: {off}", way.solver);
+        let blurred = difference(&measured(&of_points, &state.bounces[0]), &expected);
+        assert!(blurred > 0.2, "points would do as well: {blurred}");
+    }
+    // Where points are more, they have what vertices do not.
+    let (baker, state) = solved(&room(3), &Settings { bounces: BounceLimit::Count(1), ..settings() });
+    assert!(baker.basis().direct().is_none() && state.read_direct.is_some());
+}
+
+#[test]
+fn every_solver_schedule_and_target_reflects_direct_light_as_vertices_have_it() {
+    let scene = room_with_a_bright_spot();
+    let all = Settings { bounces: BounceLimit::All, remainder: 2e-3, indirect_samples: 512, ..coarse() };
+    let indirect = |settings: &Settings| {
+        let (baker, state) = solved(&scene, settings);
+        let mean = |field: &Field| baker.integrals().mean(field);
+        (mean(&state.total()) - mean(&state.bounces[0]), state, baker)
+    };
+    let (expected, ..) = indirect(&Settings { point_spacing: PointSpacing::Off, ..all.clone() });
+    let shoot = ScheduleKind::Shoot;
+    let few = Settings { memory: Memory(40_000), ..all.clone() };
+    let to_error = Settings { target_error: "20%".parse().unwrap(), ..all.clone() };
+    for (way, settings) in [
+        ("stored", all.clone()),
+        ("traced", Settings { solver: SolverKind::Neumann, ..all.clone() }),
+        ("over areas", Settings { projection: Projection::Area, ..all.clone() }),
+        ("few stored", few),
+        ("shot", Settings { schedule: shoot, ..all.clone() }),
+        ("levels", Settings { levels: 2, ..all.clone() }),
+        ("levels that follow light", Settings { levels: 3, adaptive: Adaptive::Auto, ..all.clone() }),
+        ("target error", to_error.clone()),
+        ("shot to a target error", Settings { schedule: shoot, ..to_error }),
+    ] {
+        let (found, state, baker) = indirect(&settings);
+        let gathers = matches!(baker.method(), Method::FinalGather { .. });
+        assert_eq!(gathers, way == "few stored", "{way}: {}", baker.method());
+        assert!(state.read_direct.is_some(), "{way}");
+        let off = found / expected - 1.0;
+        println!("{way}: {off:.4}");
+        assert!(off.abs() < 0.05, "{way}: {off}");
+    }
+}
+
 #[test]
 fn every_solver_schedule_and_sampler_carries_light_on_points() {
     let scene = room(3);
@@ -129,13 +213,22 @@ fn every_solver_schedule_and_sampler_carries_light_on_points() {
 
 #[test]
 fn a_resumed_bake_has_the_same_bits_on_any_number_of_threads() {
-    let scene = room(3);
     let shoot = ScheduleKind::Shoot;
-    for settings in [
-        Settings { levels: 2, ..settings() },
-        Settings { levels: 4, adaptive: Adaptive::At("10%".parse().unwrap()), ..settings() },
-        Settings { schedule: shoot, bounces: BounceLimit::All, remainder: 0.1, ..settings() },
+    // More vertices than points, too.
+    let (room, fine) = (room(3), room(14));
+    let few = Settings { point_spacing: PointSpacing::Metres(0.1), indirect_samples: 16, ..settings() };
+    let adaptive = Adaptive::At("10%".parse().unwrap());
+    let shot = Settings { schedule: shoot, bounces: BounceLimit::All, remainder: 0.1, ..settings() };
+    for (scene, settings) in [
+        (&room, Settings { levels: 2, ..settings() }),
+        (&room, Settings { levels: 4, adaptive, ..settings() }),
+        (&room, shot.clone()),
+        (&fine, few.clone()),
+        (&fine, Settings { projection: Projection::Point, ..few.clone() }),
+        (&fine, Settings { levels: 3, adaptive, ..few.clone() }),
+        (&fine, Settings { point_spacing: few.point_spacing, ..shot }),
     ] {
+        let scene = scene.clone();
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
@@ -148,6 +241,7 @@ fn a_resumed_bake_has_the_same_bits_on_any_number_of_threads() {
         };
         let (saved, state, baker) = on(1);
         assert!(on(3).1 == state, "bits on three threads differ");
+        assert_eq!(baker.basis().direct().is_some(), Arc::ptr_eq(&scene, &fine));
         for checkpoint in &saved[..saved.len().min(4)] {
             assert!(run(&baker, baker.resume(checkpoint).unwrap()) == state, "bits of a resumed bake differ");
         }
@@ -221,14 +315,20 @@ fn how_surfaces_are_cut_into_triangles_makes_less_than_a_percent() {
 
 #[test]
 fn lumels_gather_what_points_have_carried() {
-    let scene = room(4);
+    for (cells, spacing) in [(4, 0.06), (14, 0.1)] {
+        lumels_gather_what_points_of_a_spacing_have_carried(&room(cells), spacing);
+    }
+}
+
+fn lumels_gather_what_points_of_a_spacing_have_carried(scene: &Arc<Scene>, spacing: f32) {
     let unwrapping = UnwrapSettings { density: Density::PerMetre(8.0), ..UnwrapSettings::default() };
-    let atlas = unwrap(&scene, &unwrapping, &|| Pace::Go).unwrap().atlas;
-    let lumels = Lumels::new(Arc::clone(&scene), atlas);
-    let carried = Settings { direct_samples: 32, indirect_samples: 128, ..settings() };
+    let atlas = unwrap(scene, &unwrapping, &|| Pace::Go).unwrap().atlas;
+    let lumels = Lumels::new(Arc::clone(scene), atlas);
+    let point_spacing = PointSpacing::Metres(spacing);
+    let carried = Settings { point_spacing, direct_samples: 32, indirect_samples: 128, ..settings() };
     let on_vertices = Settings { point_spacing: PointSpacing::Off, ..carried.clone() };
     let [points, vertices] = [carried, on_vertices].map(|settings| {
-        let (baker, state) = solved(&scene, &settings);
+        let (baker, state) = solved(scene, &settings);
         let light = baker.light_at_lumels(&state, &lumels, &Control::default()).unwrap();
         (0..light.len()).map(|lumel| light.irradiance(lumel)).collect::<Vec<_>>()
     });
