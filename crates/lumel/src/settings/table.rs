@@ -271,8 +271,9 @@ settings! {
     ///
     /// auto: as many points as suit the preset, 12500 for draft, 50000 for medium and 125000 for production; a number such as
     /// "20000 points": about as many. What carries light then does not depend on how surfaces are cut into triangles: there may be
-    /// millions of small ones, or a few large ones. In the end bounces are read at the vertices, where direct light is measured once more, as
-    /// the projection says, so that the edges of shadows stay sharp; with a target error it is read from the points as well.
+    /// millions of small ones, or a few large ones. In the end bounces are read at the vertices, where direct light is measured, too, as the
+    /// projection says, so that the edges of shadows stay sharp; with a target error it is read from the points as well. Where there are more
+    /// vertices than points, surfaces reflect it as the vertices have it.
     POINT_SPACING = point_spacing: PointSpacing {
         presets: always(PointSpacing::Off),
         label: "Points",
