@@ -6,17 +6,21 @@
 use cpu_time::ProcessTime;
 use glam::Vec3;
 use lumel::{
-    Adaptive, Baker, Bisection, BounceLimit, Control, Light, Lighting, MaxEdge, OpenOptions, Preset, Scene,
-    Settings, Share, Silent, SolveState, VertexLighting,
+    Adaptive, Baker, BounceLimit, Control, Lighting, Preset, Scene, Settings, Share, Silent, SolveState,
+    VertexLighting,
 };
 use lumel_basis::{Field, PointReceivers};
-use lumel_scene::{Sides, SurfacePoint};
-use lumel_testkit::{Reference, shared};
+use lumel_scene::SurfacePoint;
+use lumel_testkit::Reference;
 use lumel_transport::{CpuTransport, Plan, Transport};
 use std::sync::Arc;
 
+#[path = "../common/meshes.rs"]
+mod meshes;
 #[path = "../common/sponza.rs"]
 mod sponza;
+
+use meshes::{open, uniform};
 
 const HELP: &str = "\
 usage: cargo x bench adaptive [--quick] [SCENE]...
@@ -69,42 +73,13 @@ fn main() {
     let points = if arguments.iter().any(|a| a == "--quick") { 1000 } else { 5000 };
     println!("lumel {} on {} threads", env!("CARGO_PKG_VERSION"), rayon::current_num_threads());
     for case in CASES.iter().filter(|case| names.is_empty() || names.contains(&case.name)) {
-        match open(case.name) {
-            Ok(scene) => measure(case, &Arc::new(scene), points),
+        let file =
+            if case.name == "sponza" { case.name } else { "scenes/cornell-variants/CornellBox-Original.obj" };
+        let opened = open(file).and_then(|builder| builder.build().map_err(|e| e.to_string()));
+        match opened {
+            Ok((scene, _)) => measure(case, &Arc::new(scene), points),
             Err(reason) => println!("\n{}: {reason}", case.name),
         }
-    }
-}
-
-fn open(name: &str) -> Result<Scene, String> {
-    let path = match name {
-        "sponza" => sponza::file()?,
-        _ => shared::path("scenes/cornell-variants/CornellBox-Original.obj")
-            .ok_or_else(|| format!("files are read from the folder that {} names", shared::VARIABLE))?,
-    };
-    let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
-    let mut builder = lumel::open(&path, &options).map_err(|e| e.to_string())?.builder;
-    if name == "sponza" {
-        builder.materials.iter_mut().for_each(|material| material.sides = Sides::Both);
-        builder.lights = vec![Light::Rect(sponza::light())];
-    }
-    builder.build().map(|(scene, _)| scene).map_err(|e| e.to_string())
-}
-
-/// The scene with edges of at most this part of its diameter.
-fn uniform(scene: &Arc<Scene>, part: f64) -> Arc<Scene> {
-    let mut mesh = Bisection::new(Arc::clone(scene));
-    loop {
-        let edges = |part: &lumel_scene::Part| {
-            [[0, 1], [1, 2], [2, 0]].map(|ends| ends.map(|k: usize| part.vertices[k]))
-        };
-        // A little more, so that rounding splits no diagonal once more.
-        let is_long = |ends: &[u32; 2]| mesh.relative_length(*ends) > 1.001 / part;
-        let long: Vec<[u32; 2]> = mesh.parts().flat_map(edges).filter(is_long).collect();
-        if long.is_empty() {
-            return Arc::new(scene.refined(mesh.splits()).unwrap());
-        }
-        assert!(mesh.split(long, usize::MAX));
     }
 }
 

@@ -8,17 +8,21 @@ mod scattering;
 use cpu_time::ProcessTime;
 use glam::Vec3;
 use lumel::{
-    Adaptive, Baker, Bisection, BounceLimit, Control, Light, MaxEdge, OpenOptions, PointSpacing, Preset,
-    Projection, RectLight, Scene, Settings, Share, Silent, SolveState,
+    Adaptive, Baker, BounceLimit, Control, Light, PointSpacing, Preset, RectLight, Scene, Settings, Share,
+    Silent, SolveState, VertexLighting,
 };
 use lumel_basis::{Basis, Field, FieldLighting, Lighting, PointReceivers};
-use lumel_scene::{Irradiance, Radiance, Sides, SurfacePoint};
-use lumel_testkit::{Reference, shared};
+use lumel_scene::{Irradiance, Radiance, SurfacePoint};
+use lumel_testkit::Reference;
 use lumel_transport::{CpuTransport, Plan, Transport};
 use std::sync::Arc;
 
+#[path = "../common/meshes.rs"]
+mod meshes;
 #[path = "../common/sponza.rs"]
 mod sponza;
+
+use meshes::uniform;
 
 const HELP: &str = "\
 usage: cargo x bench points [--quick] [SCENE]...
@@ -32,7 +36,8 @@ with many samples at random points, uniform by area over all surfaces.
   rays          millions
   CPU           seconds of all threads, from the opened scene to light that can be read
   error         root mean square of the difference, the same without the worst 2 % of the points, relative to the root mean square
-                of the light
+                of the light; vertices as they are read in the end
+  W             the power of the indirect light, by luminance
 
 Scenes: cornell-box (32 triangles), sponza, country-kitchen; read from LUMEL_TEST_SHARED.
 
@@ -63,8 +68,8 @@ struct Case {
     /// Points of the finest level, how many levels, and the errors of those that follow light.
     levels: (u32, u32),
     errors: &'static [f32],
-    /// Points of the finest of so many levels that carry the bounces of the reference.
-    reference: (u32, u32),
+    /// Longest edges of the mesh that carries the bounces of the reference, in the same way; as it is given for none.
+    reference: Option<f64>,
 }
 
 const CASES: [Case; 3] = [
@@ -75,16 +80,16 @@ const CASES: [Case; 3] = [
         points: &[300, 1000, 3000, 10_000],
         levels: (16_000, 5),
         errors: &[0.4, 0.2, 0.1, 0.05],
-        reference: (8000, 3),
+        reference: Some(64.0),
     },
     Case {
         name: "sponza",
         uniform: &[16.0, 32.0],
         vertices: &[0.64, 0.32, 0.16],
-        points: &[1000, 4000, 16_000],
+        points: &[1000, 4000, 16_000, 64_000],
         levels: (64_000, 5),
-        errors: &[0.8, 0.4, 0.2],
-        reference: (32_000, 1),
+        errors: &[0.8, 0.4],
+        reference: Some(32.0),
     },
     Case {
         name: "country-kitchen",
@@ -93,7 +98,7 @@ const CASES: [Case; 3] = [
         points: &[1000, 4000, 16_000],
         levels: (64_000, 5),
         errors: &[0.8, 0.4, 0.2],
-        reference: (32_000, 1),
+        reference: None,
     },
 ];
 
@@ -118,21 +123,11 @@ fn main() {
 }
 
 fn open(name: &str) -> Result<Scene, String> {
-    let file = |file: &str| {
-        let missing = || format!("{file} is read from the folder that {} names", shared::VARIABLE);
-        shared::path(file).ok_or_else(missing)
-    };
-    let path = match name {
-        "sponza" => sponza::file()?,
-        "country-kitchen" => file("scenes/country-kitchen/country-kitchen.glb")?,
-        _ => file("scenes/cornell-variants/CornellBox-Original.obj")?,
-    };
-    let options = OpenOptions { max_edge: Some(MaxEdge::Off), ..OpenOptions::default() };
-    let mut builder = lumel::open(&path, &options).map_err(|e| e.to_string())?.builder;
-    if name == "sponza" {
-        builder.materials.iter_mut().for_each(|material| material.sides = Sides::Both);
-        builder.lights = vec![Light::Rect(sponza::light())];
-    }
+    let mut builder = meshes::open(match name {
+        "sponza" => name,
+        "country-kitchen" => "scenes/country-kitchen/country-kitchen.glb",
+        _ => "scenes/cornell-variants/CornellBox-Original.obj",
+    })?;
     let is_dark =
         builder.lights.is_empty() && builder.materials.iter().all(|m| m.emission == Radiance(Vec3::ZERO));
     let scene = builder.clone().build().map_err(|e| e.to_string())?.0;
@@ -153,27 +148,10 @@ fn open(name: &str) -> Result<Scene, String> {
     builder.build().map(|(scene, _)| scene).map_err(|e| e.to_string())
 }
 
-/// The scene with edges of at most this part of its diameter.
-fn uniform(scene: &Arc<Scene>, part: f64) -> Arc<Scene> {
-    let mut mesh = Bisection::new(Arc::clone(scene));
-    loop {
-        let edges = |part: &lumel_scene::Part| {
-            [[0, 1], [1, 2], [2, 0]].map(|ends| ends.map(|k: usize| part.vertices[k]))
-        };
-        // A little more, so that rounding splits no diagonal once more.
-        let is_long = |ends: &[u32; 2]| mesh.relative_length(*ends) > 1.001 / part;
-        let long: Vec<[u32; 2]> = mesh.parts().flat_map(edges).filter(is_long).collect();
-        if long.is_empty() {
-            return Arc::new(scene.refined(mesh.splits()).unwrap());
-        }
-        assert!(mesh.split(long, usize::MAX));
-    }
-}
-
 /// Light at places of the scene as it was given.
 struct OnMesh<'a> {
     scene: &'a Scene,
-    light: FieldLighting<'a>,
+    light: &'a dyn Lighting,
 }
 
 impl Lighting for OnMesh<'_> {
@@ -191,10 +169,8 @@ struct Row {
 }
 
 fn measure(case: &Case, scene: &Arc<Scene>, points: u32) {
-    // Bounces as they are carried, whatever is read in the end.
     let settings = Settings {
         bounces: BounceLimit::Count(BOUNCES),
-        projection: Projection::Point,
         direct_samples: 64,
         indirect_samples: RAYS,
         ..Preset::Medium.settings()
@@ -206,10 +182,9 @@ fn measure(case: &Case, scene: &Arc<Scene>, points: u32) {
         ..settings.clone()
     };
     // What the last bounce reflects is not in the light.
-    let (count, levels) = case.reference;
-    let carrying =
-        Settings { bounces: BounceLimit::Count(BOUNCES - 1), seed: 1000, ..on_points(count, levels) };
-    let fine = Baker::new(Arc::clone(scene), carrying);
+    let carrying = Settings { bounces: BounceLimit::Count(BOUNCES - 1), seed: 1000, ..settings.clone() };
+    let mesh = case.reference.map_or_else(|| Arc::clone(scene), |part| uniform(scene, part));
+    let fine = Baker::new(mesh, carrying);
     let mut state = SolveState::new();
     fine.run(&mut state, &Control::default(), &Silent).unwrap();
     let reflecting = Field::sum(state.node_count(), &state.bounces);
@@ -220,12 +195,12 @@ fn measure(case: &Case, scene: &Arc<Scene>, points: u32) {
     };
     let reference = Reference::reflected(scene, points, 3, towards, &reflecting, PASSES);
     println!(
-        "\n{}: {} triangles; reference of {} points, noise {:.2} %, bounces on {} points",
+        "\n{}: {} triangles; reference of {} points, noise {:.2} %, bounces on {} vertices",
         case.name,
         scene.triangle_count(),
         reference.points().len(),
         100.0 * reference.noise(),
-        fine.basis().node_count()
+        fine.scene().vertex_count()
     );
     let row = |name: String, make: &dyn Fn() -> Baker| {
         let (cpu, control) = (ProcessTime::now(), Control::default());
@@ -235,14 +210,18 @@ fn measure(case: &Case, scene: &Arc<Scene>, points: u32) {
         let seconds = cpu.elapsed().as_secs_f64();
         let basis = baker.basis();
         let field = Field::sum(state.node_count(), &state.bounces[1..]);
-        let light = FieldLighting { basis: &**basis, field: &field };
+        let on_points = FieldLighting { basis: &**basis, field: &field };
+        let values = baker.light_reader(&state).at_vertices(&field);
+        let on_vertices = VertexLighting::new(baker.scene(), &values).unwrap();
+        let light: &dyn Lighting = if basis.points().is_some() { &on_points } else { &on_vertices };
         let error = reference.error_of(&OnMesh { scene: baker.scene(), light });
         let measured = state.valid.iter().filter(|valid| **valid).count();
         let [rms, trimmed] = [error.rms, error.trimmed].map(|error| 100.0 * error);
         println!(
-            "  {name:<22} {measured:>7} nodes of {:>7}; {:7.1} M rays; CPU {seconds:7.2} s; error {rms:5.2} %, trimmed {trimmed:5.2} %",
+            "  {name:<22} {measured:>7} nodes of {:>7}; {:7.1} M rays; CPU {seconds:7.2} s; error {rms:5.2} %, trimmed {trimmed:5.2} %; {:.4} W",
             basis.node_count(),
             control.rays() as f64 * 1e-6,
+            baker.power(&field),
         );
         Row { nodes: measured as f64, rays: control.rays() as f64 * 1e-6, seconds, error: error.trimmed }
     };
