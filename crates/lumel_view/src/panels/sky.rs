@@ -9,6 +9,7 @@ use eframe::egui::{Slider, Ui};
 use glam::Vec3;
 use lumel::{Radiance, Sky, SkyGradient};
 use lumel_scene::SkyImage;
+use std::sync::Arc;
 
 const ABOUT: &str = "Light that arrives from outside the scene";
 
@@ -41,15 +42,13 @@ pub(super) fn show(session: &mut Session, actions: &mut Actions, ui: &mut Ui) {
         Sky::Gradient(SkyGradient { zenith, horizon, ground }) => {
             parts(ui, [("Zenith", zenith), ("Horizon", horizon), ("Ground", ground)]);
         }
-        sky => {
-            if let Some(image) = sky.image().cloned() {
-                let chooses = row(ui, "Image", &file, |ui| ui.button(&file));
-                if chooses.on_hover_text(Command::LoadSky.text()).clicked() {
-                    actions.push(Command::LoadSky);
-                }
-                if let Some(changed) = placed(ui, &image) {
-                    *sky = changed.into();
-                }
+        Sky::Image(image) => {
+            let chooses = row(ui, "Image", &file, |ui| ui.button(&file));
+            if chooses.on_hover_text(Command::LoadSky.text()).clicked() {
+                actions.push(Command::LoadSky);
+            }
+            if let Some(changed) = placed(ui, image) {
+                *image = Arc::new(changed);
             }
         }
     }

@@ -340,7 +340,7 @@ fn folder_of(file: &Path) -> PathBuf {
     }
 }
 
-/// A mesh's path as seen from a project file, which may only name what lies in its folder or below.
+/// A file's path as seen from a project file, which may only name what lies in its folder or below.
 fn relative(file: &Path, project: &Path) -> Result<PathBuf, String> {
     let folder = folder_of(project);
     let absolute = |path: &Path| path.canonicalize().map_err(|e| format!("{e}: {}", path.display()));
