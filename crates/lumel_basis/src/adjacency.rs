@@ -95,8 +95,12 @@ impl Adjacency {
             return known;
         }
         let queued: Vec<AtomicBool> = known.iter().map(|&known| AtomicBool::new(known)).collect();
-        // Who finds a node first makes no difference: all of a ring is computed from those before it.
-        let is_new = |node: &NodeId| !queued[node.index()].swap(true, Ordering::Relaxed);
+        // Who finds a node first makes no difference: all of a ring is computed from those before it. Most were found before, and to
+        // read that is cheaper than to swap.
+        let is_new = |node: &NodeId| {
+            let queued = &queued[node.index()];
+            !queued.load(Ordering::Relaxed) && !queued.swap(true, Ordering::Relaxed)
+        };
         let mut ring: Vec<NodeId> =
             (0..known.len() as u32).map(NodeId).filter(|n| known[n.index()]).collect();
         let mut means = Vec::new();
@@ -128,11 +132,13 @@ impl Adjacency {
 
     fn mean(&self, field: &Field, known: &[bool], node: NodeId, mean: &mut [Vec3]) {
         let known = || self.neighbours(node).filter(|(neighbour, _)| known[neighbour.index()]);
-        let weight: f64 = known().map(|(_, weight)| weight).sum();
         for (channel, mean) in mean.iter_mut().enumerate() {
-            let value = |neighbour: NodeId| field.coefficients(neighbour)[channel].as_dvec3();
-            let sum: DVec3 = known().map(|(neighbour, weight)| value(neighbour) * weight).sum();
-            *mean = (sum / weight).as_vec3();
+            let (mut sum, mut all) = (DVec3::ZERO, 0.0);
+            for (neighbour, weight) in known() {
+                sum += field.coefficients(neighbour)[channel].as_dvec3() * weight;
+                all += weight;
+            }
+            *mean = (sum / all).as_vec3();
         }
     }
 }

@@ -65,18 +65,8 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     ///
     /// All else is shared, and so `plan.emitters` and `plan.light_sampling` have no effect on which lights are sampled together.
     pub fn towards<S: Receivers>(&self, receivers: Arc<S>, plan: Plan) -> CpuTransport<B, S> {
-        CpuTransport {
-            scene: Arc::clone(&self.scene),
-            tracer: Arc::clone(&self.tracer),
-            basis: Arc::clone(&self.basis),
-            lights: Arc::clone(&self.lights),
-            shooting: Shooting::default(),
-            density: self.density,
-            elements: receivers.identity(),
-            order: Order::new(&*receivers),
-            receivers,
-            plan,
-        }
+        let (order, elements) = (Order::new(&*receivers), receivers.identity());
+        self.for_elements(receivers, order, elements, plan)
     }
 
     /// The same operator with other samples, for the elements alone that count towards one of certain nodes.
@@ -85,17 +75,29 @@ impl<B: Basis, R: Receivers> CpuTransport<B, R> {
     pub fn with_samples(&self, plan: Plan, nodes: &[bool]) -> Self {
         let order = self.order.towards(&*self.receivers, nodes);
         let whole = order.elements().len() == self.order.elements().len();
-        Self {
+        let elements = if whole { self.elements } else { order.identity_within(&self.elements) };
+        self.for_elements(Arc::clone(&self.receivers), order, elements, plan)
+    }
+
+    /// What measures these elements, which `elements` tells from others, under the same lights.
+    fn for_elements<S: Receivers>(
+        &self,
+        receivers: Arc<S>,
+        order: Order,
+        elements: Identity,
+        plan: Plan,
+    ) -> CpuTransport<B, S> {
+        CpuTransport {
             scene: Arc::clone(&self.scene),
             tracer: Arc::clone(&self.tracer),
             basis: Arc::clone(&self.basis),
-            receivers: Arc::clone(&self.receivers),
             lights: Arc::clone(&self.lights),
-            plan,
             shooting: Shooting::default(),
             density: self.density,
-            elements: if whole { self.elements } else { order.identity_within(&self.elements) },
+            receivers,
             order,
+            elements,
+            plan,
         }
     }
 

@@ -26,8 +26,8 @@ usage: cargo x bench first_look [SCENE]...
 Opens scenes in the window without a display, 1280x720, presses Enter, and takes the time until all light can be seen in the
 picture: by the clock, and the processor time until then (Linux only). The light of that picture, and what is shown at some
 times later, is compared with that of the finished solve: the root mean square of the difference over the surfaces, relative
-to that of the light, and by how many stops half and nine tenths of the lit surfaces are off at most. The clock is the best of some
-tries.
+to that of the light, and by how many stops half and nine tenths of the lit surfaces are off at most. The clock is read
+for some tries; in the first, the window is new, and later ones throw the light away that there is. The processor time is the least.
 
   SCENE   built-in scenes, scene files, or sponza (at 0.5 m); by default that
 ";
@@ -110,11 +110,11 @@ fn read_picture(app: &App) {
 fn measure(name: &str, request: OpenRequest) {
     for schedule in [ScheduleKind::Gather, ScheduleKind::Shoot] {
         let settings = Settings { schedule, ..Preset::Medium.settings() };
-        let (mut best, mut processor) = (f64::INFINITY, [f64::INFINITY; 3]);
+        let (mut clocks, mut processor) = (Vec::new(), [f64::INFINITY; 3]);
         let mut window = window(name, request.clone(), &settings);
         for _ in 0..TRIES {
             let (clock, spent, _) = first_look(&mut window);
-            best = best.min(clock);
+            clocks.push(clock);
             if spent.iter().sum::<f64>() < processor.iter().sum() {
                 processor = spent;
             }
@@ -124,7 +124,7 @@ fn measure(name: &str, request: OpenRequest) {
         let vertices = window.state().session.document.as_ref().unwrap().scene.vertex_count();
         let [solving, drawing, rest] = processor;
         println!(
-            "{name}, {vertices} vertices, {schedule:?}: all light after {best:.2} s; processor time {solving:.2} s of solving, \
+            "{name}, {vertices} vertices, {schedule:?}: all light after {clocks:.2?} s; processor time {solving:.2} s of solving, \
              {drawing:.2} s of the software renderer, {rest:.2} s of the rest"
         );
         let (clock, _, begun) = first_look(&mut window);
@@ -153,6 +153,9 @@ fn measure(name: &str, request: OpenRequest) {
 
 /// Starts a solve from scratch and waits for a picture of all light; seconds by the clock and of processor time, and when it was started.
 fn first_look(window: &mut Harness<'static, App>) -> (f64, [f64; 3], Instant) {
+    // A software renderer may still be busy with what was to be seen before.
+    window.run_steps(2);
+    read_picture(window.state());
     let before = window.state().session.light_generation;
     let (begun, spent) = (Instant::now(), processor());
     window.key_press_modifiers(Modifiers::SHIFT, Key::Enter);
@@ -161,7 +164,7 @@ fn first_look(window: &mut Harness<'static, App>) -> (f64, [f64; 3], Instant) {
         let session = &app.session;
         session.light_generation > before && session.to_come().is_some_and(|unshot| unshot.seen.is_some())
     });
-    window.run_steps(1);
+    // The step that has read the light has drawn it.
     read_picture(window.state());
     let seconds = begun.elapsed().as_secs_f64();
     let now = processor();

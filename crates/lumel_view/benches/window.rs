@@ -23,7 +23,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 const SCENE: &str = "cornell-box";
-const SAMPLES: u32 = 4096;
+const SAMPLES: u32 = 16384;
 const ROUNDS: usize = 3;
 
 struct Window {
@@ -81,6 +81,15 @@ impl Window {
         nodes.into_iter().find(|node| node.text == text && node.number.is_some()).unwrap().center
     }
 
+    /// Brings a panel to the front; returns where its tab is.
+    fn open_tab(&mut self, screen: &Screen, name: &str) -> [f64; 2] {
+        // The tab is above what else has its name.
+        let named = self.peer.nodes().into_iter().filter(|node| node.text == name).map(|node| node.center);
+        let tab = named.min_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+        click(screen, tab);
+        tab
+    }
+
     /// Processor time of the program so far, in ticks of a hundredth of a second.
     fn ticks(&self) -> u64 {
         ticks(Path::new(&format!("/proc/{}/stat", self.program.id())), "")
@@ -98,6 +107,11 @@ impl Drop for Window {
         let _ = self.program.kill();
         let _ = self.program.wait();
     }
+}
+
+fn click(screen: &Screen, at: [f64; 2]) {
+    let [x, y] = at.map(|at| format!("{at:.0}"));
+    screen.xdotool(&["mousemove", &x, &y, "click", "1"]);
 }
 
 /// Processor time of a process or thread, unless its name does not contain `name`.
@@ -156,6 +170,8 @@ fn following(screen: &Screen) {
     let mut window = Window::open(screen, home.path(), Settings::default().indirect_samples);
     screen.xdotool(&["key", "Return"]);
     window.wait_for("Solved:");
+    window.open_tab(screen, "Lights");
+    window.wait_for("Size u");
     let [x, y] = window.center("Size u");
     let at = |x: f64| format!("{x:.0}");
     screen.xdotool(&["mousemove", &at(x), &at(y), "mousedown", "1"]);
@@ -190,14 +206,7 @@ fn rippling(screen: &Screen) {
     let mut window = Window::with_settings(screen, home.path(), "directional = \"sh1\"");
     screen.xdotool(&["key", "Return"]);
     window.wait_for("Solved:");
-    let click = |[x, y]: [f64; 2]| {
-        let [x, y] = [x, y].map(|at| format!("{at:.0}"));
-        screen.xdotool(&["mousemove", &x, &y, "click", "1"]);
-    };
-    // The tab is above the picture, which has the same name.
-    let scenes = window.peer.nodes().into_iter().filter(|node| node.text == "Scene").map(|node| node.center);
-    let tab = scenes.min_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
-    click(tab);
+    let tab = window.open_tab(screen, "Scene");
     let [x, y] = [tab[0], tab[1] + 100.0].map(|at| format!("{at:.0}"));
     screen.xdotool(&["mousemove", &x, &y, "click", "--repeat", "20", "5"]);
     for material in ["white", "red", "green"] {
@@ -207,7 +216,7 @@ fn rippling(screen: &Screen) {
             && !node.as_ref().is_some_and(|node| node.is_on)
         {
             if let Some(node) = node {
-                click(node.center);
+                click(screen, node.center);
             }
             std::thread::sleep(Duration::from_secs(1));
         }

@@ -11,6 +11,7 @@ use glam::Vec3;
 use lumel::{
     Baker, MaterialEntry, OpenOptions, Project, RayTracer, Scene, Settings, SettingsPatch, is_open, tracer_of,
 };
+use lumel_basis::Basis as _;
 use lumel_render_cpu::camera_for;
 use lumel_scene::{Light, TextureId};
 use std::path::{Path, PathBuf};
@@ -105,6 +106,8 @@ pub fn open(request: &OpenRequest) -> Result<(Document, Contents), String> {
     let tracer = tracer_of(&scene);
     let camera = camera_for(&scene, &*tracer, VIEWPORT_ASPECT);
     let baker = Baker::with_tracer(Arc::clone(&scene), Arc::clone(&tracer), Settings::default());
+    // Found when it is first asked for; while nobody waits for light is the time for it.
+    baker.basis().adjacency();
     let project = opened.project;
     let contents = Contents {
         lights: editable_lights(&scene, project.as_ref()),

@@ -40,8 +40,8 @@ impl PointSpacing {
     ///
     /// Never so small that there would be more points than fit into memory.
     pub fn on(self, scene: &Scene) -> Option<f32> {
-        let least = MeshlessBasis::spacing_for(scene, MOST_POINTS);
-        self.wanted_on(scene).map(|spacing| spacing.max(least).max(f32::MIN_POSITIVE))
+        let spacing = self.wanted_on(scene)?;
+        Some(spacing.max(MeshlessBasis::spacing_for(scene, MOST_POINTS)).max(f32::MIN_POSITIVE))
     }
 
     fn wanted_on(self, scene: &Scene) -> Option<f32> {

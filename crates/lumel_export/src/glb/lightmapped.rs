@@ -3,7 +3,7 @@
 use super::lamps::LampPlace;
 use super::material::{Appearance, Look, Materials};
 use super::page_image::PageImages;
-use super::primitive::{Attribute, Streams, place, vertex};
+use super::primitive::{Streams, place, uv};
 use super::unwrapped::{extras, placed_attributes, split_by_place};
 use super::write;
 use crate::ExportError;
@@ -104,18 +104,14 @@ pub fn write_lightmap_glb(
     };
     let look = Look { pages: Some(&pages), lamps, ..Look::of(appearance) };
     let materials = Materials::new(scene, &primitives, &look).map_err(io)?;
-    let mut attributes = placed_attributes(scene, atlas);
+    let first = |material, corner| match target == LightmapTarget::Any && !materials.is_textured(material) {
+        true => place(atlas, corner).to_array(),
+        false => uv(scene, corner),
+    };
+    let mut attributes = placed_attributes(scene, atlas, first);
     if target == LightmapTarget::Any && scene.alphas().is_empty() {
         // Tints multiply the albedo, which is in the image.
         attributes.retain(|attribute| attribute.name != "COLOR_0");
-    }
-    if target == LightmapTarget::Any {
-        let both = |material, corner| match materials.is_textured(material) {
-            true => scene.uvs()[vertex(scene, corner)].to_array(),
-            false => place(atlas, corner).to_array(),
-        };
-        let first = attributes.iter_mut().filter(|attribute| attribute.name == "TEXCOORD_0");
-        first.for_each(|attribute| *attribute = Attribute::new("TEXCOORD_0", both));
     }
     let mut extras = extras(scene, atlas);
     extras["lightmap"]["value"] = json!(meaning);

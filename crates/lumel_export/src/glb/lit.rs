@@ -1,7 +1,7 @@
 //! Scenes with light at their vertices.
 
 use super::material::{Appearance, Look, Materials, Shown};
-use super::primitive::{Attribute, Only, Primitive, Streams, split, tangents, tints, vertex};
+use super::primitive::{Attribute, Only, Primitive, Streams, split, tangents, tints, uv, vertex};
 use super::write;
 use crate::display::{factor_at, finite_irradiance, seen_radiance, white_radiance};
 use crate::{ColorScale, ExportError};
@@ -85,7 +85,7 @@ pub fn write_glb(
     };
     let materials =
         Materials::new(scene, &primitives, &look).map_err(|error| ExportError::io(path, error))?;
-    let uvs = Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array());
+    let uvs = Attribute::new("TEXCOORD_0", |_, corner| uv(scene, corner));
     let mut attributes = vec![
         Attribute::new("POSITION", |_, corner| scene.positions()[vertex(scene, corner)].to_array()),
         Attribute::new("NORMAL", |_, corner| scene.normals()[vertex(scene, corner)].to_array()),

@@ -63,6 +63,11 @@ pub(super) fn vertex(scene: &Scene, corner: u32) -> usize {
     scene.triangles()[corner as usize / 3][corner as usize % 3] as usize
 }
 
+/// The texture coordinates of the scene at a corner.
+pub(super) fn uv(scene: &Scene, corner: u32) -> [f32; 2] {
+    scene.uvs()[vertex(scene, corner)].to_array()
+}
+
 /// Where a corner is on its page, 0 to 1.
 pub(super) fn place(atlas: &Atlas, corner: u32) -> Vec2 {
     atlas.texture_coordinates(TriId(corner / 3))[corner as usize % 3]

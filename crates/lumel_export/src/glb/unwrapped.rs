@@ -2,10 +2,10 @@
 
 use super::lamps::LampPlace;
 use super::material::{Appearance, Look, Materials};
-use super::primitive::{Attribute, Primitive, Streams, place, split, tangents, tints, vertex};
+use super::primitive::{Attribute, Primitive, Streams, place, split, tangents, tints, uv, vertex};
 use super::write;
 use crate::ExportError;
-use lumel_scene::Scene;
+use lumel_scene::{MaterialId, Scene};
 use lumel_uv::Atlas;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -26,7 +26,7 @@ pub fn write_unwrapped_glb(path: &Path, scene: &Scene, atlas: &Atlas) -> Result<
     let look = Look { lamps: LampPlace::Unseen, ..Look::of(Appearance::Surfaces) };
     let materials =
         Materials::new(scene, &primitives, &look).map_err(|error| ExportError::io(path, error))?;
-    let attributes = placed_attributes(scene, atlas);
+    let attributes = placed_attributes(scene, atlas, |_, corner| uv(scene, corner));
     let extras = extras(scene, atlas);
     let streams = Streams { scene, materials: &materials, primitives: &primitives, attributes };
     write(path, &streams, extras)
@@ -49,8 +49,12 @@ pub(super) fn split_by_place(
     Ok(split(scene, Some(atlas)))
 }
 
-/// Geometry, tints and alphas where there are any, and both sets of texture coordinates.
-pub(super) fn placed_attributes<'a>(scene: &'a Scene, atlas: &'a Atlas) -> Vec<Attribute<'a>> {
+/// Geometry, tints and alphas where there are any, and both sets of texture coordinates, the first as given.
+pub(super) fn placed_attributes<'a>(
+    scene: &'a Scene,
+    atlas: &'a Atlas,
+    first: impl Fn(MaterialId, u32) -> [f32; 2] + 'a,
+) -> Vec<Attribute<'a>> {
     let mut attributes = vec![
         Attribute::new("POSITION", |_, corner| scene.positions()[vertex(scene, corner)].to_array()),
         Attribute::new("NORMAL", |_, corner| scene.normals()[vertex(scene, corner)].to_array()),
@@ -58,7 +62,7 @@ pub(super) fn placed_attributes<'a>(scene: &'a Scene, atlas: &'a Atlas) -> Vec<A
     attributes.extend(tints(scene));
     attributes.extend(tangents(scene));
     attributes.extend([
-        Attribute::new("TEXCOORD_0", |_, corner| scene.uvs()[vertex(scene, corner)].to_array()),
+        Attribute::new("TEXCOORD_0", first),
         Attribute::new("TEXCOORD_1", |_, corner| place(atlas, corner).to_array()),
     ]);
     attributes

@@ -95,7 +95,14 @@ fn one(quality: Quality, subject: &mut Subject<'_>, ui: &mut Ui, term: &Term, si
     };
     let emits = term.selection.is_none_or(Selection::is_all);
     let wanted = Thumbnail { index: term.index, selection, emits, size: pixels };
-    let shown = subject.stage.as_mut().and_then(|stage| stage.thumbnail(&showing, &wanted).ok().flatten());
+    let shown = match subject.stage.as_mut().map(|stage| stage.thumbnail(&showing, &wanted)) {
+        Some(Ok(None)) if session.document.is_some() => {
+            // It is drawn in the next frame.
+            ui.ctx().request_repaint();
+            None
+        }
+        shown => shown.and_then(Result::ok).flatten(),
+    };
     let painter = ui.painter();
     if let Some(shown) = &shown {
         // Texel by texel: between pixels it would be blurred.

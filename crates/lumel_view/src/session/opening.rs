@@ -104,6 +104,8 @@ impl Session {
     fn install(&mut self, document: Document, contents: Contents) {
         let reloaded = self.document.as_ref().is_some_and(|old| old.request.name == document.request.name);
         self.end_solve();
+        // What is still being read was meant for the scene before.
+        (self.loading, self.loading_sky) = (None, None);
         for warning in &document.warnings {
             self.notices.log(Level::Warning, warning.clone());
         }

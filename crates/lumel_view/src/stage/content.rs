@@ -80,6 +80,8 @@ impl Content {
         let is_done = |last: u32| light.as_ref().is_some_and(|l| (last as usize) < l.bounces.len());
         let version = match (side, selection) {
             (Side::Kept(_), _) | (_, Selection::NONE) => Version::Finished(0),
+            // The same until there is light.
+            _ if values == Values::Preview => Version::Finished(0),
             (Side::Current, Selection::Range(_, last)) if is_done(last) && values == Values::Light => {
                 Version::Finished(session.light.id)
             }

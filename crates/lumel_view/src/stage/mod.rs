@@ -181,6 +181,10 @@ impl Stage {
         std::mem::take(&mut self.problems.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
+    fn report(&self, problem: String) {
+        self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem);
+    }
+
     /// The device.
     pub fn gpu(&self) -> &Gpu {
         self.renderer.gpu()
@@ -226,7 +230,7 @@ impl Stage {
         self.fit_target(drawn.size, drawn.samples)?;
         self.fit_overlay(showing.marks);
         if let Err(problem) = self.sky.fill(&self.renderer, &drawn.sky) {
-            self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem.to_string());
+            self.report(problem.to_string());
         }
         let (Some(LoadedModel { model, .. }), Some(ShownTarget { target, shown })) =
             (&self.model, &self.target)
@@ -270,8 +274,8 @@ impl Stage {
 
     /// A small picture, drawn again if what it shows has changed.
     ///
-    /// While something moves or a solve runs, only new content is drawn: the processor's time belongs to the large
-    /// picture and to the solve.
+    /// While something moves or a solve runs, only new content is drawn, and not in the first frame that asks for it: the
+    /// processor's time belongs to the large picture and to the solve. `None` if nothing was drawn yet.
     ///
     /// # Errors
     /// As [`Stage::show`].
@@ -286,7 +290,7 @@ impl Stage {
         let Some(LoadedModel { model, .. }) = model else { return Ok(None) };
         let canvas =
             Canvas { state, blit, renderer, model, scene: &document.scene, backdrop: sky.backdrop() };
-        strip.thumbnail(&canvas, showing, wanted).map(Some)
+        strip.thumbnail(&canvas, showing, wanted)
     }
 
     /// The picture as it was drawn last.
@@ -383,7 +387,7 @@ impl Stage {
         let content = PointContent::new(session, view).filter(|_| left.is_light())?;
         let light = session.light.points.as_ref()?;
         if let Err(problem) = ShownPoints::fill(&mut self.points, &self.renderer, light, &content) {
-            self.problems.lock().unwrap_or_else(PoisonError::into_inner).push(problem);
+            self.report(problem);
         }
         self.points.as_ref()?.buffer().map(|_| content)
     }

@@ -59,9 +59,19 @@ struct Cell {
     picture: ShownPicture,
     buffer: LightBuffer,
     content: Option<Content>,
+    /// What was last to be shown.
+    asked: Option<Content>,
     drawn: Option<DrawnThumbnail>,
     /// How many stops brighter this content is shown than all light.
     brighter: Option<(Content, f32)>,
+}
+
+impl Cell {
+    /// What there is; `None` before anything was drawn.
+    fn shown(&self) -> Option<ShownThumbnail> {
+        let (Some(_), Some((_, brighter))) = (&self.drawn, self.brighter) else { return None };
+        Some(ShownThumbnail { picture: self.picture.clone(), brighter })
+    }
 }
 
 /// All that a small picture depends on.
@@ -74,23 +84,35 @@ struct DrawnThumbnail {
 }
 
 impl Strip {
-    /// A small picture: see [`Stage::thumbnail`](super::Stage::thumbnail).
+    /// A small picture: see [`Stage::thumbnail`](super::Stage::thumbnail). `None` if there is none yet.
     pub(super) fn thumbnail(
         &mut self,
         canvas: &Canvas<'_>,
         showing: &Showing<'_>,
         wanted: &Thumbnail,
-    ) -> Result<ShownThumbnail, RenderError> {
+    ) -> Result<Option<ShownThumbnail>, RenderError> {
         let session = showing.session;
         if session.is_light_in_motion()
-            && let Some(cell) = self.cells.get(wanted.index)
-            && let (Some(_), Some((_, brighter))) = (&cell.drawn, cell.brighter)
+            && let Some(shown) = self.cells.get(wanted.index).and_then(Cell::shown)
         {
             // All of them change with each step of the hand; they are drawn when it rests.
-            return Ok(ShownThumbnail { picture: cell.picture.clone(), brighter });
+            return Ok(Some(shown));
         }
         let selection = wanted.selection.unwrap_or(Selection::NONE);
         let content = Content::of_mode(session, Side::Current, ViewMode::FalseColor, selection);
+        while self.cells.len() <= wanted.index {
+            let target = canvas.renderer.target(wanted.size, Samples::One)?;
+            let picture = canvas.blit.shown(canvas.state, target.view());
+            let buffer = canvas.renderer.light(canvas.model);
+            let (asked, drawn) = (None, None);
+            self.cells.push(Cell { target, picture, buffer, content: None, asked, drawn, brighter: None });
+        }
+        let cell = &mut self.cells[wanted.index];
+        let is_new = cell.asked.replace(content) != Some(content);
+        if is_new && showing.quality == Quality::Live {
+            // The large picture has something new to show, and that comes first.
+            return Ok(cell.shown());
+        }
         let lamps = drawn(&session.lights);
         // That of all light, whichever bounces the large picture shows.
         let all = Content::of_mode(session, Side::Current, ViewMode::FalseColor, Selection::All);
@@ -99,13 +121,6 @@ impl Strip {
         }
         let base = if showing.view.auto_exposure { self.exposure.stops } else { showing.view.stops };
         let lamps = if wanted.emits { lamps } else { Vec::new() };
-        while self.cells.len() <= wanted.index {
-            let target = canvas.renderer.target(wanted.size, Samples::One)?;
-            let picture = canvas.blit.shown(canvas.state, target.view());
-            let buffer = canvas.renderer.light(canvas.model);
-            self.cells.push(Cell { target, picture, buffer, content: None, drawn: None, brighter: None });
-        }
-        let cell = &mut self.cells[wanted.index];
         if cell.target.size() != wanted.size {
             cell.target = canvas.renderer.target(wanted.size, Samples::One)?;
             cell.picture = canvas.blit.shown(canvas.state, cell.target.view());
@@ -133,7 +148,7 @@ impl Strip {
             (Some(old), Quality::Still) => *old == drawn,
         };
         if is_current {
-            return Ok(ShownThumbnail { picture: cell.picture.clone(), brighter });
+            return Ok(cell.shown());
         }
         if cell.content != Some(content) {
             let values = content.values(session).unwrap_or_default();
@@ -157,6 +172,6 @@ impl Strip {
         };
         canvas.renderer.draw(&cell.target, &frame);
         cell.drawn = Some(drawn);
-        Ok(ShownThumbnail { picture: cell.picture.clone(), brighter })
+        Ok(cell.shown())
     }
 }

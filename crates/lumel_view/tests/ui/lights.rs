@@ -7,6 +7,7 @@ use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers, PointerButton, vec2};
 use glam::{Vec2, Vec3};
 use lumel::LightKind;
+use lumel_view::document::OpenRequest;
 use lumel_view::lights::EditLight;
 
 const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..CTRL };
@@ -340,6 +341,22 @@ fn an_image_of_the_sky_is_loaded_turned_saved_and_restored() {
     window.click("Restore");
     window.wait_for_files();
     assert_eq!(*image(&mut window), *dimmed);
+}
+
+#[test]
+fn a_sky_that_is_still_being_read_does_not_light_the_next_scene() {
+    let Some(mut window) = room() else { return };
+    let file = window.file("noon.png");
+    // Takes longer than opening the scene.
+    image::RgbImage::from_fn(4096, 2048, |x, y| image::Rgb([x as u8, y as u8, (x * y) as u8]))
+        .save(&file)
+        .unwrap();
+    window.session().load_sky(&file);
+    window.session().open(OpenRequest::new("cornell-box"));
+    window.wait_until("the scene", |app| !app.session.is_opening());
+    assert_eq!(window.session().background_work(), None);
+    window.wait_for_files();
+    assert!(window.session().sky.sky.is_zero());
 }
 
 #[test]
