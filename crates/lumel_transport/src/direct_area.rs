@@ -26,7 +26,7 @@ pub(crate) struct AreaSites<'a> {
 }
 
 /// Samples that are looked at together at most: what is prepared of a light for each of them stays in the cache.
-const GROUP: usize = 1024;
+pub(crate) const GROUP: usize = 1024;
 
 impl<'a> AreaSites<'a> {
     fn samples(&self) -> usize {

@@ -48,11 +48,27 @@ impl LitSites<'_> {
     /// The site of a sample of an element and its place among all sums; `None` for what lies inside geometry.
     fn at(&self, element: usize, slot: u32) -> Option<(usize, &Site)> {
         match self {
-            Self::Points { sites, .. } => Some((element, &sites[element])),
+            Self::Points { .. } => Some((element, self.site(element)?)),
             Self::Areas(area) => {
                 let at = area.at(element, slot);
-                Some((at, area.sites[at].as_ref()?))
+                Some((at, self.site(at)?))
             }
+        }
+    }
+
+    /// How many places have sums of their own.
+    fn places(&self) -> usize {
+        match self {
+            Self::Points { sites, .. } => sites.len(),
+            Self::Areas(area) => area.sites.len(),
+        }
+    }
+
+    /// The site at a place; `None` for what lies inside geometry.
+    fn site(&self, at: usize) -> Option<&Site> {
+        match self {
+            Self::Points { sites, .. } => Some(&sites[at]),
+            Self::Areas(area) => area.sites[at].as_ref(),
         }
     }
 
@@ -81,10 +97,7 @@ impl LitSites<'_> {
     }
 
     fn normal(&self, at: usize) -> Vec3 {
-        match self {
-            Self::Points { sites, .. } => sites[at].frame.normal,
-            Self::Areas(area) => area.sites[at].as_ref().map_or(Vec3::ZERO, |site| site.frame.normal),
-        }
+        self.site(at).map_or(Vec3::ZERO, |site| site.frame.normal)
     }
 }
 
@@ -167,6 +180,11 @@ impl Direct<'_> {
         (points, batch): (&mut LightPoints, &mut Batch),
         moments: &mut Moments,
     ) -> usize {
+        let views: Vec<Option<LightView<'_>>> =
+            (0..sites.places()).map(|at| self.view(l, sites.site(at)?, 1.0)).collect();
+        if views.iter().all(Option::is_none) {
+            return 0;
+        }
         let mut betas = vec![0.0; sites.elements()];
         let mut n_rays = 0;
         let has_closed_form =
@@ -174,61 +192,51 @@ impl Direct<'_> {
         if has_closed_form {
             let pilot = self.pilot_samples(sites.samples());
             let sampler = self.plan.sampler.for_count(pilot);
-            self.add_rays_to(l, sites, pilot, (&mut *points, &mut *batch), |key| {
+            add_rays_to(&views, sites, pilot, (&mut *points, &mut *batch), |key| {
                 sampler.stream(key, Dim::LightPilot(l as u32))
             });
             n_rays += self.visible_shares(batch, |at| sites.element(at), &mut betas);
             for (element, &share) in betas.iter().enumerate() {
-                self.add_unblocked(l, sites, (element, share), moments);
+                add_unblocked(&views, sites, (element, share), moments);
             }
         }
         let samples = sites.samples();
-        self.add_rays_to(l, sites, samples, (points, &mut *batch), |key| {
+        add_rays_to(&views, sites, samples, (points, &mut *batch), |key| {
             self.plan.stream(samples, key, Dim::Light(l as u32))
         });
         n_rays + self.add_moments(sites, batch, |element| betas[element], moments)
     }
+}
 
-    /// Adds the closed form of a light, times a share, at the sites of an element.
-    fn add_unblocked(
-        &self,
-        l: usize,
-        sites: &LitSites<'_>,
-        (element, share): (usize, f64),
-        moments: &mut Moments,
-    ) {
-        for slot in (0..sites.distinct()).filter(|_| share > 0.0) {
-            let Some((at, site)) = sites.at(element, slot) else { continue };
-            let view = self.view(l, site, 1.0);
-            if let Some((radiance, unit)) = view.and_then(|view| view.unblocked_moments()) {
-                moments.add(at, &unit, radiance * share);
-            }
+/// Adds the closed form of a light, as each place sees it, times a share at the sites of an element.
+fn add_unblocked(
+    views: &[Option<LightView<'_>>],
+    sites: &LitSites<'_>,
+    (element, share): (usize, f64),
+    moments: &mut Moments,
+) {
+    for slot in (0..sites.distinct()).filter(|_| share > 0.0) {
+        let Some((at, _)) = sites.at(element, slot) else { continue };
+        if let Some((radiance, unit)) = views[at].as_ref().and_then(LightView::unblocked_moments) {
+            moments.add(at, &unit, radiance * share);
         }
     }
+}
 
-    /// Adds to the batch one shadow ray of each of so many samples to one light.
-    fn add_rays_to(
-        &self,
-        l: usize,
-        sites: &LitSites<'_>,
-        samples: u32,
-        (points, batch): (&mut LightPoints, &mut Batch),
-        stream: impl Fn(StreamKey) -> Stream,
-    ) {
-        for element in 0..sites.elements() {
-            batch.begin_element();
-            let mut view: Option<(usize, Option<LightView<'_>>)> = None;
-            for (slot, &u) in (0..).zip(points.fill(&stream(sites.key(element)), samples)) {
-                let Some((at, site)) = sites.at(element, slot) else { continue };
-                // At points, all samples see the light from the same site.
-                if view.as_ref().is_none_or(|(of, _)| *of != at) {
-                    view = Some((at, self.view(l, site, 1.0)));
-                }
-                if let Some((_, Some(view))) = &view
-                    && let Some(sample) = view.sample(u)
-                {
-                    batch.add(site, sample.target, (slot, at), sample.facing() * sites.share());
-                }
+/// Adds to the batch one shadow ray of each of so many samples to a light, as each place sees it.
+fn add_rays_to(
+    views: &[Option<LightView<'_>>],
+    sites: &LitSites<'_>,
+    samples: u32,
+    (points, batch): (&mut LightPoints, &mut Batch),
+    stream: impl Fn(StreamKey) -> Stream,
+) {
+    for element in 0..sites.elements() {
+        batch.begin_element();
+        for (slot, &u) in (0..).zip(points.fill(&stream(sites.key(element)), samples)) {
+            let Some((at, site)) = sites.at(element, slot) else { continue };
+            if let Some(sample) = views[at].as_ref().and_then(|view| view.sample(u)) {
+                batch.add(site, sample.target, (slot, at), sample.facing() * sites.share());
             }
         }
     }

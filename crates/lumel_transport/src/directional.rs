@@ -5,7 +5,7 @@ use crate::area_pattern::{AreaChunk, AreaPatterns};
 use crate::arrivals::Arrivals;
 use crate::cached::{AreaRows, CachedTransport, ChunkRows, DIRECTIONAL_PASS, Stored};
 use crate::cached_area::measured;
-use crate::direct_area::AreaSites;
+use crate::direct_area::{AreaSites, GROUP};
 use crate::direct_moments::LitSites;
 use crate::ends::RayEnd;
 use crate::group::Group;
@@ -62,15 +62,18 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
         job: &Job<'_>,
         chunk: u32,
         patterns: Option<&Patterns>,
+        scratch: &mut Scratch,
         control: &Control,
     ) -> Result<Sums, TransportError> {
         control.check()?;
         let stores = self.stores_rays && job.pass == DIRECTIONAL_PASS;
         let rows = if stores { Some(self.cached.chunk_rows(chunk, control)?) } else { None };
         let sums = match (patterns, rows) {
-            (None, rows) => self.at_points(job, chunk, rows, control)?,
-            (Some(patterns), None) => self.over_areas(job, chunk, patterns, control)?,
-            (Some(patterns), Some(rows)) => self.on_area_rows(job, (patterns, chunk), rows, control)?,
+            (None, rows) => self.at_points(job, (chunk, rows), scratch, control)?,
+            (Some(patterns), None) => self.over_areas(job, (patterns, chunk), scratch, control)?,
+            (Some(patterns), Some(rows)) => {
+                self.on_area_rows(job, (patterns, chunk, rows), scratch, control)?
+            }
         };
         control.count(self.cached.inner.elements(chunk).len() as u64, 0);
         Ok(sums)
@@ -79,20 +82,20 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
     fn at_points(
         &self,
         job: &Job<'_>,
-        chunk: u32,
-        rows: Option<ChunkRows<'_>>,
+        (chunk, rows): (u32, Option<ChunkRows<'_>>),
+        scratch: &mut Scratch,
         control: &Control,
     ) -> Result<Sums, TransportError> {
         let op = &self.cached.inner;
         let elements = op.active(job, chunk);
         let group = Group::new(&*op.receivers, &elements);
-        let mut moments = Moments::new(self.kind, group.len());
+        let Rest { points, batch, moments, rays: ray_scratch, .. } = &mut scratch.rest;
+        moments.reset(self.kind, group.len());
         if let Source::Emitters(mask) = job.source {
             let keys: Vec<StreamKey> = elements.iter().map(|&element| op.key(job, element)).collect();
             let samples = op.plan.sampler.sample_count(op.plan.direct_samples);
             let sites = LitSites::Points { sites: &group.sites, keys: &keys, samples };
-            let scratch = (&mut LightPoints::default(), &mut Batch::default());
-            measure::direct(op, mask, control).moments(&sites, scratch, &mut moments)?;
+            measure::direct(op, mask, control).moments(&sites, (points, batch), moments)?;
         }
         if measure::needs_hemisphere(op, job.source) {
             let per_element = op.plan.samples(op.plan.indirect_samples, Sampling::Point, 0);
@@ -101,7 +104,7 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
                 Some(_) => self.cached.row_key(element),
                 None => op.key(job, element),
             };
-            let mut reader = Arriving::new(op, job.source);
+            let mut reader = Arriving::new(op, job.source, ray_scratch);
             reader.set_points(&group, rays, key);
             let mut next = vec![0; group.len()];
             let mut add = |i: usize, end: &RayEnd| {
@@ -127,24 +130,25 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
     fn over_areas(
         &self,
         job: &Job<'_>,
-        chunk: u32,
-        patterns: &Patterns,
+        (patterns, chunk): (&Patterns, u32),
+        scratch: &mut Scratch,
         control: &Control,
     ) -> Result<Sums, TransportError> {
         let op = &self.cached.inner;
         let elements = op.active(job, chunk);
-        let mut found = self.none_of(elements.len());
+        let Scratch { found, rest: scratch } = scratch;
+        found.reset(self.kind, elements.len(), patterns);
         let all: Vec<usize> = (0..elements.len()).collect();
         for part in patterns.lights.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
             let area = AreaChunk::new(&elements, &part, |element| op.key(job, element));
             let ends = trace::over_areas(op, &area, control)?;
             let is_outside = |i: usize, number| ends[area.place(i, number)].is_some();
-            self.add_lights(job.source, (&area, &all), &is_outside, &mut found, control)?;
+            self.add_lights(job.source, (&area, &all), &is_outside, (found, scratch), control)?;
         }
         for part in patterns.rays.iter().flat_map(|patterns| patterns.parts(&op.order, chunk)) {
             let area = AreaChunk::new(&elements, &part, |element| op.key(job, element));
             let ends = trace::over_areas(op, &area, control)?;
-            self.add_rays(job.source, (&area, &all), |at| ends[at], &mut found);
+            self.add_rays(job.source, (&area, &all), |at| ends[at], (found, scratch));
         }
         Ok(found.sums())
     }
@@ -153,12 +157,13 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
     fn on_area_rows(
         &self,
         job: &Job<'_>,
-        (patterns, chunk): (&Patterns, u32),
-        rows: ChunkRows<'_>,
+        (patterns, chunk, rows): (&Patterns, u32, ChunkRows<'_>),
+        scratch: &mut Scratch,
         control: &Control,
     ) -> Result<Sums, TransportError> {
         let op = &self.cached.inner;
-        let mut found = self.none_of(rows.elements.len());
+        let Scratch { found, rest: scratch } = scratch;
+        found.reset(self.kind, rows.elements.len(), patterns);
         let measured = measured(job, rows);
         let Some(AreaRows { rays, lights, .. }) = &self.cached.areas else { return Ok(Sums::default()) };
         let mut lights = lights.as_ref().map(|lights| lights.parts(&op.order, chunk));
@@ -170,18 +175,13 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
             if let Some(lights) = &lights {
                 let lit = AreaChunk::new(rows.elements, lights, |element| op.key(job, element));
                 let is_outside = |i: usize, number| end(area.place(i, number)).is_some();
-                self.add_lights(job.source, (&lit, &measured), &is_outside, &mut found, control)?;
+                self.add_lights(job.source, (&lit, &measured), &is_outside, (found, scratch), control)?;
             }
             if patterns.rays.is_some() {
-                self.add_rays(job.source, (&area, &measured), end, &mut found);
+                self.add_rays(job.source, (&area, &measured), end, (found, scratch));
             }
         }
         Ok(found.sums())
-    }
-
-    fn none_of(&self, elements: usize) -> Found {
-        let none = || vec![ElementSums::some(elements); self.kind.channels()];
-        Found { by_lights: none(), by_rays: none() }
     }
 
     /// Adds what arrives along the rays of each element.
@@ -190,11 +190,11 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
         source: Source<'_>,
         (area, elements): (&AreaChunk<'_>, &[usize]),
         end: impl Fn(usize) -> Option<RayEnd>,
-        found: &mut Found,
+        (found, scratch): (&mut Found, &mut Rest),
     ) {
         let (op, lanes) = (&self.cached.inner, area.elements.len());
-        let mut reader = Arriving::new(op, source);
-        let mut arrived = Vec::with_capacity(area.pattern.len() as usize);
+        let Rest { rays, arrived, .. } = scratch;
+        let mut reader = Arriving::new(op, source, rays);
         for &i in elements {
             reader.set_area(area, i);
             arrived.clear();
@@ -213,45 +213,89 @@ impl<B: Basis, R: Receivers + 'static> DirectionalTransport<B, R> {
         source: Source<'_>,
         (area, elements): (&AreaChunk<'_>, &[usize]),
         is_outside: &dyn Fn(usize, u32) -> bool,
-        found: &mut Found,
+        (found, scratch): (&mut Found, &mut Rest),
         control: &Control,
     ) -> Result<(), TransportError> {
         let Source::Emitters(mask) = source else { return Ok(()) };
         let op = &self.cached.inner;
-        let samples = area.pattern.len();
-        let mut sites: Vec<Option<Site>> = Vec::with_capacity(elements.len() * samples as usize);
-        let (mut all, mut keys) = (Vec::with_capacity(samples as usize), Vec::new());
-        for &i in elements {
-            op.receivers.sites(area.elements[i], area.pattern.places(), &mut all);
-            let outside = |(number, site)| is_outside(i, number).then_some(site);
-            sites.extend((0..).zip(all.drain(..)).map(outside));
-            keys.push(area.keys[i]);
-        }
-        let mut moments = Moments::new(self.kind, sites.len());
-        let lit = AreaSites { sites: &sites, keys: &keys, pattern: area.pattern };
-        let scratch = (&mut LightPoints::default(), &mut Batch::default());
-        measure::direct(op, mask, control).moments(&LitSites::Areas(&lit), scratch, &mut moments)?;
-        for (k, &i) in elements.iter().enumerate() {
-            measure::add_channels(op, area, i, &mut found.by_lights, |slot, channel| {
-                let at = lit.at(k, slot);
-                let value = || moments.of(at)[channel].as_vec3().extend(1.0);
-                sites[at].as_ref().map_or(Vec4::ZERO, |_| value())
-            });
+        let Rest { points, batch, moments, all, sites, keys, .. } = scratch;
+        for elements in elements.chunks((GROUP / area.pattern.len() as usize).max(1)) {
+            sites.clear();
+            keys.clear();
+            for &i in elements {
+                op.receivers.sites(area.elements[i], area.pattern.places(), all);
+                let outside = |(number, site)| is_outside(i, number).then_some(site);
+                sites.extend((0..).zip(all.drain(..)).map(outside));
+                keys.push(area.keys[i]);
+            }
+            moments.reset(self.kind, sites.len());
+            let lit = AreaSites { sites, keys, pattern: area.pattern };
+            let direct = measure::direct(op, mask, control);
+            direct.moments(&LitSites::Areas(&lit), (&mut *points, &mut *batch), moments)?;
+            for (k, &i) in elements.iter().enumerate() {
+                measure::add_channels(op, area, i, &mut found.by_lights, |slot, channel| {
+                    let at = lit.at(k, slot);
+                    let value = || moments.of(at)[channel].as_vec3().extend(1.0);
+                    lit.sites[at].as_ref().map_or(Vec4::ZERO, |_| value())
+                });
+            }
         }
         Ok(())
     }
 }
 
-/// What was found of some elements, by channel.
+/// Memory that is kept from one chunk to the next.
+#[derive(Default)]
+struct Scratch {
+    found: Found,
+    rest: Rest,
+}
+
+/// What measuring takes beside what is found.
+#[derive(Default)]
+struct Rest {
+    points: LightPoints,
+    batch: Batch,
+    moments: Moments,
+    /// The sites of an element.
+    all: Vec<Site>,
+    /// Those of some elements that lie outside geometry, with what names their streams.
+    sites: Vec<Option<Site>>,
+    keys: Vec<(StreamKey, u32)>,
+    rays: RayScratch,
+    arrived: Vec<Arrived>,
+}
+
+/// That of hemisphere rays.
+#[derive(Default)]
+struct RayScratch {
+    cells: CellOrder,
+    sites: Vec<Site>,
+    /// The normal at the site of each ray, and its direction.
+    rays: Vec<[Vec3; 2]>,
+}
+
+/// What was found of some elements, by channel; nothing by what is not asked.
+#[derive(Default)]
 struct Found {
     by_lights: Vec<Vec<ElementSums>>,
     by_rays: Vec<Vec<ElementSums>>,
 }
 
 impl Found {
+    /// Nothing yet, in the memory that there is.
+    fn reset(&mut self, kind: Directional, elements: usize, patterns: &Patterns) {
+        for (sums, patterns) in [(&mut self.by_lights, &patterns.lights), (&mut self.by_rays, &patterns.rays)]
+        {
+            sums.resize_with(patterns.as_ref().map_or(0, |_| kind.channels()), Vec::new);
+            sums.iter_mut().for_each(|sums| ElementSums::reset(sums, elements));
+        }
+    }
+
     /// An entry for each node of each element: the mean of what lights and rays bring.
-    fn sums(mut self) -> Sums {
-        if self.by_lights[0].iter().all(ElementSums::is_empty) {
+    fn sums(&mut self) -> Sums {
+        let no_lights = || self.by_lights.iter().flatten().all(ElementSums::is_empty);
+        if !self.by_rays.is_empty() && no_lights() {
             return Sums::of_channels(&self.by_rays);
         }
         for (sums, by_rays) in self.by_lights.iter_mut().zip(&self.by_rays) {
@@ -282,25 +326,24 @@ struct Arriving<'a, B, R> {
     op: &'a CpuTransport<B, R>,
     reader: Reader<'a, B, R>,
     arrivals: Option<Arrivals<'a>>,
-    cells: CellOrder,
-    /// The normal at the site of each ray, and its direction.
-    rays: Vec<[Vec3; 2]>,
+    scratch: &'a mut RayScratch,
 }
 
 impl<'a, B: Basis, R: Receivers> Arriving<'a, B, R> {
-    fn new(op: &'a CpuTransport<B, R>, source: Source<'a>) -> Self {
+    fn new(op: &'a CpuTransport<B, R>, source: Source<'a>, scratch: &'a mut RayScratch) -> Self {
         let (reader, arrivals) = (Reader::new(op, source), Arrivals::new(op, source));
-        Self { op, reader, arrivals, cells: CellOrder::default(), rays: Vec::new() }
+        Self { op, reader, arrivals, scratch }
     }
 
     /// Takes the rays of [`trace::at_points`], element by element.
     fn set_points(&mut self, group: &Group, rays: Rays, key: impl Fn(ElementId) -> StreamKey + Copy) {
-        self.rays.clear();
+        let scratch = &mut *self.scratch;
+        scratch.rays.clear();
         for (&element, site) in group.elements.iter().zip(&group.sites) {
             let stream = self.op.plan.stream(rays.per_element, key(element), rays.dim);
-            let points = self.cells.points(&stream, rays.per_element);
+            let points = scratch.cells.points(&stream, rays.per_element);
             let ray = |&u| [site.frame.normal, self.op.density.direction(site, u)];
-            self.rays.extend(points.iter().map(ray));
+            scratch.rays.extend(points.iter().map(ray));
         }
         if let Some(arrivals) = &mut self.arrivals {
             arrivals.set_points(self.op, group, rays, key);
@@ -310,12 +353,13 @@ impl<'a, B: Basis, R: Receivers> Arriving<'a, B, R> {
     /// Takes the rays of [`trace::over_areas`] of element `i`, slot by slot.
     fn set_area(&mut self, area: &AreaChunk<'_>, i: usize) {
         let (samples, (key, turn)) = (area.pattern.len(), area.keys[i]);
-        let mut sites = Vec::with_capacity(samples as usize);
-        self.op.receivers.sites(area.elements[i], area.pattern.places(), &mut sites);
+        let RayScratch { cells, sites, rays } = &mut *self.scratch;
+        sites.clear();
+        self.op.receivers.sites(area.elements[i], area.pattern.places(), sites);
         let stream = self.op.plan.stream(samples, key, Dim::Hemisphere);
-        let points = (0..).zip(self.cells.points(&stream, samples));
-        self.rays.clear();
-        self.rays.extend(points.map(|(slot, &u)| {
+        let points = (0..).zip(cells.points(&stream, samples));
+        rays.clear();
+        rays.extend(points.map(|(slot, &u)| {
             let site = &sites[area.pattern.number(slot, turn) as usize];
             [site.frame.normal, self.op.density.direction(site, u)]
         }));
@@ -327,7 +371,7 @@ impl<'a, B: Basis, R: Receivers> Arriving<'a, B, R> {
     /// What ray number `at` brings if it ends there: what it counts in each channel, and the irradiance of a surface that
     /// faces it, divided by its density.
     fn arrived(&mut self, at: usize, end: &RayEnd) -> Arrived {
-        let [normal, direction] = self.rays[at];
+        let [normal, direction] = self.scratch.rays[at];
         let arriving = self.arrivals.as_ref().map_or(DVec3::ZERO, |arrivals| arrivals.arriving(at, end));
         let by_cosine = (self.reader.read(end) + arriving).as_vec3();
         if by_cosine == Vec3::ZERO {
@@ -378,8 +422,8 @@ impl<B: Basis, R: Receivers + 'static> Transport for DirectionalTransport<B, R> 
         let op = &self.cached.inner;
         let is_over_areas = op.receivers.sampling() == Sampling::Area;
         let patterns = is_over_areas.then(|| Patterns::new(op, job));
-        scattered(chunks).into_par_iter().try_for_each(|chunk| {
-            sink.accept(chunk, self.measure_chunk(job, chunk, patterns.as_ref(), control)?);
+        scattered(chunks).into_par_iter().try_for_each_init(Scratch::default, |scratch, chunk| {
+            sink.accept(chunk, self.measure_chunk(job, chunk, patterns.as_ref(), scratch, control)?);
             Ok(())
         })
     }

@@ -13,6 +13,7 @@ pub(crate) fn factors(normal: Vec3, direction: Vec3) -> [f32; 1 + HARMONICS] {
 }
 
 /// Sums in all channels at some places.
+#[derive(Default)]
 pub(crate) struct Moments {
     channels: usize,
     /// Place by place.
@@ -20,10 +21,11 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Darkness.
-    pub(crate) fn new(kind: Directional, places: usize) -> Self {
-        let channels = kind.channels();
-        Self { channels, values: vec![DVec3::ZERO; channels * places] }
+    /// Makes them darkness, in the memory that they have.
+    pub(crate) fn reset(&mut self, kind: Directional, places: usize) {
+        self.channels = kind.channels();
+        self.values.clear();
+        self.values.resize(self.channels * places, DVec3::ZERO);
     }
 
     /// Adds light that counts as `factors` say and brings `facing` to a surface that faces it, W·m⁻².

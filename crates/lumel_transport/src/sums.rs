@@ -76,9 +76,10 @@ impl Sums {
 
     /// An entry for each node of each element, of sums by channel of the same measurements.
     pub(crate) fn of_channels(channels: &[Vec<ElementSums>]) -> Self {
-        let mut all = Self::of_elements(&channels[0], false);
+        let Some(first) = channels.first() else { return Self::default() };
+        let mut all = Self::of_elements(first, false);
         all.values = Vec::with_capacity(channels.len() * all.len());
-        for (element, sums) in channels[0].iter().enumerate() {
+        for (element, sums) in first.iter().enumerate() {
             for entry in 0..sums.0.len() {
                 all.values.extend(channels.iter().map(|sums| sums[element].0[entry].2));
             }
@@ -129,7 +130,13 @@ impl ElementSums {
 
     /// Empty sums of so many elements.
     pub(crate) fn some(elements: usize) -> Vec<Self> {
-        vec![Self::default(); elements]
+        std::iter::repeat_with(Self::default).take(elements).collect()
+    }
+
+    /// Makes some the empty sums of so many elements, in the memory that they have.
+    pub(crate) fn reset(some: &mut Vec<Self>, elements: usize) {
+        some.iter_mut().for_each(|sums| sums.0.clear());
+        some.resize_with(elements, Self::default);
     }
 }
 
