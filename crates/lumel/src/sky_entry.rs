@@ -122,7 +122,7 @@ impl SkyEntry {
     }
 }
 
-/// A sky: `r,g,b`, or `gradient zenith=r,g,b horizon=r,g,b ground=r,g,b` with the last optional, or the path of an image,
+/// A sky: `r,g,b` or one number for all, or `gradient zenith=r,g,b horizon=r,g,b ground=r,g,b` with the last optional, or the path of an image,
 /// which may be followed by `rotation=degrees` and `strength=factor`.
 pub(crate) fn parse(text: &str) -> Result<SkyEntry, SpecError> {
     let text = text.trim();
@@ -178,6 +178,7 @@ mod tests {
     fn skies_are_colours_gradients_or_files() {
         let color = parse("0.1, 0.2,3").unwrap();
         assert_eq!(color, SkyEntry::Color(Vec3::new(0.1, 0.2, 3.0)));
+        assert_eq!(parse("0.5"), Ok(SkyEntry::Color(Vec3::splat(0.5))));
         let SkyEntry::Gradient(gradient) = parse("gradient zenith=1,2,3 horizon=4,5,6").unwrap() else {
             panic!("it is a gradient")
         };

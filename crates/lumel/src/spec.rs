@@ -65,7 +65,7 @@ pub fn light(text: &str) -> Result<LightEntry, SpecError> {
     entry.light().map(|_| entry)
 }
 
-/// A sky: `r,g,b`, `gradient zenith=r,g,b horizon=r,g,b ground=r,g,b` with the last optional, or the path of an
+/// A sky: `r,g,b` or one number for all, `gradient zenith=r,g,b horizon=r,g,b ground=r,g,b` with the last optional, or the path of an
 /// equirectangular image, which may be followed by `rotation=degrees` and `strength=factor`.
 ///
 /// # Errors
@@ -135,12 +135,12 @@ fn three<T: Copy>(text: &str, number: impl Fn(&str) -> Result<T, SpecError>) -> 
     }
 }
 
-/// Three finite numbers, none of them negative: `r,g,b`.
+/// Three finite numbers, none of them negative: `r,g,b`, or one for all.
 ///
 /// # Errors
 /// Any other text.
 pub fn color(text: &str) -> Result<Vec3, SpecError> {
-    let color = vector(text)?;
+    let color = if text.contains(',') { vector(text)? } else { Vec3::splat(number(text)?) };
     if color.min_element() < 0.0 { problem("light cannot be negative") } else { Ok(color) }
 }
 

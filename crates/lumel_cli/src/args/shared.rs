@@ -24,7 +24,7 @@ pub(crate) struct SceneArgs {
 
     /// Light from outside the scene: a colour R,G,B, a gradient or an image; replaces the sky of the scene.
     ///
-    /// R,G,B is the radiance from all directions, W/(m² sr).
+    /// R,G,B is the radiance from all directions, W/(m² sr); one number stands for all three.
     ///
     /// 'gradient zenith=R,G,B horizon=R,G,B ground=R,G,B' changes linearly with the sine of the elevation; +Y is up. The
     /// ground is as the horizon by default.
@@ -73,7 +73,7 @@ fn light_help() -> String {
     }
     help + "\n\nLengths are in metres, angles in degrees. A light faces a direction=X,Y,Z or the point toward=X,Y,Z. A rect \
         may have u=X,Y,Z and v=X,Y,Z, half of each edge, instead of its size=W,H; it then emits towards u × v. radiance \
-        is in W/(m² sr), intensity in W/sr, irradiance in W/m² on a surface that faces the sun. A point with a radius is \
+        is in W/(m² sr), intensity in W/sr, irradiance in W/m² on a surface that faces the sun; one number stands for R,G,B. A point with a radius is \
         a sphere, whose intensity is that from afar. A spot fades from inner to outer, angles from its axis (default 0 \
         and 45). range, optional for a point and a spot, is where it ends. angle is the diameter of the sun (default \
         0.53; 0 for sharp shadows). name=TEXT, without spaces, is optional."

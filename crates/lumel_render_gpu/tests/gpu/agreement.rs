@@ -48,7 +48,12 @@ fn all_that_a_scene_can_have_looks_as_on_the_cpu() {
 
 #[test]
 fn skies_look_as_on_the_cpu() {
-    let subject = scenes::everything();
+    for subject in [scenes::everything(), scenes::far_open_box()] {
+        skies_agree(&subject);
+    }
+}
+
+fn skies_agree(subject: &Subject) {
     let texels: Vec<[f32; 3]> = (0..64 * 32)
         .map(|i| [(i % 64) as f32 / 32.0, (i / 64) as f32 / 16.0, (i % 7) as f32 / 7.0])
         .collect();

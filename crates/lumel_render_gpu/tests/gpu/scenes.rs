@@ -1,13 +1,14 @@
 //! Scenes to draw.
 
 use crate::common::Subject;
-use glam::{Vec2, Vec3};
+use glam::{EulerRot, Quat, Vec2, Vec3};
 use lumel::{Baker, BounceLimit, Control, Settings, Silent, SolveState};
 use lumel_scene::{
     Camera, Encoding, Light, Material, MaterialId, NormalMap, ObjectMesh, Radiance, RectLight, Scene,
     SceneBuilder, Sides, Texture, TextureId, TextureRef, UvTransform, Wrap,
 };
 use lumel_testkit::mesh::{Facing, quad, sphere};
+use lumel_testkit::scene::placed;
 use std::sync::{Arc, LazyLock};
 
 /// The Cornell box, baked with few samples.
@@ -28,6 +29,23 @@ pub(crate) fn cornell() -> &'static Subject {
         Subject { scene, light, camera }
     });
     &SUBJECT
+}
+
+/// The Cornell box without its back wall, far away and turned about all axes.
+pub(crate) fn far_open_box() -> Subject {
+    let (turn, shift) = (Quat::from_euler(EulerRot::XYZ, 0.4, -0.9, 0.3), Vec3::new(40.0, -25.0, 30.0));
+    let mut builder = lumel_builtin::scene("cornell-box", 0).unwrap();
+    builder.objects.retain(|object| object.name != "back wall");
+    let camera = builder.cameras[0].clone();
+    let camera = Camera {
+        position: turn * camera.position + shift,
+        forward: turn * camera.forward,
+        up: turn * camera.up,
+        ..camera
+    };
+    let (scene, _) = placed(builder, turn, shift).build().unwrap();
+    let light = shine(&scene);
+    Subject { scene, light, camera }
 }
 
 /// The wall of leather, so near that its texels are larger than pixels.
