@@ -4,6 +4,7 @@ use crate::file_format::FileFormat;
 use crate::settings::{
     Adaptive, BounceLimit, Layers, Preset, Settings, SettingsError, SettingsPatch, Share, TargetError,
 };
+use crate::workload::Workload;
 use crate::{Baker, PointMeasurement, measure_points};
 use glam::Vec3;
 use lumel_basis::PointReceivers;
@@ -129,7 +130,7 @@ impl Bake {
     /// Calls this when a step begins and for every hundredth of it, from the threads that solve.
     ///
     /// It gets the step and its share that is done, from 0 to 1. A round of a target error has as many solves as it
-    /// takes: its share is only 0 or 1.
+    /// takes, and a layer as many bounces where their number is not given: their share is only 0 or 1.
     pub fn on_progress(self, on_progress: impl Fn(Step, f64) + Send + Sync + 'static) -> Self {
         Self { on_progress: Some(Box::new(on_progress)), ..self }
     }
@@ -279,7 +280,7 @@ impl Baked {
 struct Watch<'a> {
     control: &'a Control,
     on_progress: &'a OnProgress,
-    elements_per_step: u64,
+    workload: Workload,
     step: std::sync::Mutex<Option<(Step, u64)>>,
     /// Hundredths of the current step that were told.
     told: AtomicU32,
@@ -287,8 +288,8 @@ struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     fn new(baker: &Baker, control: &'a Control, on_progress: &'a OnProgress) -> Self {
-        let elements_per_step = baker.elements_per_step().max(1);
-        Self { control, on_progress, elements_per_step, step: Default::default(), told: AtomicU32::new(0) }
+        let workload = Workload::new(baker);
+        Self { control, on_progress, workload, step: Default::default(), told: AtomicU32::new(0) }
     }
 
     fn step(&self) -> std::sync::MutexGuard<'_, Option<(Step, u64)>> {
@@ -310,9 +311,9 @@ impl Observer for Watch<'_> {
     /// Asked after every chunk, which makes it the place to look; no snapshot is wanted.
     fn wants_snapshot(&self) -> bool {
         let Some((step, begun)) = *self.step() else { return false };
-        if !matches!(step, Step::Round(_)) {
-            let done = self.control.elements().saturating_sub(begun);
-            let hundredths = (100 * done / self.elements_per_step).min(99) as u32;
+        let done = self.control.elements().saturating_sub(begun);
+        if let Some(share) = self.workload.step_share(step, done, &[]) {
+            let hundredths = ((100.0 * share) as u32).min(99);
             if self.told.fetch_max(hundredths, Ordering::Relaxed) < hundredths {
                 (self.on_progress)(step, f64::from(hundredths) / 100.0);
             }
